@@ -1,0 +1,15 @@
+"""Puts the chapters and the book's configuration into a wheel, so that `imu-lib book` works from anywhere."""
+
+from pathlib import Path
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+
+class BookInWheel(BuildHookInterface):
+    def initialize(self, version, build_data):
+        if version != "standard":  # an editable installation reads the checkout's own folders
+            return
+        root = Path(self.root)
+        for path in sorted([*root.glob("nbs/*.ipynb"), *root.glob("book/*"), *root.glob("book/_static/**/*")]):
+            if path.is_file() and path != Path(__file__):
+                build_data["force_include"][str(path)] = f"imu_lib/_book/{path.relative_to(root).as_posix()}"
