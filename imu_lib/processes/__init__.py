@@ -1,0 +1,64 @@
+"""The noise processes and what each knows of itself: spectrum, Allan variance, autocovariance, a
+realisation, a state space. `a + b` is a `Sum`; `from_json` opens an entry of an error-model file.
+"""
+
+from __future__ import annotations
+
+from imu_lib.errors import InputError
+
+from .autoregressive import Autoregressive
+from .base import POSITIVE_KINDS, Parameter, Process, StateSpace
+from .deterministic import Constant, Ramp, Sinusoid, Step, Temperature, WarmUp
+from .flicker import FLAT, Flicker
+from .gauss_markov import GaussMarkov, GaussMarkov2
+from .on_record import CommonMode, Jitter, TimeGaps
+from .stages import LowPass, NoiseLevelChange, Resolution, Saturation, Spikes, Stage, Stuck
+from .sum import Sum
+from .telegraph import Telegraph
+from .walk import RandomWalk
+from .white import Quantization, WhiteNoise
+
+#: Processes of a channel, by the name in the error-model file.
+OF_CHANNEL: dict[str, type[Process]] = {cls.name: cls for cls in (
+    Constant, WhiteNoise, Quantization, Flicker, RandomWalk, Ramp, GaussMarkov, GaussMarkov2,
+    Autoregressive, Sinusoid, WarmUp, Temperature, Step, Telegraph,
+    LowPass, NoiseLevelChange, Spikes, Saturation, Resolution, Stuck)}
+#: Processes of the whole record, by the name in the error-model file.
+OF_RECORD: dict[str, type[Process]] = {cls.name: cls for cls in (CommonMode, TimeGaps, Jitter)}
+
+
+def from_json(entry: dict, *, on_record: bool = False) -> Process:
+    """One entry of an error-model file as a process.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown, a parameter is missing, unknown or out of range.
+    """
+    known = OF_RECORD if on_record else OF_CHANNEL
+    if not isinstance(entry, dict) or "process" not in entry:
+        raise InputError(f"an entry of an error model must be an object with the key 'process', not {entry!r:.80}")
+    name = entry["process"]
+    cls = known.get(name) if isinstance(name, str) else None
+    if cls is None:
+        raise InputError(f"unknown process {name!r}; known are {', '.join(known)}")
+    values = {key: value for key, value in entry.items() if key != "process"}
+    fields = set(cls.__dataclass_fields__)
+    extra = sorted(set(values) - fields)
+    if extra:
+        raise InputError(f"process {name}: unknown parameter {extra[0]!r}; it takes {', '.join(sorted(fields))}")
+    try:
+        process = cls(**values)
+    except TypeError as error:
+        raise InputError(f"process {name}: {error}") from None
+    if not process.complete:
+        missing = [p.name for p in cls.parameters if getattr(process, p.name) is None and not p.optional]
+        raise InputError(f"process {name}: parameter {' or '.join(missing) or 'taps or order'} is missing")
+    return process
+
+
+__all__ = ["Autoregressive", "CommonMode", "Constant", "FLAT", "Flicker", "GaussMarkov", "GaussMarkov2",
+           "Jitter", "LowPass", "NoiseLevelChange", "OF_CHANNEL", "OF_RECORD", "POSITIVE_KINDS", "Parameter",
+           "Process", "Quantization", "Ramp", "RandomWalk", "Resolution", "Saturation", "Sinusoid", "Spikes",
+           "Stage", "StateSpace", "Step", "Stuck", "Sum", "Telegraph", "Temperature", "TimeGaps", "WarmUp",
+           "WhiteNoise", "from_json"]

@@ -1,0 +1,176 @@
+"""Deterministic errors: functions of time or of temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imu_lib.errors import InputError
+
+from .base import Parameter, Process
+from .sampled import cluster_size
+
+
+class Deterministic(Process):
+    """A function of time or temperature; a realisation is its mean."""
+
+    deterministic: ClassVar[bool] = True
+
+    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+        return self.mean(start + np.arange(n) / fs, temperature)
+
+
+@dataclass(frozen=True)
+class Constant(Deterministic):
+    """A constant: turn-on bias, gravity, Earth rate. It is a nuisance in every estimate.
+
+    Parameters
+    ----------
+    value : float, signal unit
+    """
+
+    value: float | None = None
+    name: ClassVar[str] = "constant"
+    parameters: ClassVar = (Parameter("value", "signed", "signal unit"),)
+
+    def avar(self, tau, fs=None):
+        self._require()
+        return np.zeros(np.shape(tau))
+
+    def mean(self, t, temperature=None):
+        self._require()
+        return np.full(np.shape(t), self.value)
+
+
+@dataclass(frozen=True)
+class Ramp(Deterministic):
+    """Rate ramp, R t: Allan variance R^2 tau^2 / 2 (IEEE Std 952-1997, Annex C.1.4).
+
+    Parameters
+    ----------
+    R : float, signal unit / s
+    """
+
+    R: float | None = None
+    name: ClassVar[str] = "ramp"
+    parameters: ClassVar = (Parameter("R", "signed", "slope, signal unit/s"),)
+
+    def avar(self, tau, fs=None):
+        self._require()
+        return 0.5 * (self.R * np.asarray(tau, dtype=float)) ** 2
+
+    def mean(self, t, temperature=None):
+        self._require()
+        return self.R * np.asarray(t, dtype=float)
+
+
+@dataclass(frozen=True)
+class Sinusoid(Deterministic):
+    """amplitude sin(2 pi frequency t + phase); phase 0 where it is not given.
+
+    Allan variance amplitude^2 (sin^2(pi f tau) / (pi f tau))^2 (IEEE Std 952-1997, Annex C.1.7);
+    the autocovariance is the average over the phase. Its spectrum is a line, not a density.
+
+    Parameters
+    ----------
+    amplitude : float, signal unit
+    frequency : float, Hz
+    phase : float, optional, rad
+    """
+
+    amplitude: float | None = None
+    frequency: float | None = None
+    phase: float | None = None
+    name: ClassVar[str] = "sinusoid"
+    parameters: ClassVar = (Parameter("amplitude", "amplitude", "signal unit"),
+                            Parameter("frequency", "frequency", "Hz"),
+                            Parameter("phase", "angle", "rad", optional=True))
+
+    def avar(self, tau, fs=None):
+        self._require()
+        tau = np.asarray(tau, dtype=float)
+        if fs is None:
+            width = np.pi * self.frequency * tau
+            return self.amplitude**2 * (np.sin(width) ** 2 / width) ** 2
+        m = cluster_size(tau, fs)
+        x = np.pi * self.frequency / fs
+        return self.amplitude**2 * (np.sin(m * x) ** 2 / (m * np.sin(x))) ** 2
+
+    def autocovariance(self, lag, fs=None):
+        self._require()
+        return 0.5 * self.amplitude**2 * np.cos(2.0 * np.pi * self.frequency * np.asarray(lag, dtype=float))
+
+    def mean(self, t, temperature=None):
+        self._require()
+        angle = 2.0 * np.pi * self.frequency * np.asarray(t, dtype=float) + (self.phase or 0.0)
+        return self.amplitude * np.sin(angle)
+
+
+@dataclass(frozen=True)
+class WarmUp(Deterministic):
+    """amplitude exp(-t / time_constant): the transient after switching on.
+
+    Parameters
+    ----------
+    amplitude : float, signal unit
+    time_constant : float, s
+    """
+
+    amplitude: float | None = None
+    time_constant: float | None = None
+    name: ClassVar[str] = "warm_up"
+    parameters: ClassVar = (Parameter("amplitude", "signed", "value at t = 0, signal unit"),
+                            Parameter("time_constant", "time", "s"))
+
+    def mean(self, t, temperature=None):
+        self._require()
+        return self.amplitude * np.exp(-np.asarray(t, dtype=float) / self.time_constant)
+
+
+@dataclass(frozen=True)
+class Temperature(Deterministic):
+    """slope (T - reference): the bias follows the temperature of the record.
+
+    Parameters
+    ----------
+    slope : float, signal unit / degC
+    reference : float, degC
+    """
+
+    slope: float | None = None
+    reference: float | None = None
+    name: ClassVar[str] = "temperature"
+    parameters: ClassVar = (Parameter("slope", "signed", "signal unit/degC"),
+                            Parameter("reference", "other", "degC"))
+
+    def mean(self, t, temperature=None):
+        self._require()
+        if temperature is None:
+            raise InputError("the model has a temperature term: give the temperature of the record")
+        temperature = np.asarray(temperature, dtype=float)
+        if temperature.shape != np.shape(t):
+            raise ValueError(f"`temperature` must have the shape of the time, {np.shape(t)}, not {temperature.shape}")
+        return self.slope * (temperature - self.reference)
+
+
+@dataclass(frozen=True)
+class Step(Deterministic):
+    """A jump of the bias by `amplitude` at `time` (the first sample at or after it has it whole).
+
+    Parameters
+    ----------
+    amplitude : float, signal unit
+    time : float, s from the first sample
+    """
+
+    amplitude: float | None = None
+    time: float | None = None
+    name: ClassVar[str] = "step"
+    parameters: ClassVar = (Parameter("amplitude", "signed", "signal unit"),
+                            Parameter("time", "other", "s from the first sample"))
+
+    def mean(self, t, temperature=None):
+        self._require()
+        return np.where(np.asarray(t, dtype=float) >= self.time - 1e-9, self.amplitude, 0.0)

@@ -1,0 +1,97 @@
+"""What acts on several channels of a record, or on its clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imu_lib.errors import InputError
+
+from .base import Parameter, Process
+
+
+@dataclass(frozen=True)
+class CommonMode(Process):
+    """White noise that several channels share (supply, reference voltage, vibration).
+
+    Parameters
+    ----------
+    N : float, signal unit / sqrt(Hz)
+    channels : sequence of str
+    """
+
+    N: float | None = None
+    channels: tuple[str, ...] = ()
+    name: ClassVar[str] = "common_mode"
+    parameters: ClassVar = (Parameter("N", "amplitude", "density, unit/sqrt(Hz)"),)
+
+    def __post_init__(self):
+        super().__post_init__()
+        if isinstance(self.channels, str) or not all(isinstance(c, str) for c in self.channels):
+            raise InputError("process common_mode: `channels` must be a list of channel names")
+        object.__setattr__(self, "channels", tuple(self.channels))
+
+    def psd(self, f, fs=None):
+        self._require()
+        return np.full(np.shape(f), 2.0 * self.N**2)
+
+    def avar(self, tau, fs=None):
+        self._require()
+        return self.N**2 / np.asarray(tau, dtype=float)
+
+    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+        """The shared noise, shape (n,)."""
+        self._require()
+        return rng.standard_normal(n) * (self.N * np.sqrt(fs))
+
+    def to_json(self):
+        return {**super().to_json(), "channels": list(self.channels)}
+
+
+@dataclass(frozen=True)
+class TimeGaps(Process):
+    """A `fraction` of the samples is missing from the record, in runs of `length` samples.
+
+    Parameters
+    ----------
+    fraction : float, 0 to 1
+    length : int, optional, samples; 1 where not given
+    """
+
+    fraction: float | None = None
+    length: int | None = None
+    name: ClassVar[str] = "time_gaps"
+    parameters: ClassVar = (Parameter("fraction", "fraction", "of the samples that are missing"),
+                            Parameter("length", "count", "of a gap, samples", optional=True))
+
+    def keep(self, n: int, rng: np.random.Generator) -> np.ndarray:
+        """Which samples are in the record: bool, shape (n,)."""
+        self._require()
+        length = max(self.length or 1, 1)
+        starts = rng.random(n) < self.fraction / length
+        gone = np.zeros(n, dtype=bool)
+        for begin in np.flatnonzero(starts):
+            gone[begin:begin + length] = True
+        gone[:1] = gone[-1:] = False
+        return ~gone
+
+
+@dataclass(frozen=True)
+class Jitter(Process):
+    """The time stamps are off by normal errors of standard deviation `sd`; the samples are not.
+
+    Parameters
+    ----------
+    sd : float, s
+    """
+
+    sd: float | None = None
+    name: ClassVar[str] = "jitter"
+    parameters: ClassVar = (Parameter("sd", "amplitude", "of the time stamps, s"),)
+
+    def stamps(self, time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """The stamps of the record, shape (n,), from the true times; kept in order."""
+        self._require()
+        return np.sort(time + self.sd * rng.standard_normal(len(time)))

@@ -1,0 +1,271 @@
+"""Output stages: what the electronics do to the sum of the processes, always in this order.
+
+low_pass, noise_level_change, spikes, saturation, resolution, stuck. A stage is a frozen dataclass
+like a process; `apply` works on the whole signal, constants included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.signal import butter, lfilter, sosfilt, sosfreqz
+
+from imu_lib.errors import InputError
+
+from .base import Parameter, Process
+
+
+class Stage(Process):
+    """Base of the output stages."""
+
+    #: Position in the chain.
+    place: ClassVar[int] = 0
+
+    def apply(self, x, fs, rng) -> np.ndarray:
+        """The signal behind the stage: ndarray, shape (n,), from `x`, shape (n,), at `fs` Hz."""
+        raise NotImplementedError
+
+    def added_variance(self, fs: float) -> float:
+        """White variance that the stage adds to every sample, unit^2."""
+        return 0.0
+
+
+#: pi f taps / rate at which the gain of a moving average is -3 dB, in the limit of many taps.
+_MOVING_AVERAGE_3DB = 1.391557378251510
+
+
+@dataclass(frozen=True)
+class LowPass(Stage):
+    """Low-pass filter of the sensor, run at `rate` and read out at the sampling rate.
+
+    Give `taps` (a moving average) or `order` (a Butterworth filter with -3 dB at `cutoff`).
+    A `rate` that is a multiple of the sampling rate is a filter inside the sensor, decimated.
+
+    Parameters
+    ----------
+    cutoff : float, Hz (-3 dB); with `taps` it follows from them and may be left out
+    taps, order : int
+    rate : float, Hz, optional
+        Where it is not given, the sampling rate.
+    """
+
+    cutoff: float | None = None
+    taps: int | None = None
+    order: int | None = None
+    rate: float | None = None
+    name: ClassVar[str] = "low_pass"
+    place: ClassVar[int] = 0
+    parameters: ClassVar = (Parameter("cutoff", "frequency", "-3 dB, Hz", optional=True),
+                            Parameter("taps", "count", "of a moving average", optional=True),
+                            Parameter("order", "count", "of a Butterworth filter", optional=True),
+                            Parameter("rate", "frequency", "at which the filter runs, Hz", optional=True))
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.taps is not None and self.order is not None:
+            raise InputError("process low_pass: give `taps` or `order`, not both")
+        if self.taps is not None and self.taps < 1 or self.order is not None and self.order < 1:
+            raise InputError("process low_pass: `taps` and `order` must be at least 1")
+        if self.taps is not None and self.rate is not None and self.cutoff is None:
+            object.__setattr__(self, "cutoff", _MOVING_AVERAGE_3DB / np.pi * self.rate / self.taps)
+
+    @property
+    def complete(self):
+        return self.taps is not None or (self.cutoff is not None and self.order is not None)
+
+    def ratio(self, fs: float) -> int:
+        """Filter steps per sample at the sampling rate `fs`."""
+        ratio = 1.0 if self.rate is None else self.rate / fs
+        if abs(ratio - round(ratio)) > 1e-6 or ratio < 0.999:
+            raise ValueError(f"`rate` of the low-pass filter ({self.rate:g} Hz) must be a multiple "
+                             f"of the sampling rate ({fs:g} Hz)")
+        return round(ratio)
+
+    def gain(self, f, fs: float) -> np.ndarray:
+        """Power gain |H|^2 at frequencies `f` Hz up to half the filter's rate, same shape."""
+        if not self.complete:
+            raise ValueError("`low_pass` is a template: give `taps`, or `cutoff` and `order`, first")
+        f = np.asarray(f, dtype=float)
+        rate = fs if self.rate is None else self.rate
+        if self.taps is not None:
+            x = np.pi * f / rate
+            with np.errstate(invalid="ignore", divide="ignore"):
+                h = np.where(np.abs(np.sin(x)) < 1e-12, 1.0, np.sin(self.taps * x) / (self.taps * np.sin(x)))
+            return h * h
+        _, h = sosfreqz(self._sos(rate), worN=np.ravel(f), fs=rate)
+        return (np.abs(h) ** 2).reshape(f.shape)
+
+    def _sos(self, rate):
+        if not 0.0 < self.cutoff < rate / 2.0:
+            raise ValueError(f"`cutoff` of the low-pass filter must lie below {rate / 2:g} Hz, not at {self.cutoff:g}")
+        return butter(self.order, self.cutoff, fs=rate, output="sos")
+
+    def grid(self, fs: float) -> tuple[int, int]:
+        """(steps per sample, steps before the first sample) of the grid a simulation runs on.
+
+        A moving average over whole sub-intervals is exact on the coarsest grid that holds both
+        the sampling and the window (15 taps at 1 kHz, read at 100 Hz: 2 steps, 3 taps).
+        """
+        ratio = self.ratio(fs)
+        if self.taps is not None:
+            coarse = np.gcd(ratio, self.taps)
+            return ratio // coarse, self.taps // coarse - 1
+        rate = ratio * fs
+        return ratio, int(np.ceil(3.0 * self.order * rate / self.cutoff))
+
+    def run(self, x: np.ndarray, fs: float, n: int) -> np.ndarray:
+        """Filter `x` on the grid of `grid(fs)` and read out n samples."""
+        steps, before = self.grid(fs)
+        if self.taps is not None:
+            width = before + 1
+            y = lfilter(np.full(width, 1.0 / width), [1.0], x)
+        else:
+            y = sosfilt(self._sos(steps * fs), x - x[0]) + x[0]
+        return y[before::steps][:n]
+
+    def apply(self, x, fs, rng):
+        if self.ratio(fs) != 1:
+            raise ValueError("`rate` of the low-pass filter is above the sampling rate: simulate the sum, "
+                             "a sampled signal can't be filtered before its sampling")
+        _, before = self.grid(fs)
+        padded = np.concatenate([np.full(before, x[0]), x])
+        return self.run(padded, fs, len(x))
+
+
+@dataclass(frozen=True)
+class NoiseLevelChange(Stage):
+    """From `time` on the fast noise (white, quantization) is `ratio` times as strong.
+
+    Parameters
+    ----------
+    ratio : float
+    time : float, s from the first sample
+    """
+
+    ratio: float | None = None
+    time: float | None = None
+    name: ClassVar[str] = "noise_level_change"
+    place: ClassVar[int] = 1
+    parameters: ClassVar = (Parameter("ratio", "ratio", "of the standard deviations after and before"),
+                            Parameter("time", "other", "s from the first sample"))
+
+    def factor(self, n: int, fs: float) -> np.ndarray:
+        """The factor on the fast noise, shape (n,)."""
+        self._require()
+        return np.where(np.arange(n) / fs >= self.time - 1e-9, self.ratio, 1.0)
+
+    def apply(self, x, fs, rng):
+        """On a bare signal: what deviates from its mean counts as noise."""
+        middle = np.mean(x)
+        return middle + (x - middle) * self.factor(len(x), fs)
+
+
+@dataclass(frozen=True)
+class Spikes(Stage):
+    """Single samples thrown off, `rate` per second, by normal heights of standard deviation `scale`.
+
+    Parameters
+    ----------
+    rate : float, 1/s
+    scale : float, signal unit
+    """
+
+    rate: float | None = None
+    scale: float | None = None
+    name: ClassVar[str] = "spikes"
+    place: ClassVar[int] = 2
+    parameters: ClassVar = (Parameter("rate", "rate", "per second"),
+                            Parameter("scale", "amplitude", "standard deviation of the heights, signal unit"))
+
+    def apply(self, x, fs, rng):
+        self._require()
+        hit = np.flatnonzero(rng.random(len(x)) < self.rate / fs)
+        x = np.array(x, dtype=float)
+        x[hit] += self.scale * rng.standard_normal(len(hit))
+        return x
+
+    def added_variance(self, fs):
+        self._require()
+        return self.rate / fs * self.scale**2
+
+
+@dataclass(frozen=True)
+class Saturation(Stage):
+    """Clipping at `limit` above and `low` (where not given, -limit) below.
+
+    Parameters
+    ----------
+    limit : float, signal unit
+    low : float, optional, signal unit
+    """
+
+    limit: float | None = None
+    low: float | None = None
+    name: ClassVar[str] = "saturation"
+    place: ClassVar[int] = 3
+    parameters: ClassVar = (Parameter("limit", "signed", "upper end, signal unit"),
+                            Parameter("low", "signed", "lower end, signal unit", optional=True))
+
+    def apply(self, x, fs, rng):
+        self._require()
+        return np.clip(x, -self.limit if self.low is None else self.low, self.limit)
+
+
+@dataclass(frozen=True)
+class Resolution(Stage):
+    """The output rounded to multiples of `lsb`. Its error is white on the output: slope -1/2, not -1.
+
+    Parameters
+    ----------
+    lsb : float, signal unit
+    """
+
+    lsb: float | None = None
+    name: ClassVar[str] = "resolution"
+    place: ClassVar[int] = 4
+    parameters: ClassVar = (Parameter("lsb", "amplitude", "step of the output, signal unit"),)
+
+    def apply(self, x, fs, rng):
+        self._require()
+        return np.rint(np.asarray(x) / self.lsb) * self.lsb if self.lsb > 0 else np.array(x)
+
+    def added_variance(self, fs):
+        """lsb^2 / 12, which holds while the noise spans a step or more (Widrow 1956)."""
+        self._require()
+        return self.lsb**2 / 12.0
+
+
+@dataclass(frozen=True)
+class Stuck(Stage):
+    """Runs of `length` samples that repeat a frozen value; `fraction` of all samples are repeats.
+
+    Parameters
+    ----------
+    fraction : float, 0 to 1
+    length : int, samples
+    """
+
+    fraction: float | None = None
+    length: int | None = None
+    name: ClassVar[str] = "stuck"
+    place: ClassVar[int] = 5
+    parameters: ClassVar = (Parameter("fraction", "fraction", "of the samples that repeat"),
+                            Parameter("length", "count", "of a run, samples"))
+
+    def apply(self, x, fs, rng):
+        self._require()
+        x = np.array(x, dtype=float)
+        n, length = len(x), max(int(self.length), 1)
+        slots = n // (length + 1)
+        runs = min(slots, int(round(self.fraction * n / length)))
+        if runs == 0:
+            return x
+        # runs never overlap: choose slots of the record, then a place inside the slack
+        begin = np.sort(rng.choice(n - runs * length - 1, size=runs, replace=False)) if n > runs * (length + 1) \
+            else np.arange(runs)
+        begin = begin + np.arange(runs) * length
+        for start in begin:
+            x[start + 1:start + 1 + length] = x[start]
+        return x

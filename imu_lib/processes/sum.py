@@ -1,0 +1,252 @@
+"""An error model of one channel: a sum of processes and then its output stages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.fft import irfft
+from scipy.linalg import block_diag
+
+from imu_lib.errors import InputError, UndefinedFormError
+
+from .base import Process, StateSpace
+from .sampled import avar_from_short_memory, cluster_size
+from .stages import LowPass, NoiseLevelChange, Resolution, Spikes, Stage
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A sum of independent processes, followed by output stages.
+
+    Parameters
+    ----------
+    terms : tuple of Process
+    stages : tuple of Stage
+        Kept in the order of the chain, at most one of a kind.
+
+    Every answer of a process is the sum of the answers of the terms, with the low-pass filter and
+    the variance that spikes and rounding add where the answer is of the samples (`fs` given).
+    """
+
+    terms: tuple[Process, ...] = ()
+    stages: tuple[Stage, ...] = ()
+
+    def __post_init__(self):
+        stages = tuple(sorted(self.stages, key=lambda stage: stage.place))
+        kinds = [stage.name for stage in stages]
+        if len(set(kinds)) < len(kinds):
+            raise InputError("a channel has at most one output stage of a kind; there are two of "
+                             + next(kind for kind in kinds if kinds.count(kind) > 1))
+        object.__setattr__(self, "terms", tuple(self.terms))
+        object.__setattr__(self, "stages", stages)
+
+    # -- structure -------------------------------------------------------------------------------
+    def __add__(self, other) -> Sum:
+        if isinstance(other, Sum):
+            return Sum(self.terms + other.terms, self.stages + other.stages)
+        if isinstance(other, Stage):
+            return Sum(self.terms, self.stages + (other,))
+        if isinstance(other, Process):
+            return Sum(self.terms + (other,), self.stages)
+        return NotImplemented
+
+    def __iter__(self) -> Iterator[Process]:
+        return iter(self.terms + self.stages)
+
+    def __len__(self) -> int:
+        return len(self.terms) + len(self.stages)
+
+    def find(self, name: str) -> Process | None:
+        """The first process or stage of that name, or None."""
+        return next((p for p in self if p.name == name), None)
+
+    def replaced(self, index: int, process: Process) -> Sum:
+        """The sum with the process at `index` (terms first, then stages) replaced."""
+        entries = list(self)
+        entries[index] = process
+        return Sum.of(entries)
+
+    def without(self, index: int) -> Sum:
+        """The sum without the process at `index` (terms first, then stages)."""
+        entries = list(self)
+        del entries[index]
+        return Sum.of(entries)
+
+    @classmethod
+    def of(cls, processes) -> Sum:
+        """From any iterable of processes and stages."""
+        processes = tuple(processes)
+        return cls(tuple(p for p in processes if not isinstance(p, Stage)),
+                   tuple(p for p in processes if isinstance(p, Stage)))
+
+    @property
+    def noise(self) -> Sum:
+        """The terms that are random, with the stages."""
+        return replace(self, terms=tuple(t for t in self.terms if not t.deterministic))
+
+    @property
+    def drifts(self) -> Sum:
+        """The terms that are functions of time or temperature, without stages."""
+        return Sum(tuple(t for t in self.terms if t.deterministic))
+
+    @property
+    def low_pass(self) -> LowPass | None:
+        """The low-pass stage, if there is one."""
+        return next((s for s in self.stages if isinstance(s, LowPass)), None)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every parameter has a value."""
+        return all(p.complete for p in self)
+
+    # -- parameters ------------------------------------------------------------------------------
+    def labels(self) -> list[tuple[str, int, str]]:
+        """(label, index, parameter name) of every parameter; a repeated name is numbered, `sigma_2`."""
+        seen: dict[str, int] = {}
+        out = []
+        for index, process in enumerate(self):
+            for parameter in process.parameters:
+                seen[parameter.name] = seen.get(parameter.name, 0) + 1
+                count = seen[parameter.name]
+                out.append((parameter.name if count == 1 else f"{parameter.name}_{count}",
+                            index, parameter.name))
+        return out
+
+    def with_values(self, values: dict) -> Sum:
+        """The sum with the parameters of these labels replaced."""
+        entries = list(self)
+        known = {label: (index, name) for label, index, name in self.labels()}
+        for label, value in values.items():
+            index, name = known[label]
+            entries[index] = entries[index].with_(**{name: value})
+        return Sum.of(entries)
+
+    def to_json(self) -> list[dict]:
+        """The channel's list in an error-model file."""
+        return [process.to_json() for process in self]
+
+    # -- questions -------------------------------------------------------------------------------
+    def _closed(self, what: str):
+        for stage in self.stages:
+            if not isinstance(stage, (LowPass, Spikes, Resolution)):
+                raise UndefinedFormError(f"{what} behind {stage.name} has no closed form; "
+                                         f"ask the sum without it")
+
+    def _added(self, fs) -> float:
+        return 0.0 if fs is None else sum(stage.added_variance(fs) for stage in self.stages)
+
+    def _psd_of_terms(self, f, fs):
+        out = np.zeros(np.shape(f))
+        for term in self.terms:
+            if term.name != "constant":
+                out = out + term.psd(f, fs)
+        return out
+
+    def psd(self, f, fs: float | None = None) -> np.ndarray:
+        """One-sided power spectral density, unit^2/Hz; see `Process.psd`."""
+        self._closed("the power spectral density")
+        f = np.asarray(f, dtype=float)
+        low_pass = self.low_pass
+        if low_pass is None or fs is None:
+            out = self._psd_of_terms(f, fs)
+        else:
+            ratio = low_pass.ratio(fs)
+            rate = ratio * fs
+            out = np.zeros(f.shape)
+            for k in range(ratio):                # the images that the sampling folds onto f
+                image = np.mod(f + k * fs, rate)
+                image = np.minimum(image, rate - image)
+                out = out + low_pass.gain(image, fs) * self._psd_of_terms(image, rate)
+        return out + 2.0 * self._added(fs) / (fs or 1.0)
+
+    def avar(self, tau, fs: float | None = None) -> np.ndarray:
+        """Allan variance, unit^2; see `Process.avar`."""
+        self._closed("the Allan variance")
+        tau = np.asarray(tau, dtype=float)
+        out = np.zeros(tau.shape)
+        for term in self.terms:
+            out = out + term.avar(tau, fs)
+        if fs is None:
+            return out
+        m = cluster_size(tau, fs)
+        if self.low_pass is not None:
+            out = np.maximum(out + avar_from_short_memory(self._filter_effect(fs), m), 0.0)
+        return out + self._added(fs) / m
+
+    def _filter_effect(self, fs, size: int = 4096):
+        """Autocovariance that the filter adds (negative: removes), shape (size/2,): short, since gain(0) = 1."""
+        f = np.arange(1, size // 2 + 1) * fs / size
+        bare = Sum(tuple(t for t in self.terms if not t.deterministic))
+        difference = Sum(bare.terms, (self.low_pass,)).psd(f, fs) - bare.psd(f, fs)
+        at_zero = difference[0] - (difference[1] - difference[0]) / 3.0   # even in f, so parabolic
+        return irfft(np.concatenate([[at_zero], difference]) * (fs / 2.0), size)[:size // 2]
+
+    def autocovariance(self, lag, fs: float | None = None) -> np.ndarray:
+        """Autocovariance, unit^2; see `Process.autocovariance`."""
+        self._closed("the autocovariance")
+        lag = np.asarray(lag, dtype=float)
+        out = np.zeros(lag.shape)
+        for term in self.terms:
+            if term.name != "constant":
+                out = out + term.autocovariance(lag, fs)
+        if fs is None:
+            return out
+        d = np.rint(np.abs(lag) * fs).astype(int)
+        if self.low_pass is not None:
+            effect = self._filter_effect(fs)
+            out = out + np.where(d < len(effect), effect[np.minimum(d, len(effect) - 1)], 0.0)
+        return out + self._added(fs) * (d == 0)
+
+    def mean(self, t, temperature=None) -> np.ndarray:
+        """The deterministic part at times `t` s, same shape, before the output stages."""
+        out = np.zeros_like(np.asarray(t, dtype=float))
+        for term in self.terms:
+            out = out + term.mean(t, temperature)
+        return out
+
+    def state_space(self) -> StateSpace:
+        """The random terms as one state space; deterministic terms carry no state."""
+        spaces = [term.state_space() for term in self.terms if not term.deterministic]
+        rates = {space.rate for space in spaces if space.order}
+        if len(rates) > 1:
+            raise UndefinedFormError("a difference equation and a continuous process have no common "
+                                     "state space: discretise each with `discrete(dt)`")
+        if not spaces:
+            empty = np.zeros((0, 0))
+            return StateSpace(empty, empty, np.zeros(0), empty)
+        return StateSpace(block_diag(*(s.F for s in spaces)), block_diag(*(s.Q for s in spaces)),
+                          np.concatenate([s.H for s in spaces]), block_diag(*(s.P0 for s in spaces)),
+                          sum(s.direct for s in spaces), next(iter(rates), None))
+
+    def simulate(self, n: int, fs: float, rng: np.random.Generator, *, temperature=None,
+                 common=None) -> np.ndarray:
+        """A realisation behind all stages: ndarray, shape (n,), at `fs` Hz.
+
+        `temperature`, shape (n,), in degC, is needed by a temperature term. `common`, shape (n,),
+        is noise shared with other channels, added before the electronics.
+        """
+        low_pass = self.low_pass
+        steps, before = (1, 0) if low_pass is None else low_pass.grid(fs)
+        size, rate = n * steps + before, fs * steps
+        start = -before / rate
+        if temperature is not None and (steps, before) != (1, 0):
+            at = start + np.arange(size) / rate
+            temperature = np.interp(at, np.arange(n) / fs, temperature)
+        slow, quick = np.zeros(size), np.zeros(size)
+        for term in self.terms:
+            part = quick if term.fast else slow
+            part += term.simulate(size, rate, rng, temperature=temperature, start=start)
+        if low_pass is not None:
+            slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
+        for stage in self.stages:
+            if isinstance(stage, NoiseLevelChange):
+                quick = quick * stage.factor(n, fs)
+        x = slow + quick
+        if common is not None:
+            x = x + common
+        for stage in self.stages:
+            if not isinstance(stage, (LowPass, NoiseLevelChange)):
+                x = stage.apply(x, fs, rng)
+        return x

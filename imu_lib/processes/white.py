@@ -1,0 +1,95 @@
+"""White noise and quantization: the noises without memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imu_lib.errors import UndefinedFormError
+
+from .base import Parameter, Process, StateSpace
+
+
+@dataclass(frozen=True)
+class WhiteNoise(Process):
+    """White noise on the signal: angle random walk of a gyro, velocity random walk of an accelerometer.
+
+    Two-sided density N^2; Allan variance N^2 / tau (IEEE Std 952-1997, Annex C.1.1).
+
+    Parameters
+    ----------
+    N : float, signal unit / sqrt(Hz)
+    """
+
+    N: float | None = None
+    name: ClassVar[str] = "white_noise"
+    fast: ClassVar[bool] = True
+    parameters: ClassVar = (Parameter("N", "amplitude", "density, unit/sqrt(Hz)"),)
+
+    def psd(self, f, fs=None):
+        self._require()
+        return np.full(np.shape(f), 2.0 * self.N**2)
+
+    def avar(self, tau, fs=None):
+        self._require()
+        return self.N**2 / np.asarray(tau, dtype=float)
+
+    def autocovariance(self, lag, fs=None):
+        self._require()
+        if fs is None:
+            raise UndefinedFormError("the variance of white noise in continuous time is infinite: "
+                                     "give `fs`")
+        return np.where(np.abs(np.asarray(lag, dtype=float)) * fs < 0.5, self.N**2 * fs, 0.0)
+
+    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+        self._require()
+        x = rng.standard_normal(n)
+        x *= self.N * np.sqrt(fs)
+        return x
+
+    def state_space(self):
+        self._require()
+        empty = np.zeros((0, 0))
+        return StateSpace(empty, empty, np.zeros(0), empty, direct=self.N**2)
+
+
+@dataclass(frozen=True)
+class Quantization(Process):
+    """Quantization in the sense of IEEE Std 952: a white error of variance Q^2 on the *integrated* output.
+
+    The rate is its difference quotient, x_k = (e_k - e_{k-1}) / dt, so the Allan variance is
+    3 Q^2 / tau^2, slope -1 (Annex C.1.5). Rounding a rate output is `Resolution`: its error is
+    white on the rate itself, slope -1/2.
+
+    Parameters
+    ----------
+    Q : float, signal unit times s
+    """
+
+    Q: float | None = None
+    name: ClassVar[str] = "quantization"
+    fast: ClassVar[bool] = True
+    parameters: ClassVar = (Parameter("Q", "amplitude", "standard deviation of the integrated output"),)
+
+    def psd(self, f, fs=None):
+        self._require()
+        if fs is None:
+            raise UndefinedFormError("the spectrum of quantization depends on the sampling: give `fs`")
+        return 8.0 * self.Q**2 * fs * np.sin(np.pi * np.asarray(f, dtype=float) / fs) ** 2
+
+    def avar(self, tau, fs=None):
+        self._require()
+        return 3.0 * self.Q**2 / np.asarray(tau, dtype=float) ** 2
+
+    def autocovariance(self, lag, fs=None):
+        self._require()
+        if fs is None:
+            raise UndefinedFormError("the autocovariance of quantization depends on the sampling: give `fs`")
+        d = np.rint(np.abs(np.asarray(lag, dtype=float)) * fs)
+        return (self.Q * fs) ** 2 * (2.0 * (d == 0) - 1.0 * (d == 1))
+
+    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+        self._require()
+        return np.diff(rng.standard_normal(n + 1)) * (self.Q * fs)
