@@ -1,0 +1,57 @@
+"""`python -m imu_lib.book TASK`: what make.py calls for the book."""
+
+import sys
+import time
+from pathlib import Path
+
+from imu_lib.book import build, chapters, execute
+from imu_lib.errors import InputError
+
+
+def main(arguments: list[str]) -> int:
+    task, names = arguments[0], arguments[1:]
+    try:
+        return {"build": build_book, "refresh": refresh, "executable": executable, "pdf": pdf}[task](names)
+    except (InputError, build.BuildError) as problem:
+        print(problem, file=sys.stderr)
+        return 2 if isinstance(problem, InputError) else 1
+
+
+def build_book(names) -> int:
+    started = time.monotonic()
+    page = build.default(Path(names[0]).resolve() if names else None)
+    print(f"{page} ({time.monotonic() - started:.0f} s)")
+    return 0
+
+
+def refresh(names) -> int:
+    """Re-execute the named notebooks (default: every chapter whose records are at hand) and store their outputs."""
+    if names:
+        paths = [Path(name).resolve() for name in names]
+    else:
+        paths = [chapter.path for chapter in chapters.chapters() if not chapter.missing]
+    missing = [path for path in paths if not path.is_file()]
+    if missing:
+        raise InputError(f"{missing[0]}: there is no such notebook.")
+    runs = execute.execute_files(paths, progress=execute.print_progress)
+    for result in runs:
+        if result.changed:
+            print(f"stored {result.path.name}")
+    return int(any(result.error for result in runs))
+
+
+def executable(names) -> int:
+    """Print the notebooks that can be executed here, one on a line; what the test task hands to nbval."""
+    for chapter in chapters.chapters():
+        if not chapter.missing:
+            print(chapter.path.relative_to(chapters.source()).as_posix())
+    return 0
+
+
+def pdf(names) -> int:
+    print(build.pdf(Path(names[0]).resolve() if names else None))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,112 @@
+"""Building the pages: a copy of the sources is executed and built aside, and moved into place when it is whole."""
+
+import contextlib
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from imu_lib.book import chapters as contents
+from imu_lib.book import execute
+from imu_lib.errors import InputError
+
+MARK = ".imu_lib_book"  # tells a folder that holds an earlier book, which may be replaced, from any other
+
+
+class BuildError(RuntimeError):
+    """The pages could not be built; the message holds what the builder said."""
+
+
+def default(out: Path | None = None) -> Path:
+    """Execute the chapters on the embedded data and build the book; returns its first page.
+
+    A chapter whose public records are not at hand keeps its stored outputs, and the page on run times says so.
+    Raises BuildError where a chapter fails or the builder warns.
+    """
+    out = out or contents.source() / "book/_build/html"
+    check_target(out)
+    with workplace(out) as work:
+        stage(work)
+        runs = execute_chapters(contents.chapters(work))
+        write_status(work, runs, contents.chapters(work))
+        failed = [result.path.stem for result in runs if result.error]
+        if failed:
+            raise BuildError(f"these chapters failed: {', '.join(failed)}")
+        build_pages(work, strict=True)
+        return move(work / "_build/html", out)
+
+
+@contextlib.contextmanager
+def workplace(out: Path):
+    """A temporary folder beside `out`, so that the last step is a rename; gone afterwards, whatever happens."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    work = Path(tempfile.mkdtemp(prefix=".book-", dir=out.parent))
+    try:
+        yield work
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def stage(work: Path):
+    """Copy what the book is made of."""
+    root = contents.source()
+    for pattern in contents.SOURCES:
+        for path in sorted(root.glob(pattern)):
+            if path.is_file():
+                target = work / path.relative_to(root)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, target)
+
+
+def execute_chapters(chapters) -> list[execute.Run]:
+    from imu_lib import datasets
+
+    datasets.twin()  # drawn once here rather than by two chapters at the same time
+    return execute.execute_files([chapter.path for chapter in chapters if not chapter.missing],
+                                 progress=execute.print_progress)
+
+
+def write_status(work: Path, runs, chapters):
+    """The page on run times, from this very build."""
+    seconds = {result.path.stem: result.seconds for result in runs}
+    lines = ["| chapter | seconds | state |", "|---|---|---|"]
+    for chapter in chapters:
+        if chapter.slug in seconds:
+            lines.append(f"| {{doc}}`../nbs/{chapter.slug}` | {seconds[chapter.slug]:.1f} | executed in this build |")
+        else:
+            lines.append(f"| {{doc}}`../nbs/{chapter.slug}` | - | stored outputs; not at hand: "
+                         f"{', '.join(chapter.missing)} |")
+    lines += ["", f"Together {sum(seconds.values()):.0f} s of computing, two chapters at a time."]
+    page = work / "book/status.md"
+    text = page.read_text(encoding="utf-8")
+    head, _, _ = text.partition("<!-- table -->")
+    page.write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+def build_pages(work: Path, *, strict: bool, builder: str = "html"):
+    """Run jupyter-book over `work`; with `strict` every warning is an error. Raises BuildError."""
+    command = [sys.executable, "-c", "from jupyter_book.cli.main import main; main()", "build", str(work), "--builder", builder,
+               "--config", str(work / "book/_config.yml"), "--toc", str(work / "book/_toc.yml"),
+               "--path-output", str(work), "--keep-going", *(["-W"] if strict else ["-q"])]
+    done = subprocess.run(command, cwd=work, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
+    if done.returncode != 0:
+        raise BuildError(done.stdout.replace(str(work) + "/", ""))
+
+
+def check_target(out: Path):
+    """Raises InputError where `out` is something that a book must not replace."""
+    if out.exists() and not out.is_dir():
+        raise InputError(f"{out}: this is a file; name a folder for the book with --out.")
+    if out.is_dir() and any(out.iterdir()) and not (out / MARK).exists():
+        raise InputError(f"{out}: the folder holds other files; name a new or an empty one with --out.")
+
+
+def move(pages: Path, out: Path) -> Path:
+    """Put the finished pages in place of an earlier book."""
+    (pages / MARK).write_text("made by imu-lib book\n", encoding="utf-8")
+    if out.exists():
+        shutil.rmtree(out)
+    shutil.move(str(pages), str(out))
+    return out / "index.html"
