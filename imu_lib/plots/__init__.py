@@ -1,0 +1,40 @@
+"""Figures: functions of the results, one file per subject; the only room that imports matplotlib.
+
+A chapter does `from imu_lib import plots` and calls `plots.NAME(result)`; each function takes `ax=None` and returns
+the axes. To add one, write it in a file of this folder and list it here.
+"""
+
+import sys
+from importlib import import_module
+from types import ModuleType
+
+# function -> file; imported when first asked for
+_HOME = {
+    "apply": "style",
+    "grid": "style",
+}
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name):
+    if name not in _HOME:
+        raise AttributeError(f"module `imu_lib.plots` has no function `{name}`; it has {', '.join(__all__)}")
+    value = getattr(import_module(f"imu_lib.plots.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *_HOME})
+
+
+class _Plots(ModuleType):
+    """Lets a file and a function bear the same name: `plots.allan` stays the function once allan.py is imported."""
+
+    def __setattr__(self, name, value):
+        if isinstance(value, ModuleType) and _HOME.get(name) == name:
+            value = getattr(value, name)
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Plots
