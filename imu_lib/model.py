@@ -1,0 +1,202 @@
+"""The error model of an IMU: a sum of processes for each channel, and what acts on several of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from imu_lib import processes
+from imu_lib.errors import InputError
+from imu_lib.processes import CommonMode, Jitter, Process, Sum, TimeGaps
+from imu_lib.record import CHANNELS, Record
+
+_RESERVED = ("rate", "record", "name", "source")
+
+
+@dataclass(frozen=True)
+class Model:
+    """The error model of a record.
+
+    Parameters
+    ----------
+    channels : mapping of channel name to Sum
+    record : tuple of Process
+        What acts on several channels or on the clock (`CommonMode`, `TimeGaps`, `Jitter`).
+    rate : float or None, Hz
+        Sampling rate the model was made for.
+    name, source : str
+    extra : mapping
+        Unknown reserved keys of a file, kept.
+    """
+
+    channels: Mapping[str, Sum]
+    record: tuple[Process, ...] = ()
+    rate: float | None = None
+    name: str = ""
+    source: str = ""
+    extra: Mapping[str, object] = field(default_factory=dict)
+
+    def __post_init__(self):
+        ordered = {}
+        for channel in CHANNELS:
+            if channel in self.channels:
+                entry = self.channels[channel]
+                ordered[channel] = entry if isinstance(entry, Sum) else Sum.of(
+                    entry if isinstance(entry, Iterable) else [entry])
+        unknown = sorted(set(self.channels) - set(CHANNELS))
+        if unknown:
+            raise InputError(f"unknown channel {unknown[0]!r} in the error model; channels are {', '.join(CHANNELS)}")
+        if not ordered:
+            raise InputError("the error model has no channel; channels are " + ", ".join(CHANNELS))
+        object.__setattr__(self, "channels", ordered)
+        object.__setattr__(self, "record", tuple(self.record))
+
+    def __getitem__(self, channel: str) -> Sum:
+        if channel not in self.channels:
+            raise KeyError(f"the error model has no channel {channel!r}; it has {', '.join(self.channels)}")
+        return self.channels[channel]
+
+    def __contains__(self, channel: object) -> bool:
+        return channel in self.channels
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Names of the channels, in the order of the file format."""
+        return tuple(self.channels)
+
+    def with_channels(self, channels: Mapping[str, Sum], *, record: tuple[Process, ...] | None = None) -> Model:
+        """The same model with some channels (and the record's own processes) replaced."""
+        return replace(self, channels={**self.channels, **channels},
+                       record=self.record if record is None else record)
+
+    # -- files -----------------------------------------------------------------------------------
+    @classmethod
+    def from_json(cls, content: Mapping, *, where: str = "the error model") -> Model:
+        """From the decoded content of an error-model file.
+
+        Raises
+        ------
+        InputError
+            Naming `where`, the channel, the entry and what is wrong with it.
+        """
+        if not isinstance(content, Mapping):
+            raise InputError(f"{where}: an error model is an object of channels, not {type(content).__name__}")
+        channels, extra = {}, {}
+        for key, value in content.items():
+            if key in _RESERVED:
+                continue
+            if key not in CHANNELS:
+                if isinstance(value, list):
+                    raise InputError(f"{where}: unknown channel {key!r}; channels are {', '.join(CHANNELS)}")
+                extra[key] = value
+                continue
+            channels[key] = Sum.of(_entries(value, f"{where}, channel {key}", on_record=False))
+        rate = content.get("rate")
+        if rate is not None and (isinstance(rate, bool) or not isinstance(rate, (int, float)) or not 0 < rate < np.inf):
+            raise InputError(f"{where}: `rate` must be a positive number of Hz, not {rate!r}")
+        try:
+            return cls(channels, tuple(_entries(content.get("record", []), f"{where}, record", on_record=True)),
+                       None if rate is None else float(rate), str(content.get("name", "")),
+                       str(content.get("source", "")), extra)
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from None
+
+    def to_json(self) -> dict:
+        """The content of the error-model file."""
+        content: dict = {}
+        for key in ("name", "source", "rate"):
+            if getattr(self, key):
+                content[key] = getattr(self, key)
+        content.update(self.extra)
+        content.update({channel: entry.to_json() for channel, entry in self.channels.items()})
+        if self.record:
+            content["record"] = [process.to_json() for process in self.record]
+        return content
+
+    @classmethod
+    def load(cls, path) -> Model:
+        """From a file, or a preset where `path` is `preset:NAME`.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read as an error model.
+        """
+        text = str(path)
+        if text.startswith("preset:"):
+            from imu_lib.presets import preset
+            return preset(text.removeprefix("preset:"))
+        try:
+            content = json.loads(Path(path).read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise InputError(f"{path}: no such file; give an error-model file (.json) or preset:NAME") from None
+        except IsADirectoryError:
+            raise InputError(f"{path} is a directory; give an error-model file (.json) or preset:NAME") from None
+        except OSError as error:
+            raise InputError(f"{path} cannot be read: {error.strerror}") from None
+        except UnicodeDecodeError:
+            raise InputError(f"{path} is not text; give an error-model file (.json) or preset:NAME") from None
+        except json.JSONDecodeError as error:
+            raise InputError(f"{path}, line {error.lineno}, column {error.colno}: not valid JSON ({error.msg})") from None
+        return cls.from_json(content, where=str(path))
+
+    def save(self, path) -> None:
+        """Write the error-model file; it appears whole or not at all."""
+        path = Path(path)
+        temporary = path.with_name(f".{path.name}.part")
+        temporary.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")
+        temporary.replace(path)
+
+    # -- realisations ----------------------------------------------------------------------------
+    def simulate(self, n: int, fs: float, rng: np.random.Generator, *, temperature=None,
+                 channels: Iterable[str] | None = None) -> dict[str, np.ndarray]:
+        """A realisation of the channels: dict of ndarray, shape (n,), at `fs` Hz.
+
+        A channel's draw depends on the state of `rng` alone, not on which others are drawn.
+        """
+        generators = dict(zip((*CHANNELS, "record"), rng.spawn(len(CHANNELS) + 1)))
+        wanted = self.channel_names if channels is None else tuple(channels)
+        common = {channel: None for channel in wanted}
+        for process in self.record:
+            if isinstance(process, CommonMode):
+                shared = process.simulate(n, fs, generators["record"])
+                for channel in process.channels:
+                    if channel in common:
+                        common[channel] = shared if common[channel] is None else common[channel] + shared
+        return {channel: self[channel].simulate(n, fs, generators[channel], temperature=temperature,
+                                                common=common[channel]) for channel in wanted}
+
+    def simulate_record(self, n: int, fs: float, rng: np.random.Generator, *, temperature=None,
+                        name: str = "", channels: Iterable[str] | None = None) -> Record:
+        """A realisation as a `Record`, with the gaps and the jitter of the model's clock."""
+        signals = self.simulate(n, fs, rng, temperature=temperature, channels=channels)
+        time = None
+        (clock,) = rng.spawn(1)
+        for process in self.record:
+            if isinstance(process, Jitter):
+                time = process.stamps(np.arange(n) / fs if time is None else time, clock)
+                time = time - time[0]
+        for process in self.record:
+            if isinstance(process, TimeGaps):
+                keep = process.keep(n, clock)
+                time = (np.arange(n) / fs if time is None else time)[keep]
+                signals = {channel: x[keep] for channel, x in signals.items()}
+                temperature = None if temperature is None else np.asarray(temperature)[keep]
+        return Record(signals, fs, time=time, temperature=temperature, name=name or self.name,
+                      source=f"simulated from the error model {self.name or 'given'}")
+
+
+def _entries(value, where: str, *, on_record: bool) -> list[Process]:
+    if not isinstance(value, list):
+        raise InputError(f"{where}: must be a list of processes")
+    out = []
+    for number, entry in enumerate(value, start=1):
+        try:
+            out.append(processes.from_json(entry, on_record=on_record))
+        except InputError as error:
+            raise InputError(f"{where}, entry {number}: {error}") from None
+    return out
