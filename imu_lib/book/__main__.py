@@ -11,7 +11,8 @@ from imu_lib.errors import InputError
 def main(arguments: list[str]) -> int:
     task, names = arguments[0], arguments[1:]
     try:
-        return {"build": build_book, "refresh": refresh, "executable": executable, "pdf": pdf}[task](names)
+        return {"build": build_book, "pages": pages, "refresh": refresh, "executable": executable,
+                "pdf": pdf}[task](names)
     except (InputError, build.BuildError) as problem:
         print(problem, file=sys.stderr)
         return 2 if isinstance(problem, InputError) else 1
@@ -21,6 +22,12 @@ def build_book(names) -> int:
     started = time.monotonic()
     page = build.default(Path(names[0]).resolve() if names else None)
     print(f"{page} ({time.monotonic() - started:.0f} s)")
+    return 0
+
+
+def pages(names) -> int:
+    """Build the pages from the stored outputs, nothing executed: for whoever is writing."""
+    print(build.default(Path(names[0]).resolve() if names else None, execute_first=False))
     return 0
 
 

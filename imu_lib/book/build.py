@@ -18,7 +18,7 @@ class BuildError(RuntimeError):
     """The pages could not be built; the message holds what the builder said."""
 
 
-def default(out: Path | None = None) -> Path:
+def default(out: Path | None = None, *, execute_first: bool = True) -> Path:
     """Execute the chapters on the embedded data and build the book; returns its first page.
 
     A chapter whose public records are not at hand keeps its stored outputs, and the page on run times says so.
@@ -28,7 +28,7 @@ def default(out: Path | None = None) -> Path:
     check_target(out)
     with workplace(out) as work:
         stage(work)
-        runs = execute_chapters(contents.chapters(work))
+        runs = execute_chapters(contents.chapters(work)) if execute_first else []
         write_status(work, runs, contents.chapters(work))
         failed = [result.path.stem for result in runs if result.error]
         if failed:
@@ -75,8 +75,8 @@ def write_status(work: Path, runs, chapters):
         if chapter.slug in seconds:
             lines.append(f"| {{doc}}`../nbs/{chapter.slug}` | {seconds[chapter.slug]:.1f} | executed in this build |")
         else:
-            lines.append(f"| {{doc}}`../nbs/{chapter.slug}` | - | stored outputs; not at hand: "
-                         f"{', '.join(chapter.missing)} |")
+            reason = f"; not at hand: {', '.join(chapter.missing)}" if chapter.missing else ""
+            lines.append(f"| {{doc}}`../nbs/{chapter.slug}` | - | stored outputs{reason} |")
     lines += ["", f"Together {sum(seconds.values()):.0f} s of computing, two chapters at a time."]
     page = work / "book/status.md"
     text = page.read_text(encoding="utf-8")
