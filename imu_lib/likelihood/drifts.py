@@ -1,0 +1,176 @@
+"""Deterministic terms in the fit: their amplitudes by generalised least squares, their times by search."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.fft import idct
+from scipy.optimize import minimize_scalar
+
+from imu_lib.estimate import Estimate
+from imu_lib.processes import Sum
+
+from .maximise import maximise
+from .problem import Problem
+from .statistics import Regressors, Statistics
+
+#: Unknown times and frequencies, searched; amplitudes are linear.
+SEARCHED = {"sinusoid": "frequency", "warm_up": "time_constant", "step": "time"}
+LINEAR = {"sinusoid": "amplitude", "warm_up": "amplitude", "step": "amplitude", "ramp": "R", "temperature": "slope"}
+
+
+def shape(term, t, temperature=None):
+    """Columns (n, q) of a drift of amplitude one; a sinusoid of unknown phase has two."""
+    if term.name == "sinusoid":
+        angle = 2 * np.pi * term.frequency * t
+        if term.phase is not None:
+            return np.sin(angle + term.phase)[:, None]
+        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    values = {LINEAR[term.name]: 1.0}
+    if term.name == "temperature" and term.reference is None:
+        values["reference"] = float(np.mean(temperature))
+    return term.with_(**values).mean(t, temperature)[:, None]
+
+
+@dataclass
+class Drifts:
+    """The drifts of a template, ready to be solved with the noise."""
+
+    stats: Statistics
+    regressors: Regressors | None
+    starts: list = field(default_factory=list)
+    terms: list = field(default_factory=list)
+    widths: list = field(default_factory=list)
+    labels: list = field(default_factory=list)
+    known: list = field(default_factory=list)
+    searched: dict = field(default_factory=dict)
+
+    def finish(self, expected):
+        """(fitted drift processes, estimates by label) under the final density."""
+        if self.regressors is None:
+            return self.known, {}
+        amplitude, covariance = self.regressors.solve(expected)
+        fitted, estimates, at = list(self.known), {}, 0
+        for term, width, labels in zip(self.terms, self.widths, self.labels):
+            name = LINEAR[term.name]
+            a, c = amplitude[at:at + width], covariance[at:at + width, at:at + width]
+            at += width
+            if width == 2:
+                size = float(np.hypot(*a))
+                sd = np.sqrt(a @ c @ a) / size
+                fitted.append(term.with_(amplitude=size, phase=float(np.arctan2(a[1], a[0]))))
+                estimates[labels[name]] = Estimate.normal(size, sd)
+            else:
+                fitted.append(term.with_(**{name: float(a[0])}))
+                estimates[labels[name]] = Estimate.normal(a[0], np.sqrt(c[0, 0]))
+            for other, interval in self.searched.get(id(term), {}).items():
+                estimates[labels[other]] = interval
+        return fitted, estimates
+
+
+def solve_drifts(stats, template, temperature, given):
+    """Find the times of the drifts under the noise that fits best, and set their amplitudes up for solving."""
+    terms = [(i, term) for i, term in enumerate(template.terms) if term.deterministic]
+    known = [term for _, term in terms if _known(term)]
+    t = np.arange(stats.n) / stats.rate if terms else None
+    if known:
+        stats = stats.subtract(Sum(tuple(known)).mean(t, temperature))
+    unknown = [(i, term) for i, term in terms if not _known(term)]
+    if not unknown:
+        return Drifts(stats, None, known=known)
+    labels = [{name: label for label, index, name in template.labels() if index == i} for i, _ in unknown]
+    fixed = [_with_reference(term, temperature) for _, term in unknown]
+    intervals = [{} for _ in fixed]
+    open_ones = [j for j, term in enumerate(fixed) if getattr(term, SEARCHED.get(term.name, "name")) is None]
+    theta = []
+    for _ in range(2 if open_ones else 0):
+        ready = [term for j, term in enumerate(fixed) if j not in open_ones or intervals[j]]
+        columns = [shape(term, t, temperature) for term in ready]
+        problem = Problem(stats, template.noise, stats.regressors(np.hstack(columns)) if columns else None)
+        best = maximise(problem, [*given, *theta])
+        theta, expected = [best[0]], problem.density(best[0])
+        for j in open_ones:
+            others = [shape(term, t, temperature) for i, term in enumerate(fixed)
+                      if i != j and (i not in open_ones or intervals[i])]
+            free = stats
+            if others:
+                columns = np.hstack(others)
+                free = stats.subtract(columns @ stats.regressors(columns).solve(expected)[0])
+            name = SEARCHED[fixed[j].name]
+            value, interval = search(free, fixed[j], name, expected, t)
+            fixed[j] = fixed[j].with_(**{name: value})
+            intervals[j] = {name: interval}
+    columns = [shape(term, t, temperature) for term in fixed]
+    searched = {id(term): interval for term, interval in zip(fixed, intervals)}
+    return Drifts(stats, stats.regressors(np.hstack(columns)), theta, fixed, [c.shape[1] for c in columns], labels,
+                  known, searched)
+
+
+def _known(term):
+    amplitude = getattr(term, LINEAR.get(term.name, "name"))
+    return amplitude is not None and term.complete
+
+
+def _with_reference(term, temperature):
+    if term.name == "temperature":
+        if temperature is None:
+            raise ValueError("`temperature` is needed: the model has a temperature term")
+        if term.reference is None:
+            return term.with_(reference=float(np.mean(temperature)))
+    return term
+
+
+def gain(stats, term, name, value, expected, t):
+    """Log-likelihood that the drift gains with its searched parameter at `value`."""
+    products = stats.regressors(shape(term.with_(**{name: value}), t))
+    amplitude, _ = products.solve(expected)
+    return 0.5 * float(amplitude @ (products.cross.T @ (1 / expected)))
+
+
+def search(stats, term, name, expected, t):
+    """Best value of the searched parameter and its 95 % interval (where the gain has fallen by 1.92)."""
+    if name == "time":
+        return step_time(stats, expected, t)
+    if name == "frequency":
+        first = stats.stretches[0]
+        level = np.repeat(expected[:len(first.edges) - 1], np.diff(first.edges))
+        inside = slice(first.edges[0] - 1, first.edges[-1] - 1)
+        p = first.edges[0] + np.argmax(first.coefficients[inside] ** 2 / level)
+        grid = (p + np.arange(-1.5, 1.6, 0.5)) * stats.rate / (2 * first.n)
+    else:
+        grid = np.geomspace(20 / stats.rate, stats.duration / 2, 12)
+    gains = [gain(stats, term, name, g, expected, t) for g in grid]
+    i = int(np.argmax(gains))
+    low, high = grid[max(i - 1, 0)], grid[min(i + 1, len(grid) - 1)]
+    found = minimize_scalar(lambda v: -gain(stats, term, name, v, expected, t), bounds=(low, high), method="bounded",
+                            options={"xatol": 1e-5 * (high - low)})
+    best, top = float(found.x), -found.fun
+    width = (high - low) / 8
+    drop = [top - gain(stats, term, name, v, expected, t) for v in (best - width, best + width)]
+    curvature = max(np.mean(drop), 1e-12) * 2 / width**2
+    return best, Estimate.normal(best, min(1 / np.sqrt(curvature), best))
+
+
+def step_time(stats, expected, t):
+    """Time of a step: one inverse transform gives the gain at every sample."""
+    s = max(stats.stretches, key=lambda s: s.n)
+    at = sum(len(q.edges) - 1 for q in stats.stretches[:stats.stretches.index(s)]) if len(stats.stretches) > 1 else 0
+    level = np.repeat(expected[at:at + len(s.edges) - 1], np.diff(s.edges))
+    whitened = np.zeros(s.n)
+    inside = slice(s.edges[0], s.edges[-1])
+    whitened[inside] = s.coefficients[s.edges[0] - 1:s.edges[-1] - 1] / level
+    scale = np.sqrt(2 / stats.rate)
+    score = np.cumsum(idct(whitened, norm="ortho")[::-1])[::-1] * scale
+    probe = np.unique(np.linspace(2, s.n - 2, 41).astype(int))
+    p = np.arange(s.edges[0], s.edges[-1])
+    norms = []
+    for j in probe:  # coefficients of a unit step at sample j: a geometric sum of cosines
+        step = -np.sin(np.pi * p * j / s.n) / (2 * np.sin(np.pi * p / (2 * s.n))) * np.sqrt(2 / s.n) * scale
+        norms.append(np.sum(step**2 / level))
+    norm = np.interp(np.arange(s.n), probe, norms)
+    gains = 0.5 * score**2 / norm
+    gains[:2] = gains[-2:] = 0.0
+    best = int(np.argmax(gains))
+    close = np.flatnonzero(gains > gains[best] - 1.920729)
+    offset = s.start
+    return float(t[best + offset]), Estimate(float(t[best + offset]), float(t[close[0] + offset]),
+                                             float(t[close[-1] + offset]))

@@ -1,0 +1,144 @@
+"""The likelihood of a model, given the statistics of a record, and how well the model fits.
+
+With P_b the summed ordinates of band b, m_b their number and S_b their expectation under the model,
+
+    log L = -1/2 sum_b [ m_b log S_b + P_b / S_b ]
+
+up to a constant that no model changes: a Gaussian likelihood of single coefficients at the slow end, the gamma
+likelihood of the frequency-averaged periodogram at the fast end, in one formula.
+"""
+
+import numpy as np
+from scipy.special import gammaincc, ndtri
+from scipy.stats import chi2
+
+from imu_lib.processes import Process, Sum
+
+from .statistics import Statistics
+
+
+def as_sum(model):
+    """A process or a sum as a sum, without the constant (the mean is a nuisance)."""
+    model = model if isinstance(model, Sum) else Sum((model,)) if isinstance(model, Process) else model
+    if not isinstance(model, Sum):
+        raise ValueError(f"`model` must be a process or a sum of processes, got {type(model).__name__}")
+    return Sum(tuple(t for t in model.terms if t.name != "constant"), model.stages)
+
+
+def density(stats, noise):
+    """Expected mean ordinate of each band, shape (b,), unit^2/Hz, of the random terms behind the filter."""
+    return stats.collapse(noise.psd(stats.grid, stats.rate)) + quantization_ends(stats, noise)
+
+
+class Images:
+    """What a low-pass filter run above the sampling rate folds onto the grid: `Sum.psd`, with the gains kept."""
+
+    def __init__(self, low_pass, grid, fs):
+        ratio = low_pass.ratio(fs)
+        self.rate = ratio * fs
+        at = np.mod(grid + fs * np.arange(ratio)[:, None], self.rate)
+        self.at = np.minimum(at, self.rate - at)
+        self.gain = low_pass.gain(self.at.ravel(), fs).reshape(self.at.shape)
+
+    def psd(self, term):
+        """One-sided density of the term behind the filter, (g,)."""
+        return np.einsum("kg,kg->g", self.gain, term.psd(self.at, self.rate))
+
+
+def quantization_ends(stats, noise):
+    """What the two ends of a finite record add to quantization: 8 Q^2 fs / n cos^2, which f^2 leaves out."""
+    out = 0.0
+    for term in noise.terms:
+        if term.name == "quantization":
+            n = np.concatenate([np.full(len(s.edges) - 1, s.n) for s in stats.stretches])
+            out = out + 8 * term.Q**2 * stats.rate / n * np.cos(np.pi * stats.frequency / stats.rate) ** 2
+    return out
+
+
+def gaussian(stats, expected, power=None):
+    """log L from the expected mean ordinates, shape (..., b)."""
+    power = stats.power if power is None else power
+    return -0.5 * np.sum(stats.count * np.log(expected) + power / expected, axis=-1)
+
+
+def without_mean(stats, model, temperature=None):
+    """Statistics with the model's deterministic terms (ramp, sinusoid, warm-up, step, temperature) taken out."""
+    drifts = model.drifts
+    if not drifts.terms:
+        return stats
+    mean = drifts.mean(np.arange(stats.n) / stats.rate, temperature)
+    if model.low_pass is not None:
+        mean = model.low_pass.run(*_padded(mean, model.low_pass, stats))
+    return stats.subtract(mean)
+
+
+def _padded(mean, low_pass, stats):
+    steps, before = low_pass.grid(stats.rate)
+    at = np.arange(stats.n * steps + before) / steps - before / steps
+    return np.interp(at, np.arange(stats.n), mean), stats.rate, stats.n
+
+
+def log_likelihood(stats, model, *, temperature=None):
+    """Log-likelihood of a complete model.
+
+    Parameters
+    ----------
+    stats : Statistics
+    model : Sum or Process
+        Every parameter has a value. Random terms enter by their spectrum (behind the low-pass filter, with the
+        variance that spikes and rounding add), deterministic ones by their mean.
+    temperature : ndarray, shape (n,), optional
+        For a temperature term, degC.
+
+    Raises
+    ------
+    UndefinedFormError
+        For an output stage that has no spectrum (saturation, stuck, a change of noise level).
+    """
+    model = as_sum(model)
+    return float(gaussian(without_mean(stats, model, temperature), density(stats, model.noise)))
+
+
+def residuals(stats, model, *, temperature=None):
+    """Standard normal score of each band under the model, shape (b,): positive where the record has more power."""
+    model = as_sum(model)
+    return _scores(without_mean(stats, model, temperature), density(stats, model.noise))
+
+
+def _scores(stats, expected, power=None):
+    power = stats.power if power is None else power
+    upper = np.clip(gammaincc(stats.count / 2, power / expected / 2), 1e-300, 1 - 1e-16)
+    return -ndtri(upper)
+
+
+def goodness(stats, expected, parameters, power=None, *, per_decade=8):
+    """p-value of the hypothesis that the record has this spectrum.
+
+    Two chi-square sums of normal scores, over all bands and over `per_decade` bands a decade (where a smooth misfit
+    adds up); the smaller p-value counts twice (Bonferroni).
+
+    Parameters
+    ----------
+    expected : ndarray, shape (b,)
+    parameters : int
+        Fitted parameters, taken off the degrees of freedom.
+    """
+    power = stats.power if power is None else power
+    p_values = []
+    for bins in (_bands(stats, per_decade), np.arange(len(power))):
+        total = np.bincount(bins, power / expected)
+        count = np.bincount(bins, stats.count)
+        keep = count > 0
+        upper = np.clip(gammaincc(count[keep] / 2, total[keep] / 2), 1e-300, 1 - 1e-16)
+        square = float(np.sum(ndtri(upper) ** 2))
+        p_values.append(chi2.sf(square, max(int(keep.sum()) - parameters, 1)))
+    return float(min(1.0, 2 * min(p_values)))
+
+
+def _bands(stats, per_decade):
+    group = np.floor(np.log10(stats.frequency) * per_decade).astype(int)
+    return np.unique(group, return_inverse=True)[1]
+
+
+__all__ = ["Statistics", "as_sum", "density", "gaussian", "goodness", "log_likelihood", "quantization_ends",
+           "residuals", "without_mean"]
