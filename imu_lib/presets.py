@@ -32,6 +32,7 @@ from imu_lib.processes import (
     Sum,
     WhiteNoise,
 )
+from imu_lib.published import ALLAN_2013, FLAT_2013
 
 #: Root of the flat Allan variance over B, sqrt(2 ln2 / pi), rounded as the papers and IEEE 952 do.
 FLAT_LEVEL = 0.664
@@ -54,21 +55,13 @@ class Published:
 
 def published_2013() -> dict[str, Published]:
     """Tables 4 and 5 of the 2013 paper, converted to SI, by channel."""
-    def accel(n, b, k, flat_time, sd):
-        return Published(n * units.MPS_PER_SQRT_HOUR, b * units.MPS_PER_HOUR,
-                         k * units.MPS_PER_HOUR_1_5, flat_time, sd)
-
-    def gyro(n, b, flat_time, sd):
-        return Published(n * units.DEG_PER_SQRT_HOUR, b * units.DEG_PER_HOUR, None, flat_time, sd)
-
-    return {
-        "gyro_x": gyro(2.420, 44.533, 490.89, 0.0055),
-        "gyro_y": gyro(1.988, 38.810, 623.25, 0.0045),
-        "gyro_z": gyro(2.164, 31.717, 735.17, 0.0048),
-        "accel_x": accel(0.045, 5.1581, 166.30, 4.56, 0.0068),
-        "accel_y": accel(0.045, 4.5507, 24.95, 7.26, 0.0065),
-        "accel_z": accel(0.047, 1.8336, 13.53, 20.74, 0.0063),
-    }
+    out = {}
+    for channel, row in ALLAN_2013.items():
+        flat_time, sd = FLAT_2013[channel]
+        factor = {symbol: units.datasheet(symbol, channel)[0] for symbol in "NBK"}
+        out[channel] = Published(row["N"][0] * factor["N"], row["B"][0] * factor["B"],
+                                 row["K"][0] * factor["K"] if "K" in row else None, flat_time, sd)
+    return out
 
 
 #: The sensor's moving average: 15 taps at 1 kHz, read out at 100 Hz (2013 paper, Sec. 5.1).
