@@ -11,6 +11,7 @@ from imu_lib.book import chapters as contents
 from imu_lib.book import execute
 from imu_lib.errors import InputError
 
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
 MARK = ".imu_lib_book"  # tells a folder that holds an earlier book, which may be replaced, from any other
 
 
@@ -110,3 +111,29 @@ def move(pages: Path, out: Path) -> Path:
         shutil.rmtree(out)
     shutil.move(str(pages), str(out))
     return out / "index.html"
+
+
+def pdf(out: Path | None = None) -> Path:
+    """The whole book, stored outputs, as one PDF printed by headless Chromium.
+
+    Raises InputError where no Chromium or Chrome is installed, BuildError where it fails.
+    """
+    out = out or contents.source() / "book/_build/book.pdf"
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if browser is None:
+        raise InputError("a PDF is printed by Chromium or Chrome, and neither is installed: install one of them.")
+    with workplace(out) as work:
+        stage(work)
+        write_status(work, [], contents.chapters(work))
+        build_pages(work, strict=False, builder="singlehtml")
+        pages = work / "_build/singlehtml"
+        page = next(path for path in (pages / "book/intro.html", pages / "index.html") if path.exists())
+        done = subprocess.run(
+            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
+             f"--user-data-dir={work / 'profile'}", "--virtual-time-budget=60000", "--no-pdf-header-footer",
+             f"--print-to-pdf={work / 'book.pdf'}", page.as_uri()],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", stdin=subprocess.DEVNULL)
+        if done.returncode != 0 or not (work / "book.pdf").exists():
+            raise BuildError(done.stdout)
+        shutil.move(work / "book.pdf", out)
+    return out
