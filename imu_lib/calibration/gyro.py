@@ -1,0 +1,169 @@
+"""Gyroscopes without a rate table: turns between poses, whose ends gravity has seen.
+
+Between two rests the gyroscopes integrate to a rotation R_k (body axes at the second rest into those at
+the first). Gravity's direction in body axes, g_k, is known at both ends from the calibrated
+accelerometers, so that
+
+    g_{k+1} - R_k^T g_k = 0                                                               (1)
+
+is two equations per turn (the rotation about the vertical stays unseen) on the nine elements of M (Tedaldi et
+al. 2014, their cost for the gyroscopes); the biases come from the rests. What Eq. (1) leaves over is not
+white: neighbouring turns share the pose between them, and all of them share the accelerometers'
+calibration and the biases. The first is whitened; the others are parameters with their own covariance as
+prior, so that the intervals hold them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from scipy.optimize import least_squares
+
+from ..errors import InputError
+from ..units import G
+from .rest import RestWindows
+from .poses import UPPER
+from .triad import Triad
+
+
+@njit(cache=True)
+def _turns(rate, start, stop, dt, out):
+    """Rotations over samples start..stop of each turn: trapezoid with the coning term (fourth-order Magnus)."""
+    for k in range(len(start)):
+        r = np.eye(3)
+        for i in range(start[k], stop[k] - 1):
+            a, b = rate[i], rate[i + 1]
+            c = dt * dt / 12
+            x = dt * (a[0] + b[0]) / 2 + c * (a[1] * b[2] - a[2] * b[1])
+            y = dt * (a[1] + b[1]) / 2 + c * (a[2] * b[0] - a[0] * b[2])
+            z = dt * (a[2] + b[2]) / 2 + c * (a[0] * b[1] - a[1] * b[0])
+            t = np.sqrt(x * x + y * y + z * z)
+            s, v = 1.0 - t * t / 6, 0.5 - t * t / 24
+            if t > 1e-4:
+                s, v = np.sin(t) / t, (1 - np.cos(t)) / (t * t)
+            step = np.array([[1 - v * (y * y + z * z), v * x * y - s * z, v * x * z + s * y],
+                             [v * x * y + s * z, 1 - v * (x * x + z * z), v * y * z - s * x],
+                             [v * x * z - s * y, v * y * z + s * x, 1 - v * (x * x + y * y)]])
+            r = r @ step
+        out[k] = r
+
+
+def turns(rate: np.ndarray, start: np.ndarray, stop: np.ndarray, fs: float) -> np.ndarray:
+    """Rotation of each turn, body axes at its last sample into those at its first, ndarray, shape (k, 3, 3).
+
+    `rate` (n, 3) rad/s at `fs` Hz; a turn goes from sample `start` to sample `stop` - 1.
+    """
+    out = np.empty((len(start), 3, 3))
+    _turns(np.ascontiguousarray(rate, float), np.asarray(start), np.asarray(stop), 1.0 / fs, out)
+    return out
+
+
+def from_turns(gyro: np.ndarray, accel: np.ndarray, fs: float, rests: RestWindows, accelerometers: Triad, *,
+               nominal: float | None = 1.0) -> Triad:
+    """Bias, scale factor and cross-coupling of three gyroscopes from hand-made turns between rests, Eq. (1).
+
+    The axes are those of the accelerometers' calibration, so that the misalignment between the two triads is
+    found as well. Earth's rotation is left in the bias (15 deg/h at most).
+
+    Parameters
+    ----------
+    gyro, accel : ndarray, shape (n, 3)
+        Readings of the whole record; gyroscopes in rad/s or counts.
+    fs : float, Hz
+    rests : RestWindows
+    accelerometers : Triad
+        What `from_gravity` found on the same rests.
+    nominal : float or None
+        Nominal sensitivity, reading per rad/s; None finds it (readings in counts).
+
+    Raises
+    ------
+    InputError
+        With too few turns for the nine parameters, or turns that leave a sensor undetermined.
+    """
+    if len(rests) < 7:
+        raise InputError(f"{max(len(rests) - 1, 0)} turns between rests do not determine the gyroscopes' nine "
+                         f"parameters; at least 6, better 24 or more, about different axes are needed.")
+    first, last = rests.stop[:-1] - 1, rests.start[1:] + 1
+    duration = (last - first - 1) / fs
+    means = rests.means(gyro)
+    length = rests.stop - rests.start
+    bias = length @ means / length.sum()
+    walk = np.mean([np.var(gyro[a:b], axis=0) for a, b in zip(rests.start, rests.stop, strict=True)], axis=0) / fs
+    scatter = length @ (means - bias)**2 / length.sum() * len(rests) / (len(rests) - 1)   # from rest to rest, per axis
+    wander = np.maximum(scatter - walk * fs * len(rests) / length.sum(), 0.0)             # of it not white noise
+    reading, gyro = rests.means(accel), np.asarray(gyro, float)
+    index = np.array([*UPPER, 9, 10, 11])
+    root = np.linalg.cholesky(accelerometers.covariance[np.ix_(index, index)])
+
+    def directions(z):
+        """Gravity in body axes at each rest, the accelerometers' parameters `z` standard deviations off."""
+        p = np.zeros(12)
+        p[index] = root @ z
+        u = np.linalg.solve(accelerometers.matrix + p[:9].reshape(3, 3), (reading - accelerometers.bias - p[9:]).T).T
+        return u / np.linalg.norm(u, axis=1, keepdims=True)
+
+    def rotations(matrix, shift=0.0):
+        return turns((gyro - bias - shift) @ np.linalg.inv(matrix).T, first, last, fs)
+
+    pose = directions(np.zeros(9))
+    tangent = _tangent(pose[1:])
+    if nominal is None:
+        nominal = _sensitivity(lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]),
+                               gyro[first[0]:last[-1]] - bias)
+    noise = (walk.mean() * duration + wander.mean() * duration**2) / nominal**2
+    whiten = _whitener(tangent, rotations(nominal * np.eye(3)), accelerometers.residual_sd / G, noise)
+    spread = np.sqrt(scatter / len(rests))
+
+    def residuals(p):
+        at, shift = directions(p[12:]), p[9:12] * spread
+        miss = at[1:] - np.einsum("kji,kj->ki", rotations(nominal * p[:9].reshape(3, 3), shift), at[:-1])
+        return np.append(whiten @ np.einsum("kai,ki->ka", tangent, miss).ravel(), p[9:])
+
+    fit = least_squares(residuals, np.append(np.eye(3).ravel(), np.zeros(12)), method="trf")
+    dof = 2 * len(first) - 9
+    information = fit.jac.T @ fit.jac
+    weak, vectors = np.linalg.eigh(information[:9, :9])
+    if weak[0] < 1e-9 * weak[-1]:
+        poor = "xyz"[int(np.argmax((vectors[:, 0].reshape(3, 3)**2).sum(axis=0)))]
+        raise InputError(f"The turns do not excite gyro_{poor}; add turns about the {poor} axis between poses.")
+    scale = 2 * fit.cost / dof                    # above one where the noise alone does not explain the misfit
+    shares = np.concatenate([np.full(9, nominal), spread])
+    covariance = scale * np.linalg.inv(information)[:12, :12] * np.outer(shares, shares)
+    matrix = nominal * fit.x[:9].reshape(3, 3)
+    angle = pose[1:] - np.einsum("kji,kj->ki", rotations(matrix), pose[:-1])
+    return Triad(matrix, bias + fit.x[9:12] * spread, covariance, dof, np.ones(12, bool), nominal,
+                 float(np.sqrt((angle**2).sum() / dof)), float(2 * fit.cost / dof))
+
+
+def _tangent(direction: np.ndarray) -> np.ndarray:
+    """Two unit vectors across each direction, ndarray, shape (k, 2, 3)."""
+    helper = np.eye(3)[np.argmin(np.abs(direction), axis=1)]
+    first = np.cross(direction, helper)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(direction, first)], axis=1)
+
+
+def _whitener(tangent: np.ndarray, rotation: np.ndarray, pose_sd: float, walk: np.ndarray) -> np.ndarray:
+    """Inverse square root of the covariance of the misfits, ndarray, shape (2k, 2k).
+
+    `pose_sd` rad, direction noise of each rest (shared by the turns before and after it); `walk` (k,) rad^2,
+    the gyroscopes' own angle variance of each turn.
+    """
+    k = len(tangent)
+    covariance = np.zeros((2 * k, 2 * k))
+    for i in range(k):
+        block = slice(2 * i, 2 * i + 2)
+        covariance[block, block] = (2 * pose_sd**2 + walk[i]) * np.eye(2)
+        if i:
+            before = slice(2 * i - 2, 2 * i)
+            cross = -pose_sd**2 * tangent[i - 1] @ rotation[i] @ tangent[i].T
+            covariance[before, block], covariance[block, before] = cross, cross.T
+    return np.linalg.inv(np.linalg.cholesky(covariance))
+
+
+def _sensitivity(misfit, centred: np.ndarray) -> float:
+    """The common sensitivity (reading per rad/s) with the least misfit, from a grid over its possible range."""
+    fastest = np.abs(centred).max()                  # a hand turns at 0.5 to 40 rad/s at its fastest
+    grid = fastest / np.geomspace(40.0, 0.5, 220)
+    return float(grid[np.argmin([(misfit(s)**2).sum() for s in grid])])

@@ -1,0 +1,209 @@
+"""A whole record into a calibration, with or without a list of what was done when.
+
+The list (`--poses`) is a CSV file with a header and one row per pose or rate step, or a JSON file of named
+sections (`x_p x_a y_p y_a z_p z_a x_rot y_rot z_rot`, each with `start` and `stop` in samples), as the six
+positions and three turns of Ferraris are usually stored.
+
+| column | meaning |
+|---|---|
+| `start`, `stop` | s from the first sample of the record |
+| `x`, `y`, `z` | what ideal accelerometers read there, g (0, 0, 1 with z up) |
+| `rate_x`, `rate_y`, `rate_z` | true angular rate, deg/s |
+| `angle_x`, `angle_y`, `angle_z` | true angle turned between start and stop, deg |
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from ..units import DEG, G
+from .gyro import from_turns
+from .poses import from_gravity, from_reference
+from .rest import RestWindows, rest_windows
+from .triad import AXES, Triad
+
+GROUPS = {"force": ("x", "y", "z"), "rate": ("rate_x", "rate_y", "rate_z"), "angle": ("angle_x", "angle_y", "angle_z")}
+
+
+@dataclass(frozen=True)
+class Section:
+    """One pose or rate step: `start`, `stop` in s; `force` (3,) in g, `rate` (3,) in rad/s where known.
+    `turn` holds an angle (3,) in rad instead, whose sign is taken from the record when `signed` is False."""
+
+    start: float
+    stop: float
+    force: np.ndarray | None = None
+    rate: np.ndarray | None = None
+    turn: np.ndarray | None = None
+    signed: bool = True
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Calibrations of the two triads (None where not determined), how, and from which windows.
+
+    `windows` (k, 2) s: the rests or sections used; `magnitude` (k,) m/s^2: |specific force| of each pose after
+    calibration; `notes`: sentences on what was left out and why.
+    """
+
+    accelerometers: Triad | None
+    gyroscopes: Triad | None
+    method: str
+    windows: np.ndarray
+    gravity: float
+    magnitude: np.ndarray | None = None
+    rests: RestWindows | None = None
+    notes: tuple[str, ...] = ()
+
+    def to_json(self) -> dict:
+        """The whole result; SI units (`bias`, `offset`, `residual_sd`), scale factors and cross-coupling relative."""
+        return {"method": self.method, "gravity": self.gravity, "windows": self.windows.tolist(), "notes": list(self.notes),
+                "accelerometers": None if self.accelerometers is None else self.accelerometers.to_json(),
+                "gyroscopes": None if self.gyroscopes is None else self.gyroscopes.to_json()}
+
+
+def calibrate(accel: np.ndarray | None, gyro: np.ndarray | None, fs: float, *, sections: list[Section] | None = None,
+              gravity: float = G, accel_nominal: float | None = 1.0, gyro_nominal: float | None = 1.0,
+              window: float = 1.0) -> Calibration:
+    """Bias, scale factor and cross-coupling of a record's accelerometers and gyroscopes.
+
+    Parameters
+    ----------
+    accel, gyro : ndarray, shape (n, 3), or None
+        m/s^2 and rad/s, or counts with `nominal` None. Only `sections` with rates can do without accelerometers.
+    fs : float, Hz
+    sections : what was done when (`read_poses`); None finds the rests and uses gravity alone
+    gravity : float, local gravity, m/s^2
+    window : float, s, of the search for rests
+
+    Raises
+    ------
+    InputError
+        In one sentence: missing samples, never at rest, too few poses, poses or turns that leave an axis out.
+    """
+    for name, x in (("accelerometers", accel), ("gyroscopes", gyro)):
+        if x is not None and not np.isfinite(x).all():
+            row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
+            raise InputError(f"The {name} have a missing or infinite sample at row {row}; cut the record around it "
+                             "(--start, --stop).")
+    if sections is not None:
+        return _known(accel, gyro, fs, sections, gravity, accel_nominal or 1.0, gyro_nominal or 1.0)
+    if accel is None:
+        raise InputError("Poses at rest calibrate nothing without three accelerometers; give them, or the true rates of a "
+                         "rate table (--poses).")
+    rests = rest_windows(accel, fs, gyro=gyro, window=window)
+    means = rests.means(accel)
+    accelerometers = from_gravity(means, gravity=gravity, nominal=accel_nominal)
+    notes, gyroscopes = [], None
+    if gyro is not None:
+        try:
+            gyroscopes = from_turns(gyro, accel, fs, rests, accelerometers, nominal=gyro_nominal)
+        except InputError as error:
+            notes.append(f"Gyroscopes not calibrated: {error}")
+    return Calibration(accelerometers, gyroscopes, "static poses found in the record, magnitude of gravity",
+                       np.column_stack([rests.start, rests.stop]) / fs, gravity,
+                       np.linalg.norm(accelerometers.correct(means), axis=1), rests, tuple(notes))
+
+
+def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> Calibration:
+    """Calibration from sections whose inputs are known."""
+    n = len(accel if accel is not None else gyro)
+    for k, s in enumerate(sections):
+        if not 0 <= s.start < s.stop <= n / fs + 1e-9:
+            raise InputError(f"Section {k + 1} of the poses runs from {s.start:g} to {s.stop:g} s, outside the record of "
+                             f"{n / fs:g} s or backwards; correct its start and stop.")
+
+    def mean(x, s):
+        return x[round(s.start * fs):max(round(s.stop * fs), round(s.start * fs) + 1)].mean(axis=0)
+
+    accelerometers = gyroscopes = magnitude = None
+    still = [s for s in sections if s.force is not None]
+    if still and accel is not None:
+        means = np.array([mean(accel, s) for s in still])
+        accelerometers = from_reference(means, gravity * np.array([s.force for s in still]), nominal=accel_nominal)
+        magnitude = np.linalg.norm(accelerometers.correct(means), axis=1)
+    moving = [s for s in sections if s.rate is not None or s.turn is not None]
+    if moving and gyro is not None:
+        rest = [s for s in still if s.rate is None and s.turn is None]
+        zero = np.mean([mean(gyro, s) for s in rest], axis=0) if rest else np.zeros(3)
+        truth, reading = [np.zeros(3)] * len(rest), [mean(gyro, s) for s in rest]
+        for s in moving:
+            rate = s.rate if s.rate is not None else s.turn / (s.stop - s.start)
+            reading.append(mean(gyro, s))
+            truth.append(rate if s.signed else rate * np.sign((reading[-1] - zero) @ rate))
+        gyroscopes = from_reference(reading, truth, nominal=gyro_nominal)
+    if accelerometers is None and gyroscopes is None:
+        raise InputError("The poses give no input that this record can be compared with; state x, y, z in g or rate_x, "
+                         "rate_y, rate_z in deg/s for every row.")
+    return Calibration(accelerometers, gyroscopes, "sections with known inputs, least squares",
+                       np.array([[s.start, s.stop] for s in sections]), gravity, magnitude)
+
+
+def read_poses(path: str | Path, fs: float) -> list[Section]:
+    """Sections from a CSV or JSON file (see the top of this module); `fs` turns samples into seconds.
+
+    Raises
+    ------
+    InputError
+        Naming the file and the row or column.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'}).") from None
+    return _json_sections(path, text, fs) if path.suffix.lower() == ".json" else _csv_sections(path, text)
+
+
+def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
+    try:
+        table = json.loads(text)
+        items = [(name, float(v["start"]) / fs, float(v.get("stop", v.get("end"))) / fs) for name, v in table.items()]
+    except (ValueError, TypeError, AttributeError, KeyError):
+        raise InputError(f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.') from None
+    out = []
+    for name, start, stop in items:
+        axis, _, what = name.partition("_")
+        if axis not in AXES or what not in ("p", "a", "rot"):
+            raise InputError(f"{path}: section {name!r} is not one of x_p, x_a, x_rot and the same of y and z.")
+        unit = np.eye(3)[AXES.index(axis)]
+        out.append(Section(start, stop, turn=2 * np.pi * unit, signed=False) if what == "rot"
+                   else Section(start, stop, force=unit if what == "p" else -unit))
+    return out
+
+
+def _csv_sections(path: Path, text: str) -> list[Section]:
+    rows = list(csv.DictReader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
+    if not rows:
+        raise InputError(f"{path}: no pose in the file; a header and one row per pose are expected.")
+    names = {(k or "").strip() for k in rows[0]}
+    if not {"start", "stop"} <= names:
+        raise InputError(f"{path}: the columns start and stop (s) are needed; found {', '.join(sorted(names))}.")
+    out = []
+    for number, row in enumerate(rows, 2):
+        values = {}
+        for key, cell in row.items():
+            key = (key or "").strip()
+            if key in ("start", "stop") or any(key in g for g in GROUPS.values()):
+                if cell is None or not cell.strip():
+                    continue
+                try:
+                    values[key] = float(cell)
+                except ValueError:
+                    raise InputError(f"{path}: row {number}, column {key}: {cell.strip()!r} is not a number.") from None
+        if not {"start", "stop"} <= values.keys():
+            raise InputError(f"{path}: row {number} has no start or no stop.")
+        found = {g: np.array([values.get(c, 0.0) for c in cols]) for g, cols in GROUPS.items() if values.keys() & set(cols)}
+        if not found:
+            raise InputError(f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z "
+                             "in deg/s.")
+        out.append(Section(values["start"], values["stop"], found.get("force"),
+                           found["rate"] * DEG if "rate" in found else None,
+                           found["angle"] * DEG if "angle" in found else None))
+    return out
