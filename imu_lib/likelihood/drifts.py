@@ -82,27 +82,40 @@ def solve_drifts(stats, template, temperature, given):
     intervals = [{} for _ in fixed]
     open_ones = [j for j, term in enumerate(fixed) if getattr(term, SEARCHED.get(term.name, "name")) is None]
     theta = []
-    for _ in range(2 if open_ones else 0):
-        ready = [term for j, term in enumerate(fixed) if j not in open_ones or intervals[j]]
-        columns = [shape(term, t, temperature) for term in ready]
-        problem = Problem(stats, template.noise, stats.regressors(np.hstack(columns)) if columns else None)
-        best = maximise(problem, [*given, *theta])
-        theta, expected = [best[0]], problem.density(best[0])
+    for turn in range(3 if open_ones else 0):
         for j in open_ones:
             others = [shape(term, t, temperature) for i, term in enumerate(fixed)
                       if i != j and (i not in open_ones or intervals[i])]
+            own = [shape(fixed[j], t, temperature)] if intervals[j] else []
+            now = _best(stats, template.noise, others + own, [*given, *theta], grid=not theta)
+            theta = [now[0]]
             free = stats
             if others:
                 columns = np.hstack(others)
-                free = stats.subtract(columns @ stats.regressors(columns).solve(expected)[0])
+                free = stats.subtract(columns @ stats.regressors(columns).solve(now[2])[0])
             name = SEARCHED[fixed[j].name]
-            value, interval = search(free, fixed[j], name, expected, t)
-            fixed[j] = fixed[j].with_(**{name: value})
-            intervals[j] = {name: interval}
+            # under the noise that fits, and (a drift not yet found hides in the slow noise) under a floor of it
+            levels = [now[2]] if turn else [now[2], np.full_like(now[2], np.min(now[2])), np.sqrt(now[2] * np.min(now[2]))]
+            tried = []
+            for level in levels:
+                value, interval = search(free, fixed[j], name, level, t)
+                term = fixed[j].with_(**{name: value})
+                refit = _best(stats, template.noise, [*others, shape(term, t, temperature)], [*given, *theta],
+                              grid=not turn)
+                tried.append((refit[1], term, interval, refit[0]))
+            _, fixed[j], interval, best = max(tried, key=lambda trial: trial[0])
+            intervals[j], theta = {name: interval}, [best]
     columns = [shape(term, t, temperature) for term in fixed]
     searched = {id(term): interval for term, interval in zip(fixed, intervals)}
     return Drifts(stats, stats.regressors(np.hstack(columns)), theta, fixed, [c.shape[1] for c in columns], labels,
                   known, searched)
+
+
+def _best(stats, noise, columns, given, grid):
+    """(theta, log-likelihood, density) of the noise with these mean shapes solved for."""
+    problem = Problem(stats, noise, stats.regressors(np.hstack(columns)) if columns else None)
+    theta, value, _ = maximise(problem, given, grid=grid or not given, refine=2)
+    return theta, value, problem.density(theta)
 
 
 def _known(term):
@@ -160,7 +173,7 @@ def step_time(stats, expected, t):
     whitened[inside] = s.coefficients[s.edges[0] - 1:s.edges[-1] - 1] / level
     scale = np.sqrt(2 / stats.rate)
     score = np.cumsum(idct(whitened, norm="ortho")[::-1])[::-1] * scale
-    probe = np.unique(np.linspace(2, s.n - 2, 41).astype(int))
+    probe = np.unique((s.n * (1 - np.cos(np.linspace(0.1, np.pi - 0.1, 41))) / 2).astype(int))
     p = np.arange(s.edges[0], s.edges[-1])
     norms = []
     for j in probe:  # coefficients of a unit step at sample j: a geometric sum of cosines
@@ -168,7 +181,8 @@ def step_time(stats, expected, t):
         norms.append(np.sum(step**2 / level))
     norm = np.interp(np.arange(s.n), probe, norms)
     gains = 0.5 * score**2 / norm
-    gains[:2] = gains[-2:] = 0.0
+    edge = max(2, s.n // 200)  # closer to an end than this the level on one side is hardly seen
+    gains[:edge] = gains[-edge:] = 0.0
     best = int(np.argmax(gains))
     close = np.flatnonzero(gains > gains[best] - 1.920729)
     offset = s.start

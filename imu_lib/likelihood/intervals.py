@@ -88,7 +88,9 @@ class _Side:
             t = max(t, bound) if sign < 0 else min(t, bound)
             start = near_at + direction * (t - near_at[k])
             start[k] = t
-            at, v, _ = climb(problem, start, held={k}, floor=np.minimum(self.floor, t), steps=30, tolerance=1e-4)
+            floor = self.floor.copy()
+            floor[k] = min(floor[k], t)
+            at, v, _ = climb(problem, start, held={k}, floor=floor, steps=30, tolerance=1e-4)
             if self.watch and v > self.value + 1e-3:
                 raise _Better(at)
             w = np.sqrt(max(0.0, 2 * (self.value - v)))

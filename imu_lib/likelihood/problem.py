@@ -67,7 +67,7 @@ class Problem:
             if kind.kind == "amplitude":
                 yield Free(label, index, name, True, -80.0, 80.0)
             elif kind.kind == "time":
-                yield Free(label, index, name, False, np.log(0.5 / fs), np.log(duration))
+                yield Free(label, index, name, False, np.log(2 / fs), np.log(duration))
             else:
                 yield Free(label, index, name, False, np.log(0.5 / duration), np.log(fs / 2))
 

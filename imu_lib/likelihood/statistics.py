@@ -24,6 +24,8 @@ WIDTH = 1 / 40
 LINE_TAIL = 1e-9
 #: Where the low coefficients end, per stretch.
 SINGLES = 40
+#: From this share of the rate on a filter may bend the density within a band: three Gauss-Legendre points there.
+BENT = 1 / 50
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,10 @@ class Statistics:
             power.append(s.sums(s.coefficients**2))
             nodes.append(np.minimum(weights(_singles(s))[0] * fs / s.n, fs / 2))
         frequency = np.concatenate(frequency)
-        grid = np.concatenate([frequency, *nodes])
+        half = np.concatenate([np.diff(s.edges) * fs / (4 * s.n) for s in stretches])
+        bent = (frequency > BENT * fs) & (np.concatenate(count) > 3)
+        side = np.sqrt(0.6) * half[bent]
+        grid = np.concatenate([frequency, frequency[bent] - side, frequency[bent] + side, *nodes])
         return cls(float(fs), frequency, np.concatenate(count), np.concatenate(power), stretches,
                    float(mean), tuple(sorted(lines, key=lambda line: -line[1])), grid)
 
@@ -148,7 +153,10 @@ class Statistics:
         """Expected mean ordinate of each band, (..., b), from a one-sided density on `grid`, (..., g)."""
         b = len(self.frequency)
         expected = np.array(density[..., :b])
-        at, node = 0, b
+        bent = np.flatnonzero((self.frequency > BENT * self.rate) & (self.count > 3))
+        k = len(bent)
+        expected[..., bent] = (8 * expected[..., bent] + 5 * density[..., b:b + k] + 5 * density[..., b + k:b + 2 * k]) / 18
+        at, node = 0, b + 2 * k
         for s in self.stretches:
             k = _singles(s)
             first = int(np.searchsorted(s.edges[:-1], k, side="right"))
