@@ -38,7 +38,9 @@ def slots(time: np.ndarray, rate: float) -> np.ndarray:
     wide = np.flatnonzero(np.diff(late) > 0.5) + 1
     if wide.size and in_bursts(time):
         wide = wide[(wide > BURST_WINDOW // 8) & (wide < len(time) - BURST_WINDOW // 8)]
-        rise = np.array([np.median(late[i:i + BURST_WINDOW]) - np.median(late[max(0, i - BURST_WINDOW):i]) for i in wide])
+        total = np.r_[0.0, np.cumsum(late)]                  # mean lateness of the window before against the one after
+        low, high = np.maximum(wide - BURST_WINDOW, 0), np.minimum(wide + BURST_WINDOW, len(time))
+        rise = (total[high] - total[wide]) / (high - wide) - (total[wide] - total[low]) / (wide - low)
         least = max(0.5, 6.0 * 1.4826 * float(np.median(np.abs(rise - np.median(rise))))) if wide.size else 0.0
         own = np.rint((time[wide] - time[wide - 1]) * rate) - 1
         lost = np.where((rise > least) & (own >= least), np.minimum(np.rint(rise), own), 0)

@@ -1,0 +1,12 @@
+"""Files into records: whatever an IMU's log looks like, one call, and no unit guessed.
+
+    record = read_record("static.csv", gyro_unit="deg/s", accel_unit="g")
+    record = read_record(gyro="gyro.txt", accel="accel.txt", gyro_unit="rad/s", accel_unit="m/s^2")
+    drive = read_drive("drive.npz")
+"""
+from __future__ import annotations
+
+from imu_lib.readers.static import read_raw, read_record
+from imu_lib.readers.drives import read_drive
+
+__all__ = ["read_drive", "read_raw", "read_record"]
