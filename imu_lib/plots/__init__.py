@@ -12,6 +12,8 @@ from types import ModuleType
 _HOME = {
     "apply": "style",
     "grid": "style",
+    "unstable_response": "errata",
+    "outage_ratios": "errata",
 }
 __all__ = sorted(_HOME)
 
