@@ -1,0 +1,191 @@
+"""What the commands share: the flags that open a record, results written whole or not at all, tables, progress."""
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Iterable, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from imu_lib.errors import InputError
+
+
+def number(text: str) -> float:
+    """An argparse type: a finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def positive(text: str) -> float:
+    """An argparse type: a positive number."""
+    value = number(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    return value
+
+
+def add_record_arguments(parser: argparse.ArgumentParser, *, positional: str | None = "FILE", required: bool = True) -> None:
+    """The record's file (or two files) and the flags that say what is in it."""
+    if positional:
+        parser.add_argument("file", nargs="?", metavar=positional, help="the record: .npz .csv .txt .tsv .parquet .mat or a ROS bag")
+    group = parser.add_argument_group("what is in the file")
+    group.add_argument("--gyro", metavar="FILE", help="the gyro's file, where gyro and accelerometer are two files")
+    group.add_argument("--accel", metavar="FILE", help="the accelerometer's file")
+    group.add_argument("--rate", type=positive, metavar="HZ", help="samples per second, where the file has no time")
+    group.add_argument("--gyro-unit", metavar="UNIT", help="rad/s, deg/s, deg/h or counts:C (C counts per deg/s)")
+    group.add_argument("--accel-unit", metavar="UNIT", help="m/s^2, g, mg or counts:C (C counts per g)")
+    group.add_argument("--columns", metavar="NAMES", help="names by position, as in time,gyro_x,gyro_y,gyro_z,-,accel_x; - skips")
+    group.add_argument("--topic", metavar="NAME", help="the IMU topic of a ROS bag that has several")
+    group.add_argument("--start", type=number, metavar="S", help="leave out what comes before, s from the first sample")
+    group.add_argument("--stop", type=number, metavar="S", help="leave out what comes from here on, s")
+    group.add_argument("--trust-units", action="store_true", help="do not refuse units that look impossible")
+
+
+def record_options(args: argparse.Namespace) -> dict:
+    """The keyword arguments of `read_record` out of parsed flags."""
+    keys = ("gyro", "accel", "rate", "gyro_unit", "accel_unit", "columns", "topic", "start", "stop", "trust_units")
+    return {k: getattr(args, k) for k in keys if getattr(args, k, None) not in (None, False)}
+
+
+def open_record(args: argparse.Namespace, *, tell: bool = True, **more):
+    """The record of parsed flags; what reading did to it is told on standard error."""
+    from imu_lib.readers import read_record
+
+    if args.start is not None and args.stop is not None and args.stop <= args.start:
+        raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
+    path = getattr(args, "file", None)
+    if path and (args.gyro or args.accel):
+        raise InputError("Give one FILE, or --gyro FILE and --accel FILE, not both.")
+    record = read_record(path, **record_options(args), **more)
+    if tell:
+        for note in record.notes:
+            print(f"note: {note}", file=sys.stderr)
+    return record
+
+
+def add_json_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", metavar="FILE", help="write the whole result as JSON (- for standard output)")
+
+
+@contextmanager
+def atomic_path(path):
+    """A temporary path beside `path` that takes its name when the block ends well and vanishes otherwise."""
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path} is a directory; name a file to write.")
+    if not path.parent.is_dir():
+        raise InputError(f"{path.parent} is no folder to write {path.name} into; make it first.")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    os.close(handle)
+    temporary = Path(temporary)
+    try:
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)             # mkstemp makes files private; a result is not
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def atomic_folder(path):
+    """A temporary folder whose files move into `path` (made if needed) when the block ends well; otherwise nothing is left."""
+    path = Path(path)
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path} is a file; --out names a folder.")
+    if not path.resolve().parent.is_dir():
+        raise InputError(f"{path.parent} is no folder to make {path.name} in; make it first.")
+    with tempfile.TemporaryDirectory(dir=path.resolve().parent, prefix=f".{path.name}-") as temporary:
+        yield Path(temporary)
+        path.mkdir(exist_ok=True)
+        for item in sorted(Path(temporary).rglob("*")):
+            target = path / item.relative_to(temporary)
+            if item.is_dir():
+                target.mkdir(exist_ok=True)
+            else:
+                item.replace(target)
+
+
+def check_writable(path) -> None:
+    """InputError at once, before long work, where `path` (a file to be) has no folder or is one. `-` and None pass."""
+    if path in (None, "-"):
+        return
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path} is a directory; name a file to write.")
+    if not path.parent.is_dir():
+        raise InputError(f"{path.parent} is no folder to write {path.name} into; make it first.")
+
+
+def plain(value):
+    """A result as JSON knows it: dataclasses with `to_json`, arrays, NumPy numbers; NaN and infinities become null."""
+    if hasattr(value, "to_json"):
+        return plain(value.to_json())
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [plain(v) for v in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, (str, int, bool)):
+        return value
+    return str(value)
+
+
+def write_json(value, path) -> None:
+    """The result as JSON to a file, whole or not at all, or to standard output for `-`. Does nothing for None."""
+    if path is None:
+        return
+    text = json.dumps(plain(value), indent=2, allow_nan=False) + "\n"
+    if path == "-":
+        sys.stdout.write(text)
+        return
+    with atomic_path(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def table(rows: Iterable[Sequence], header: Sequence[str] | None = None) -> str:
+    """Rows as aligned text: the first column to the left, the others to the right."""
+    body = [[str(c) for c in row] for row in rows]
+    lines = ([list(header)] if header else []) + body
+    widths = [max(len(line[i]) for line in lines if i < len(line)) for i in range(max(map(len, lines)))] if lines else []
+    out = ["  ".join(c.ljust(w) if i == 0 else c.rjust(w) for i, (c, w) in enumerate(zip(line, widths))).rstrip() for line in lines]
+    if header:
+        out.insert(1, "  ".join("-" * w for w in widths))
+    return "\n".join(out)
+
+
+def in_datasheet_unit(value: float | None, symbol: str, channel: str) -> str:
+    """A coefficient in SI as text in its datasheet unit, without the unit; `-` for None."""
+    from imu_lib import units
+
+    if value is None or not math.isfinite(value):
+        return "-"
+    return f"{value / units.datasheet(symbol, channel)[0]:.4g}"
+
+
+def estimate_text(estimate, symbol: str, channel: str) -> str:
+    """An Estimate as `value [low, high]` in its datasheet unit, or `< high` where the record does not show it."""
+    low, high = (in_datasheet_unit(v, symbol, channel) for v in (estimate.low, estimate.high))
+    if estimate.value is None:
+        return f"< {high}"
+    return f"{in_datasheet_unit(estimate.value, symbol, channel)} [{low}, {high}]"
+
+
+def progress(iterable=None, *, about: str = "", total: int | None = None):
+    """tqdm on standard error, quiet where that is no terminal."""
+    from tqdm import tqdm
+
+    return tqdm(iterable, desc=about, total=total, file=sys.stderr, disable=None, leave=False)
