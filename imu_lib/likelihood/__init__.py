@@ -6,8 +6,9 @@ then a sum over 450 terms, `fit(x, fs, template)` its maximum with profile inter
 candidate sums. Equations: `statistics`, `kernel` and `evaluate`.
 """
 
+from .choose import CANDIDATES, Choice, FastEnd, choose, fast_end
 from .evaluate import density, goodness, log_likelihood, residuals
 from .fit import Fit, fit
 from .statistics import Regressors, Statistics
 
-__all__ = ["Fit", "Regressors", "Statistics", "density", "fit", "goodness", "log_likelihood", "residuals"]
+__all__ = ["CANDIDATES", "Choice", "FastEnd", "Fit", "Regressors", "Statistics", "choose", "density", "fast_end", "fit", "goodness", "log_likelihood", "residuals"]

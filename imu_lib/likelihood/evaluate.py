@@ -115,7 +115,7 @@ def goodness(stats, expected, parameters, power=None, *, per_decade=8):
     """p-value of the hypothesis that the record has this spectrum.
 
     Two chi-square sums of normal scores, over all bands and over `per_decade` bands a decade (where a smooth misfit
-    adds up); the smaller p-value counts twice (Bonferroni).
+    adds up); the smaller p-value of the two counts as such (Sidak).
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def goodness(stats, expected, parameters, power=None, *, per_decade=8):
         upper = np.clip(gammaincc(count[keep] / 2, total[keep] / 2), 1e-300, 1 - 1e-16)
         square = float(np.sum(ndtri(upper) ** 2))
         p_values.append(chi2.sf(square, max(int(keep.sum()) - parameters, 1)))
-    return float(min(1.0, 2 * min(p_values)))
+    return float(-np.expm1(2 * np.log1p(-min(min(p_values), 1 - 1e-16))))
 
 
 def _bands(stats, per_decade):

@@ -168,6 +168,17 @@ class Statistics:
             node += len(u)
         return expected
 
+    def between(self, low, high):
+        """The statistics of the bands that lie between two frequencies, Hz."""
+        parts = []
+        for s in self.stretches:
+            step = self.rate / (2 * s.n)
+            keep = s.edges[(s.edges * step >= low) & ((s.edges - 1) * step <= high)]
+            if len(keep) < 5:
+                raise ValueError(f"`low` and `high` leave fewer than four bands between {low:g} and {high:g} Hz")
+            parts.append(replace(s, edges=keep))
+        return Statistics._assemble(self.rate, tuple(parts), self.mean, self.lines)
+
     def subtract(self, mean):
         """The statistics of x - mean, `mean` (n,) over all samples in order."""
         mean = np.asarray(mean, dtype=float)
