@@ -15,7 +15,7 @@ import numpy as np
 
 # Choosing a backend also switches interactive display on; done inside `styled` that would be undone with the look,
 # and a notebook would show its first figure alone.
-plt.get_backend()
+plt.switch_backend(plt.get_backend())
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE, GREY = "#F0E442", "#0072B2", "#D55E00", "#CC79A7", "#7F7F7F"
