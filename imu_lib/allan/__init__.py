@@ -5,5 +5,7 @@ joint fit of a sum of processes, `characterise(x, fs)` one coefficient of each k
 """
 
 from imu_lib.allan.deviation import AllanCurve, cluster_lengths, deviation
+from imu_lib.allan.fit import AllanFit, fit
+from imu_lib.allan.limits import flat_time
 
-__all__ = ["AllanCurve", "cluster_lengths", "deviation"]
+__all__ = ["AllanCurve", "AllanFit", "cluster_lengths", "deviation", "fit", "flat_time"]

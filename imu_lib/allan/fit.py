@@ -1,0 +1,126 @@
+"""Joint fit of a sum of processes to a whole Allan curve: the public door, the starts, and the result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from imu_lib.allan.limits import drop_absent, estimates
+from imu_lib.allan.problem import Problem, Terms, iterate
+from imu_lib.estimate import Estimate
+from imu_lib.processes import Sum
+
+
+@dataclass(frozen=True)
+class AllanFit:
+    """A sum of processes fitted to an Allan curve.
+
+    Attributes
+    ----------
+    model : Sum
+        The fitted sum; an amplitude that the record does not show is zero.
+    parameters : dict of str to Estimate
+        What was fitted, with 95 % intervals, by the labels of the sum (`N`, `sigma`, `correlation_time`, `sigma_2`).
+    flat : Estimate
+        The flat level: the fitted Allan deviation where its slope is nearest to zero (see `flat_level`).
+    misfit : float
+        Generalised sum of squares of the residuals, about chi-square with `dof` degrees of freedom.
+    dof : int
+    p_value : float
+        Probability of a misfit as large if the model is true.
+    criterion : float
+        Misfit + log determinant of the covariance + ln(j) per parameter: smaller is better among templates.
+    tau, predicted, sd : ndarray, shape (j,)
+        Averaging times that were fitted, the model's Allan deviation there, and the relative standard error that an
+        estimate of it has under the model.
+    """
+
+    model: Sum
+    parameters: dict
+    flat: Estimate
+    misfit: float
+    dof: int
+    p_value: float
+    criterion: float
+    tau: np.ndarray
+    predicted: np.ndarray
+    sd: np.ndarray
+
+    def __getitem__(self, label) -> Estimate:
+        return self.parameters[label]
+
+
+def choose(curve, *, ratio=2**0.5, shortest=0.0, longest=np.inf):
+    """Indices of the averaging times that a fit uses: about two an octave, which loses next to nothing."""
+    ok = np.flatnonzero((curve.tau >= shortest) & (curve.tau <= longest) & (curve.adev > 0))
+    if ok.size == 0:
+        return ok
+    log = np.log(curve.tau[ok])
+    goal = log[0] + np.log(ratio) * np.arange(np.rint((log[-1] - log[0]) / np.log(ratio)) + 1)
+    return ok[np.unique(np.abs(log[None, :] - goal[:, None]).argmin(axis=1))]
+
+
+def fit(curve, terms, *, shortest=0.0, longest=np.inf):
+    """Fit a sum of processes to an Allan curve by iterated generalised least squares.
+
+    Parameters
+    ----------
+    curve : AllanCurve
+    terms : Sum or Process
+        The template: parameters at None are fitted, others held. Output stages (a low-pass filter, rounding) must be
+        complete; they enter as they are.
+    shortest, longest : float
+        Range of averaging times to use, s.
+
+    Returns
+    -------
+    AllanFit
+
+    Raises
+    ------
+    ValueError
+        Where the template leaves nothing to fit, or the range holds too few averaging times for it.
+    """
+    terms = Terms(terms)
+    index = choose(curve, shortest=shortest, longest=longest)
+    count = len(terms.linear) + len(terms.shape)
+    if index.size <= count:
+        raise ValueError(f"`curve` has {index.size} averaging times in the range, too few to fit {count} parameters")
+    problem = Problem(curve, terms, index)
+    found = min((iterate(problem, start, rounds=2) for start in _starts(problem, curve)), key=lambda one: one[3])
+    found = iterate(problem, found[0])
+    shape, squares, misfit, criterion = drop_absent(problem, found)
+    parameters, flat = estimates(problem, shape, squares)
+    model = terms.model(shape, squares)
+    dof = index.size - count
+    variance = np.diag(problem.covariance(shape, squares))
+    predicted = problem.predict(shape, squares)
+    return AllanFit(model, parameters, flat, float(misfit), int(dof), float(stats.chi2.sf(misfit, dof)),
+                    float(criterion + count * np.log(index.size)), problem.tau, np.sqrt(predicted),
+                    np.sqrt(variance) / predicted / 2)
+
+
+def _starts(problem, curve, *, points=16, best=3):
+    """Shape parameters to start from: the best few, well apart, of a logarithmic grid."""
+    shape = problem.terms.shape
+    if not shape:
+        return [np.empty(0)]
+    axis = np.log(np.geomspace(3 * problem.tau[0], curve.duration / 6, points))
+    terms = problem.terms.template.terms
+    kinds = [{p.name: p.kind for p in terms[t].parameters}[name] for t, name, _ in shape]
+    grid = np.stack([g.ravel() for g in np.meshgrid(*[axis if kind == "time" else -axis for kind in kinds],
+                                                    indexing="ij")], axis=1)
+    for i in range(1, len(shape)):  # twins among the terms in order of their time constants
+        if terms[shape[i][0]].name == terms[shape[i - 1][0]].name and shape[i][1] == shape[i - 1][1]:
+            grid = grid[grid[:, i] > grid[:, i - 1]]
+    white = problem.first_whitener()
+    misfit = np.array([problem.solve(p, white)[1] for p in grid])
+    chosen = []
+    for p in grid[np.argsort(misfit)]:
+        if all(np.abs(p - q).max() > 1.5 * (axis[1] - axis[0]) for q in chosen):
+            chosen.append(p)
+        if len(chosen) == best:
+            break
+    return chosen

@@ -1,0 +1,145 @@
+"""Intervals of a joint Allan fit, and upper limits for what a record does not show.
+
+The scatter of an Allan curve grows with the very parameters that are estimated: where a time constant comes out short
+by chance, a standard error taken at the fit is too small as well. So the ends of an interval are where the estimate
+lies 1.96 standard errors away with the error taken *there*, the other parameters moved along with it; amplitudes on
+the scale of the cube root of their square, which makes a chi-square nearly normal (Wilson and Hilferty), time
+constants on the logarithmic one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.allan import confidence
+from imu_lib.allan.problem import iterate
+from imu_lib.estimate import Z95, Estimate
+
+ONE_SIDED = 1.6448536269514722  # 95 % point of the standard normal distribution
+
+
+def drop_absent(problem, found, *, needed=2.706):
+    """Take out, one after the other, terms without which the misfit grows by less than `needed`.
+
+    2.706 is the 95 % point for an amplitude that cannot be negative. Returns shape, squares, misfit, criterion of
+    what is left; `problem.active` tells which terms those are.
+    """
+    while True:
+        shape, squares, misfit, _ = found
+        problem.active &= squares > 0
+        sd = np.sqrt(np.diag(problem.information(shape, squares)))[:squares.size]
+        weak = [i for i in np.flatnonzero(problem.active) if sd[i] > 0.2]
+        trials = []
+        for i in weak:
+            if problem.active.sum() == 1:
+                break
+            problem.active[i] = False
+            without = iterate(problem, shape)
+            problem.active[i] = True
+            # both against the covariance of the model without the term
+            white = problem.whitener(problem.covariance(*without[:2]))
+            trials.append((problem.solve(without[0], white)[1] - _best(problem, shape, white), i, without))
+        if not trials or min(trials, key=lambda t: t[0])[0] > needed:
+            return found
+        _, i, found = min(trials, key=lambda t: t[0])
+        problem.active[i] = False
+
+
+def _best(problem, shape, white):
+    """Least misfit of the active terms under a given covariance, near the shape."""
+    return iterate(problem, shape, white=white)[2]
+
+
+def estimates(problem, shape, squares):
+    """Estimates of all free parameters by label, and of the flat level."""
+    linear, shapes = problem.terms.linear, problem.terms.shape
+    cov = problem.information(shape, squares)
+    moving = problem.moving()
+    parameters = {}
+    for i, (_, _, label) in enumerate(linear):
+        parameters[label] = (_ends(problem, shape, squares, cov, i) if problem.active[i]
+                             else Estimate.absent(_upper(problem, shape, squares, i)))
+    for k, (_, _, label) in enumerate(shapes):
+        parameters[label] = (_ends(problem, shape, squares, cov, len(linear) + k) if moving[k]
+                             else Estimate.absent())
+    order = [label for label, *_ in problem.terms.template.labels() if label in parameters]
+    return {label: parameters[label] for label in order}, _flat(problem, shape, squares, cov)
+
+
+def _ends(problem, shape, squares, cov, i):
+    """Interval of parameter i (amplitudes first, then shapes), its standard error taken at the ends."""
+    k = squares.size
+    value = np.sqrt(squares[i]) if i < k else np.exp(shape[i - k])
+    power = 2 / 3 if i < k else 0.0
+    change = cov[:, i] / cov[i, i]
+    ends = []
+    for sign in (-1, 1):
+        sd = np.sqrt(cov[i, i])
+        step = sign * Z95 * sd
+        for _ in range(6 if sd > 0.02 else 0):
+            step = np.clip(step, -4.0, 4.0)
+            there = problem.information(shape + change[k:] * step, squares * np.exp(2 * change[:k] * step))
+            sd = np.sqrt(there[i, i])
+            new = _log_step(sign * Z95 * sd, power)
+            if abs(new - step) < 0.01 * abs(step):
+                break
+            step = 0.5 * (step + new)
+        ends.append(value * np.exp(step))
+    return Estimate(float(value), float(ends[0]), float(ends[1]))
+
+
+def _log_step(z, power):
+    """ln(v0 / v) where v^p lies z p v0^p from v0^p (power 0: the logarithm itself)."""
+    if not power:
+        return z
+    return -np.log(max(1 - z * power, 0.05)) / power
+
+
+def _upper(problem, shape, squares, i):
+    """95 % upper limit of an amplitude that is out of the fit; infinite where the record sets none."""
+    basis, _ = problem.design(shape)
+    moving = problem.moving()
+    problem.active[i] = True
+    c = 1e-4 * np.min(problem.predict(shape, squares) / basis[:, i])
+    for _ in range(60):
+        trial = squares.copy()
+        trial[i] = c
+        sd = np.sqrt(problem.information(shape, trial, moving)[i, i])
+        new = ONE_SIDED * 2 * c * sd
+        if not np.isfinite(new) or new > 1e6 * np.max(problem.v) / np.min(basis[:, i]):
+            c = np.inf
+            break
+        if abs(new - c) < 0.01 * c:
+            c = new
+            break
+        c = np.sqrt(c * new) if new < 30 * c else new
+    problem.active[i] = False
+    return float(np.sqrt(c))
+
+
+def flat_time(model, shortest, longest):
+    """Averaging time, s, at which a sum's Allan deviation is flattest; where it has a Gauss-Markov process, on its bump."""
+    tau = np.geomspace(shortest, longest, 400)
+    markov = [p.correlation_time for p in model.terms if p.name.startswith("gauss_markov") and p.sigma]
+    near = np.zeros(tau.size, dtype=bool)
+    for time in markov:
+        near |= (tau >= time) & (tau <= 6 * time)
+    slope = np.abs(np.gradient(np.log(model.avar(tau)), np.log(tau)))
+    return float(tau[np.argmin(np.where(near if near.any() else True, slope, np.inf))])
+
+
+def _flat(problem, shape, squares, cov):
+    """The model's Allan deviation where it is flattest (there a shift of the place does not matter to first order)."""
+    model = problem.terms.model(shape, squares)
+    tau = np.array([flat_time(model, problem.tau[0], problem.tau[-1])])
+
+    def log_deviation(log):
+        k = squares.size
+        return 0.5 * np.log(problem.terms.model(log[k:], np.exp(2 * log[:k])).avar(tau, problem.fs)[0])
+
+    log = np.concatenate([0.5 * np.log(np.maximum(squares, 1e-300)), shape])
+    gradient = np.array([(log_deviation(log + e) - log_deviation(log - e)) / 2e-3 for e in 1e-3 * np.eye(log.size)])
+    sd = np.sqrt(gradient @ cov @ gradient)
+    level = float(np.exp(log_deviation(log)))
+    low, high = confidence.interval(level, 1 / max(2 * sd**2, 1e-12))
+    return Estimate(level, float(low), float(high))

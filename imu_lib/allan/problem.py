@@ -1,0 +1,186 @@
+"""A template against an Allan curve: design, covariance and misfit, and the iterated fit of one start.
+
+The Allan variance is linear in the squared amplitudes and smooth in the time constants. For time constants held, the
+squared amplitudes follow from non-negative generalised least squares; the time constants follow by minimising what is
+left. The covariance of the estimates depends on the model itself (imu_lib.allan.covariance), so it is taken at the
+fit, and fit and covariance are iterated until they agree: the weights then come from the smooth model, not from the
+scattered curve, which keeps the solution unbiased.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import linalg, optimize
+
+from imu_lib.allan.covariance import Quadrature
+from imu_lib.errors import UndefinedFormError
+from imu_lib.processes import LowPass, Sum
+
+
+class Terms:
+    """The terms of a template: what is free in each, and its Allan variance and density at unit amplitude."""
+
+    def __init__(self, template):
+        self.template = template if isinstance(template, Sum) else Sum((template,))
+        self.linear, self.shape = [], []
+        labels = {(index, name): label for label, index, name in self.template.labels()}
+        for t, process in enumerate(self.template.terms):
+            for p in process.parameters:
+                if getattr(process, p.name) is None and not p.optional:
+                    size = p.kind == "amplitude" or process.name == "ramp"
+                    if not size and p.kind not in ("time", "frequency", "rate"):
+                        raise ValueError(f"`terms`: give {process.name} its `{p.name}`; an Allan curve cannot fit it")
+                    (self.linear if size else self.shape).append((t, p.name, labels[t, p.name]))
+        if not self.linear and not self.shape:
+            raise ValueError("`terms` leaves nothing to fit: leave the parameters to be estimated at None")
+        self.filter = tuple(s for s in self.template.stages if isinstance(s, LowPass))
+        self.stages = tuple(s for s in self.template.stages if not isinstance(s, LowPass))
+        self.cache = {}
+
+    def model(self, shape, squares):
+        """The complete sum for log shape parameters and squared amplitudes."""
+        values = {label: float(np.exp(v)) for (_, _, label), v in zip(self.shape, shape, strict=True)}
+        values |= {label: float(np.sqrt(max(c, 0.0))) for (_, _, label), c in zip(self.linear, squares, strict=True)}
+        return self.template.with_values(values)
+
+    def parts(self, shape, tau, f, fs):
+        """Allan variance (terms + 1, j) and density (terms + 1, k) at unit amplitude; last, what the stages add."""
+        rows = [self._part(t, tuple(float(v) for (s, _, _), v in zip(self.shape, shape, strict=True) if s == t),
+                           tau, f, fs) for t in range(len(self.template.terms))]
+        rows.append(self._part(None, (), tau, f, fs))
+        return np.array([a for a, _ in rows]), np.array([s for _, s in rows])
+
+    def _part(self, t, shape, tau, f, fs):
+        key = (t, shape)
+        if key not in self.cache:
+            if len(self.cache) > 300:
+                self.cache.clear()
+            if t is None:
+                one = Sum((), self.stages)
+            else:
+                values = dict(zip([name for s, name, _ in self.shape if s == t], np.exp(shape), strict=True))
+                values |= {name: 1.0 for s, name, _ in self.linear if s == t}
+                term = self.template.terms[t].with_(**values)
+                slow = getattr(term, "correlation_time", 0) * min((s.cutoff for s in self.filter), default=0) > 20
+                one = Sum((term,), () if slow else self.filter)  # the filter does not touch what is slow
+            try:
+                density = one.psd(f, fs)
+            except UndefinedFormError:  # a ramp, a sinusoid: no random part
+                density = np.zeros(f.shape)
+            self.cache[key] = one.avar(tau, fs), density
+        return self.cache[key]
+
+
+class Problem:
+    """One curve against one template: design, covariance and misfit in log shape parameters and squared amplitudes."""
+
+    def __init__(self, curve, terms, index):
+        self.terms, self.tau, self.fs = terms, curve.tau[index], curve.fs
+        self.v = curve.avar[index]
+        self.edf = curve.edf[index]
+        self.quad = Quadrature(curve.m[index], curve.samples, curve.n[index], curve.fs)
+        self.free = [t for t, _, _ in terms.linear]
+        self.held = [t for t in range(len(terms.template.terms) + 1) if t not in self.free]
+        self.active = np.ones(len(terms.linear), dtype=bool)  # terms that are in the fit at all
+
+    def moving(self):
+        """Which shape parameters are fitted: all but those of a term that is out, (s,) of bool."""
+        out = {t for t, here in zip(self.free, self.active, strict=True) if not here}
+        return np.array([t not in out for t, _, _ in self.terms.shape], dtype=bool)
+
+    def design(self, shape):
+        """Allan variance of the free terms (j, terms) and of what is held (j,)."""
+        avar, _ = self.terms.parts(shape, self.tau, self.quad.f, self.fs)
+        return avar[self.free].T, avar[self.held].sum(axis=0)
+
+    def predict(self, shape, squares):
+        basis, held = self.design(shape)
+        return basis @ squares + held
+
+    def covariance(self, shape, squares):
+        """Covariance of the estimates under the model (j, j), with a ramp's cross terms."""
+        avar, density = self.terms.parts(shape, self.tau, self.quad.f, self.fs)
+        weight = np.ones(len(avar))
+        weight[self.free] = squares
+        out = self.quad.covariance(weight @ density)
+        trend = weight @ np.where(density.any(axis=1)[:, None], 0.0, avar)
+        if trend.any():
+            mean = np.sqrt(trend)
+            out += 4 * np.outer(mean, mean) * self.quad.mean_covariance(weight @ density)
+        return out
+
+    def whitener(self, covariance):
+        """Inverse square root of the covariance; eigenvalues of the correlation below 1e-4 are lifted to that."""
+        scale = np.sqrt(np.maximum(np.diag(covariance), (1e-9 * self.v) ** 2))
+        value, vector = linalg.eigh(covariance / np.outer(scale, scale))
+        return (vector / np.sqrt(np.maximum(value, 1e-4))).T / scale
+
+    def solve(self, shape, white):
+        """Squared amplitudes >= 0 and the misfit at held shape."""
+        basis, held = self.design(shape)
+        a, b = white @ basis, white @ (self.v - held)
+        norm = np.linalg.norm(a, axis=0)
+        squares = np.zeros(norm.size)
+        found, rest = optimize.nnls((a / norm)[:, self.active], b)
+        squares[self.active] = found
+        return squares / norm, rest**2
+
+    def information(self, shape, squares, moving=None):
+        """Covariance of the logarithms of the amplitudes and shape parameters at this model (p, p).
+
+        Rows and columns follow `terms.linear`, then `terms.shape`; what is not in the fit has zeros. `moving` says
+        which shape parameters are uncertain, by default those of the terms in the fit.
+        """
+        white = self.whitener(self.covariance(shape, squares))
+        basis, _ = self.design(shape)
+        columns = [2 * basis * squares]
+        for step in 1e-3 * np.eye(shape.size):
+            rise = (self.design(shape + step)[0] - self.design(shape - step)[0]) @ squares / 2e-3
+            columns.append(rise[:, None])
+        kept = np.flatnonzero(np.concatenate([self.active, self.moving() if moving is None else moving]))
+        jacobian = white @ np.hstack(columns)[:, kept]
+        norm = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-150)
+        jacobian = jacobian / norm
+        inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13, hermitian=True) / np.outer(norm, norm)
+        out = np.zeros((basis.shape[1] + shape.size,) * 2)
+        out[np.ix_(kept, kept)] = inverse
+        return out
+
+    def first_whitener(self):
+        """For the starts: the curve's own scatter, as if averaging times were independent."""
+        return np.diag(np.sqrt(self.edf / 2) / self.v)
+
+
+def iterate(problem, shape, *, rounds=15, white=None):
+    """Fit and covariance in turn from one start: shape, squares, misfit, misfit + log determinant.
+
+    With `white` given, that covariance is kept.
+    """
+    held = white is not None
+    white = white if held else problem.first_whitener()
+    squares, _ = problem.solve(shape, white)
+    last = None
+    for _ in range(rounds):
+        if not held:
+            white = problem.whitener(problem.covariance(shape, squares))
+        moving = problem.moving()
+        if moving.any():
+            def rest(part, white=white, moving=moving, shape=shape):
+                return problem.solve(_put(shape, moving, part), white)[1]
+            start = shape[moving]
+            simplex = np.vstack([start, start + 0.1 * np.eye(start.size)])
+            part = optimize.minimize(rest, start, method="Nelder-Mead",
+                                     options={"xatol": 1e-4, "fatol": 1e-6, "initial_simplex": simplex}).x
+            shape = _put(shape, moving, part)
+        squares, misfit = problem.solve(shape, white)
+        now = np.concatenate([np.exp(shape), np.sqrt(squares)])
+        if held or last is not None and np.allclose(now, last, rtol=1e-3, atol=0):
+            break
+        last = now
+    return shape, squares, misfit, misfit - 2 * np.linalg.slogdet(white)[1]
+
+
+def _put(shape, moving, part):
+    out = shape.copy()
+    out[moving] = part
+    return out
