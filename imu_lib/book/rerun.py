@@ -54,10 +54,11 @@ def safe_name(name: str) -> str:
 
 def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...]) -> execute.Run:
     """Execute the chapter at `path` on the record and store it there, cut at the cell that the record fails."""
+    from papermill.iorw import load_notebook_node
     from papermill.parameterize import parameterize_notebook
 
     started = time.monotonic()
-    notebook = nbformat.read(path, as_version=4)
+    notebook = load_notebook_node(str(path))
     values = {"record_path": str(record_path)}
     if contents.parameters(notebook).get("channel", channels[0]) not in channels:
         values["channel"] = channels[0]

@@ -1,0 +1,123 @@
+"""Executing, rerunning and building on a book of two small chapters."""
+
+import shutil
+
+import nbformat
+import numpy as np
+import pytest
+from conftest import ROOT
+
+from imu_lib.book import build, chapters, execute, rerun
+from imu_lib.errors import InputError
+from imu_lib.record import Record
+
+CODE, TEXT = nbformat.v4.new_code_cell, nbformat.v4.new_markdown_cell
+PARAMETERS = 'record_path = ""\nchannel = "accel_z"'
+OPENS = "import numpy as np\nrecord = dict(np.load(record_path)) if record_path else {'accel_z': np.zeros(3)}"
+FIGURE = "import matplotlib.pyplot as plt\nplt.plot([1, 3, 2]);"
+
+
+def notebook(*cells):
+    built = nbformat.v4.new_notebook(cells=list(cells))
+    for number, cell in enumerate(built.cells):
+        cell["id"] = f"c{number}"
+    return built
+
+
+@pytest.fixture
+def small_book(tmp_path, monkeypatch):
+    """A checkout with one chapter that works on any record, one that needs a temperature, one on something else."""
+    source = tmp_path / "source"
+    for name in ("_config.yml", "bibliography.md", "status.md", "references.bib", "notation.md"):
+        (source / "book").mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / "book" / name, source / "book" / name)
+    (source / "book/intro.md").write_text("# Small\n\nA book.\n")
+    (source / "book/chapters.toml").write_text("[needs]\n")
+    (source / "book/_toc.yml").write_text(
+        "format: jb-book\nroot: book/intro\nparts:\n  - caption: All\n    chapters:\n      - file: nbs/works\n"
+        "      - file: nbs/stops\n      - file: nbs/other\n      - file: book/notation\n      - file: book/status\n"
+        "      - file: book/bibliography\n")
+    (source / "nbs").mkdir()
+    tagged = {"metadata": {"tags": ["parameters"]}}
+    nbformat.write(notebook(TEXT("# Does it work?"), CODE(PARAMETERS, **tagged), CODE(OPENS), CODE("print(channel, len(record[channel]))"),
+                            CODE(FIGURE)), source / "nbs/works.ipynb")
+    nbformat.write(notebook(TEXT("# Is it warm?"), CODE(PARAMETERS, **tagged), CODE(OPENS), CODE("print('kept')"), TEXT("Next."),
+                            CODE("from imu_lib.errors import InputError\nif record_path and 'temperature' not in record:\n"
+                                 "    raise InputError('there is no temperature in this record')"), TEXT("## Never reached")),
+                   source / "nbs/stops.ipynb")
+    nbformat.write(notebook(TEXT("# Does it drive?"), CODE("1 + 1", **tagged)), source / "nbs/other.ipynb")
+    monkeypatch.setattr(chapters, "source", lambda: source)
+    return source
+
+
+@pytest.fixture
+def record():
+    return Record({"gyro_x": np.random.default_rng(20130724).normal(size=500)}, 100.0, name="a b.csv")
+
+
+def test_two_executions_give_the_same_bytes(small_book):
+    path = small_book / "nbs/works.ipynb"
+    first = execute.execute_file(path)
+    stored = path.read_bytes()
+    again = execute.execute_file(path)
+    assert (first.error, first.changed, again.changed) == ("", True, False)
+    assert path.read_bytes() == stored
+    cells = [cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in cells] == [1, 2, 3, 4]
+    assert cells[2].outputs[0].text == "accel_z 3\n" and "image/png" in cells[3].outputs[-1].data
+
+
+def test_a_failing_chapter_keeps_what_is_stored(tmp_path):
+    path = tmp_path / "fails.ipynb"
+    nbformat.write(notebook(TEXT("# Fails?"), CODE("1 / 0")), path)
+    stored = path.read_bytes()
+    result = execute.execute_file(path)
+    assert "ZeroDivisionError" in result.error and not result.changed and path.read_bytes() == stored
+
+
+def test_rerun_on_a_record(small_book, record, tmp_path):
+    out = tmp_path / "mine"
+    told = []
+    page = rerun.book(record, out, progress=lambda run, done, total: told.append((run.path.stem, run.error)))
+    assert page.is_file() and sorted(told) == [("stops", "there is no temperature in this record"), ("works", "")]
+    works = (out / "nbs/works.html").read_text(encoding="utf-8")
+    assert "gyro_x 500" in works, "the channel that this record has, on this record"
+    assert str(tmp_path) not in works
+    stops = (out / "nbs/stops.html").read_text(encoding="utf-8")
+    assert "there is no temperature in this record" in stops and "kept" in stops
+    assert "Never reached" not in stops and "Traceback" not in stops
+    assert not (out / "nbs/other.html").exists()
+    assert "a b.csv" in (out / "book/intro.html").read_text(encoding="utf-8")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "source"], "nothing else is left behind"
+
+
+def test_a_failed_build_leaves_nothing(small_book, record, tmp_path, monkeypatch):
+    def fails(*args, **options):
+        raise build.BuildError("the builder said no")
+    monkeypatch.setattr(build, "build_pages", fails)
+    with pytest.raises(build.BuildError):
+        rerun.book(record, tmp_path / "mine", progress=lambda *state: None)
+    assert [path.name for path in tmp_path.iterdir()] == ["source"]
+
+
+def test_other_files_are_not_replaced(record, tmp_path):
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(InputError, match="holds other files"):
+        rerun.book(record, tmp_path)
+    with pytest.raises(InputError, match="name a folder"):
+        rerun.book(record, tmp_path / "thesis.tex")
+
+
+def test_a_warning_fails_the_book(small_book, tmp_path):
+    (small_book / "book/intro.md").write_text("# Small\n\n{doc}`nowhere`\n")
+    with pytest.raises(build.BuildError, match="unknown document"):
+        build.default(tmp_path / "html", execute_first=False)
+
+
+def test_a_chapter_without_its_record_keeps_its_outputs(small_book, monkeypatch):
+    (small_book / "book/chapters.toml").write_text('[needs]\nworks = ["a record that nobody has"]\n')
+    from imu_lib import datasets
+    monkeypatch.setattr(datasets, "available", lambda name: False)
+    monkeypatch.setattr(datasets, "twin", lambda *names: None)
+    found = {chapter.slug: chapter.missing for chapter in chapters.chapters()}
+    assert found == {"works": ("a record that nobody has",), "stops": (), "other": ()}
