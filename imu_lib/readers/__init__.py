@@ -6,7 +6,7 @@
 """
 from __future__ import annotations
 
-from imu_lib.readers.static import read_raw, read_record
+from imu_lib.readers.static import read_counted, read_raw, read_record
 from imu_lib.readers.drives import read_drive
 
-__all__ = ["read_drive", "read_raw", "read_record"]
+__all__ = ["read_counted", "read_drive", "read_raw", "read_record"]

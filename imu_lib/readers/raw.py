@@ -15,7 +15,7 @@ class Raw:
     """Columns by canonical name (see `names.parse`) with the unit each one's name states (None where it states none).
 
     contract: the file says by its keys that it is in SI. simulated: it says that imu_lib drew it.
-    epoch: absolute time of the first stamp, s, where the stamps tell. line: row number -> what to call it in a message.
+    epoch: absolute time of the first stamp, s, where the stamps tell; repeats: how many stamps repeated the one before. line: row number -> what to call it in a message.
     """
     source: str
     columns: dict[str, np.ndarray] = field(default_factory=dict)
@@ -25,6 +25,7 @@ class Raw:
     contract: bool = False
     simulated: bool = False
     epoch: float | None = None
+    repeats: int = 0
     line: Callable[[int], str] = lambda row: f"sample {row + 1}"
     headings: dict[str, str] = field(default_factory=dict)
 

@@ -103,6 +103,7 @@ def settle(raw: Raw, rate: float | None, *, lenient: bool = False) -> tuple[np.n
             raise InputError(f"{raw.source} has no time column and states no rate; give --rate HZ.")
         return None, float(rate), keep
     same = np.flatnonzero(np.diff(time) == 0) + 1
+    raw.repeats = len(same)
     if same.size and same.size < 0.2 * n and len(np.unique(np.diff(same))) > 1 or same.size == 1:
         time, keep = _single_repeats(raw, time, same, lenient)
     else:

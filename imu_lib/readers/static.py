@@ -38,41 +38,55 @@ def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
     return read_text(path, **options)
 
 
-def read_record(path=None, *, gyro=None, accel=None, rate: float | None = None, gyro_unit: str | None = None, accel_unit: str | None = None,
-                columns: str | None = None, start: float | None = None, stop: float | None = None, topic: str | None = None,
-                trust_units: bool = False, lenient: bool = False) -> Record:
-    """A static record from one file, or from a gyro and an accelerometer file.
+def read_record(path=None, **options) -> Record:
+    """A static record from one file, or from a gyro and an accelerometer file; all options as in `read_counted`."""
+    return read_counted(path, **options)[0]
 
-    path: .npz / .npy, .csv / .txt / .tsv, .parquet, .mat, ROS bag. rate: Hz, where the file has no time. gyro_unit: rad/s, deg/s, deg/h or
-    counts:C (C counts per deg/s). accel_unit: m/s^2, g, mg or counts:C (per g); a count of zero that is not 0 as counts:C:ZERO. columns: names by
-    position, `-` skips. start, stop: s from the first sample. topic: of a bag. trust_units: do not ask whether the units are possible.
-    lenient: keep single repeated stamps (for `check`). Raises InputError with one sentence, OSError where a file cannot be opened.
+
+def read_counted(path=None, *, gyro=None, accel=None, rate: float | None = None, gyro_unit: str | None = None, accel_unit: str | None = None,
+                 columns: str | None = None, start: float | None = None, stop: float | None = None, topic: str | None = None,
+                 trust_units: bool = False, lenient: bool = False) -> tuple[Record, int]:
+    """A static record and how many of its time stamps repeated the one before.
+
+    path: .npz / .npy, .csv / .txt / .tsv, .parquet, .mat, ROS bag; or `gyro` and `accel`, a file each. rate: Hz, where the file has no time.
+    gyro_unit: rad/s, deg/s, deg/h or counts:C (C counts per deg/s). accel_unit: m/s^2, g, mg or counts:C (per g); a zero that is not at 0
+    counts as counts:C:ZERO. columns: names by position, `-` skips. start, stop: s from the first sample. topic: of a bag.
+    trust_units: do not ask whether the units are possible. lenient: keep single repeated stamps (for `check`).
+    Raises InputError with one sentence, OSError where a file cannot be opened.
     """
     options = {"rate": rate or None, "trust": trust_units, "lenient": lenient}
     if (path is None) == (gyro is None and accel is None):
         raise InputError("Give one file, or --gyro FILE and --accel FILE.")
     if path is not None:
-        record = assemble(read_raw(path, columns=columns, topic=topic), gyro_unit=gyro_unit, accel_unit=accel_unit, **options)
+        raw = read_raw(path, columns=columns, topic=topic)
+        record, repeats = assemble(raw, gyro_unit=gyro_unit, accel_unit=accel_unit, **options), raw.repeats
     else:
-        parts = {}
+        parts, repeats = {}, 0
         for kind, file, unit in (("gyro", gyro, gyro_unit), ("accel", accel, accel_unit)):
-            if file is None:
-                continue
-            raw = read_raw(file, columns=columns, signal=kind, topic=topic)
-            for other in [c for c in raw.columns if c.startswith(("gyro", "accel", "dtheta", "dv")) and not c.startswith((kind, {"gyro": "dtheta", "accel": "dv"}[kind]))]:
-                del raw.columns[other]
-            if not raw.kinds():
-                raise InputError(f"{file} holds no {kind} columns; it was given as --{kind}.")
-            parts[kind] = (assemble(raw, **{f"{kind}_unit": unit}, **options), raw.epoch)
+            if file is not None:
+                raw = _only(read_raw(file, columns=columns, signal=kind, topic=topic), kind)
+                parts[kind] = (assemble(raw, **{f"{kind}_unit": unit}, **options), raw.epoch)
+                repeats += raw.repeats
         record = next(iter(parts.values()))[0] if len(parts) == 1 else merge(*parts["gyro"], *parts["accel"])
         if not trust_units and len(parts) == 2:
             check_units(record, {"gyro": gyro_unit or "rad/s"}, {"gyro": 1.0})
     if start is not None or stop is not None:
         try:
             record = record.slice(start, stop)
-        except ValueError as error:
-            raise InputError(f"{record.source}: {str(error).replace('`', '--', 1).replace('` and `', ' and --').replace('`', '')}.") from None
-    return record
+        except ValueError:
+            raise InputError(f"{record.source}: --start {0 if start is None else start:g} and --stop {record.duration if stop is None else stop:g} leave fewer "
+                             f"than two samples of a record of {record.duration:.6g} s.") from None
+    return record, repeats
+
+
+def _only(raw: Raw, kind: str) -> Raw:
+    """The columns of one kind: the file was given as --gyro or --accel."""
+    own = (kind, {"gyro": "dtheta", "accel": "dv"}[kind])
+    for other in [c for c in raw.columns if c.startswith(("gyro", "accel", "dtheta", "dv")) and not c.startswith(own)]:
+        del raw.columns[other]
+    if not raw.kinds():
+        raise InputError(f"{raw.source} holds no {kind} columns; it was given as --{kind}.")
+    return raw
 
 
 def merge(gyro: Record, gyro_epoch: float | None, accel: Record, accel_epoch: float | None) -> Record:
