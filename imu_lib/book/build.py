@@ -1,6 +1,7 @@
 """Building the pages: a copy of the sources is executed and built aside, and moved into place when it is whole."""
 
 import contextlib
+import re
 import shutil
 import subprocess
 import sys
@@ -19,7 +20,7 @@ class BuildError(RuntimeError):
     """The pages could not be built; the message holds what the builder said."""
 
 
-def default(out: Path | None = None, *, execute_first: bool = True) -> Path:
+def default(out: Path | None = None, *, execute_first: bool = True, strict: bool = True) -> Path:
     """Execute the chapters on the embedded data and build the book; returns its first page.
 
     A chapter whose public records are not at hand keeps its stored outputs, and the page on run times says so.
@@ -34,7 +35,8 @@ def default(out: Path | None = None, *, execute_first: bool = True) -> Path:
         failed = [result.path.stem for result in runs if result.error]
         if failed:
             raise BuildError(f"these chapters failed: {', '.join(failed)}")
-        build_pages(work, strict=True)
+        for warning in build_pages(work, strict=strict):
+            print(warning, file=sys.stderr)
         return move(work / "_build/html", out)
 
 
@@ -85,15 +87,18 @@ def write_status(work: Path, runs, chapters):
     page.write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
 
 
-def build_pages(work: Path, *, strict: bool, builder: str = "html"):
-    """Run jupyter-book over `work`; with `strict` every warning is an error. Raises BuildError."""
+def build_pages(work: Path, *, strict: bool, builder: str = "html") -> list[str]:
+    """Run jupyter-book over `work`; returns its warnings. With `strict` each is an error. Raises BuildError."""
     command = [sys.executable, "-c", "from jupyter_book.cli.main import main; main()", "build", str(work), "--builder", builder,
                "--config", str(work / "book/_config.yml"), "--toc", str(work / "book/_toc.yml"),
-               "--path-output", str(work), "--keep-going", *(["-W"] if strict else ["-q"])]
+               "--path-output", str(work), "--keep-going", *(["-W"] if strict else [])]
     done = subprocess.run(command, cwd=work, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
+    told = re.sub(r"\x1b\[[\d;]*m", "", done.stdout).replace(f"{work}/", "")
+    warnings = [line for line in told.splitlines() if "WARNING" in line or "ERROR" in line]
     if done.returncode != 0:
-        raise BuildError(done.stdout.replace(str(work) + "/", ""))
+        raise BuildError("\n".join(warnings) or told)
+    return warnings
 
 
 def check_target(out: Path):
