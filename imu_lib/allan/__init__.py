@@ -4,8 +4,11 @@
 joint fit of a sum of processes, `characterise(x, fs)` one coefficient of each kind.
 """
 
+from imu_lib.allan.confidence import degrees_of_freedom, papers_error
 from imu_lib.allan.deviation import AllanCurve, cluster_lengths, deviation
 from imu_lib.allan.fit import AllanFit, fit
 from imu_lib.allan.limits import flat_time
+from imu_lib.allan.read_off import FLAT, PEAK, PEAK_TIME, Reading, read_off
 
-__all__ = ["AllanCurve", "AllanFit", "cluster_lengths", "deviation", "fit", "flat_time"]
+__all__ = ["FLAT", "PEAK", "PEAK_TIME", "AllanCurve", "AllanFit", "Reading", "cluster_lengths", "degrees_of_freedom",
+           "deviation", "fit", "flat_time", "papers_error", "read_off"]
