@@ -4,12 +4,14 @@ from pathlib import Path
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
+PATTERNS = ("book/*.*", "book/_static/*", "nbs/*.ipynb", "benchmarks/results/*.json", "data/*.csv", "data/*.json")
+
 
 class BookInWheel(BuildHookInterface):
     def initialize(self, version, build_data):
         if version != "standard":  # an editable installation reads the checkout's own folders
             return
         root = Path(self.root)
-        for path in sorted([*root.glob("nbs/*.ipynb"), *root.glob("book/*"), *root.glob("book/_static/**/*")]):
-            if path.is_file() and path != Path(__file__):
+        for path in sorted(path for pattern in PATTERNS for path in root.glob(pattern)):
+            if path.is_file():
                 build_data["force_include"][str(path)] = f"imu_lib/_book/{path.relative_to(root).as_posix()}"

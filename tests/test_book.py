@@ -1,5 +1,6 @@
 """Executing, rerunning and building on a book of two small chapters."""
 
+import re
 import shutil
 
 import nbformat
@@ -87,6 +88,8 @@ def test_rerun_on_a_record(small_book, record, tmp_path):
     assert "there is no temperature in this record" in stops and "kept" in stops
     assert "Never reached" not in stops and "Traceback" not in stops
     assert not (out / "nbs/other.html").exists()
+    assert not [page for page in out.rglob("*.html") if re.search(r'(src|href)="(https?:)?//[^"]*[.](js|css)', page.read_text(encoding="utf-8"))], \
+        "readable offline: no script or style sheet from the web"
     assert "a b.csv" in (out / "book/intro.html").read_text(encoding="utf-8")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "source"], "nothing else is left behind"
 
@@ -121,3 +124,8 @@ def test_a_chapter_without_its_record_keeps_its_outputs(small_book, monkeypatch)
     monkeypatch.setattr(datasets, "twin", lambda *names: None)
     found = {chapter.slug: chapter.missing for chapter in chapters.chapters()}
     assert found == {"works": ("a record that nobody has",), "stops": (), "other": ()}
+
+
+def test_a_wheel_carries_what_a_build_copies():
+    assert str(chapters.SOURCES).replace("'", '"') in (
+        ROOT / "book/wheel_hook.py").read_text(encoding="utf-8")
