@@ -18,14 +18,25 @@ def hand_record(seed, *, poses=24, fs=50.0, gyro_noise=0.003):
     true_accel = cal.triad(rng.normal(0, 0.005, 3), rng.normal(0, 0.1, 3), upper)
     full = {k: rng.normal(0, 0.005) for k in ("xy", "xz", "yx", "yz", "zx", "zy")}
     true_gyro = cal.triad(rng.normal(0, 0.005, 3), rng.normal(0, 0.01, 3), full)
-    accel, gyro = simulated.hand_held(poses, fs, rng, accelerometers=true_accel, gyroscopes=true_gyro, rest=3.0,
-                                      accel_noise=simulated.white(0.03, rng), gyro_noise=simulated.white(gyro_noise, rng))
+    accel, gyro = simulated.hand_held(
+        poses,
+        fs,
+        rng,
+        accelerometers=true_accel,
+        gyroscopes=true_gyro,
+        rest=3.0,
+        accel_noise=simulated.white(0.03, rng),
+        gyro_noise=simulated.white(gyro_noise, rng),
+    )
     return accel, gyro, true_accel, true_gyro
 
 
 def covered(found, truth):
-    pairs = [*zip(found.biases, truth.bias, strict=True), *zip(found.scale_factors, np.diag(truth.matrix) - 1, strict=True),
-             *((e, truth.matrix["xyz".index(k[0]), "xyz".index(k[1])]) for k, e in found.cross_coupling.items())]
+    pairs = [
+        *zip(found.biases, truth.bias, strict=True),
+        *zip(found.scale_factors, np.diag(truth.matrix) - 1, strict=True),
+        *((e, truth.matrix["xyz".index(k[0]), "xyz".index(k[1])]) for k, e in found.cross_coupling.items()),
+    ]
     return [e.covers(t) for e, t in pairs if e is not None]
 
 
@@ -73,18 +84,18 @@ def test_counts_with_an_offset_need_no_start_values():
 
 
 def test_same_minimum_as_the_published_parametrisation():
-    """Tedaldi et al. write a = T K (y + b) with T unit upper triangular; another optimiser on their cost ends at our M and b."""
+    """Tedaldi et al. write a = T K (y + b), T unit upper triangular; another optimiser on their cost ends at our M, b."""
     accel, *_ = hand_record(7)
     y = cal.rest_windows(accel, 50.0).means(accel)
     ours = cal.from_gravity(y)
 
     def cost(p):
         t = np.array([[1, -p[0], p[1]], [0, 1, -p[2]], [0, 0, 1]]) @ np.diag(p[3:6])
-        return ((G - np.linalg.norm((y + p[6:]) @ t.T, axis=1))**2).sum()
+        return ((G - np.linalg.norm((y + p[6:]) @ t.T, axis=1)) ** 2).sum()
 
     theirs = minimize(cost, [0, 0, 0, 1, 1, 1, 0, 0, 0], method="BFGS", options={"gtol": 1e-10}).x
     t = np.array([[1, -theirs[0], theirs[1]], [0, 1, -theirs[2]], [0, 0, 1]]) @ np.diag(theirs[3:6])
-    assert np.allclose(np.linalg.inv(t), ours.matrix, atol=1e-5)            # BFGS with numerical gradients: 1e-6
+    assert np.allclose(np.linalg.inv(t), ours.matrix, atol=1e-5)  # BFGS with numerical gradients: 1e-6
     assert np.allclose(-theirs[6:], ours.bias, atol=1e-4)
 
 
@@ -101,7 +112,9 @@ def test_integration_of_a_coning_turn():
     errors = []
     for fs in (50.0, 100.0):
         t = np.arange(round(0.8 * fs) + 1) / fs
-        rate = np.array([(attitude(x).T @ (attitude(x + 1e-6) - attitude(x - 1e-6)) / 2e-6)[[2, 0, 1], [1, 2, 0]] for x in t])
+        rate = np.array(
+            [(attitude(x).T @ (attitude(x + 1e-6) - attitude(x - 1e-6)) / 2e-6)[[2, 0, 1], [1, 2, 0]] for x in t]
+        )
         found = cal.turns(rate, [0], [len(t)], fs)[0]
         errors.append(np.abs(attitude(0.0).T @ attitude(t[-1]) - found).max())
     # linear interpolation of the rate limits the order to two; the constant is what the coning term improves
@@ -125,7 +138,7 @@ def test_printed_table_3_of_2008_holds_with_one_reserve():
     assert round(scale.std(ddof=1), 4) == cal.TABLE_3_SD[1]
     assert round(bias.std(ddof=0), 4) == cal.TABLE_3_SD[0] and round(bias.std(ddof=1), 4) == 0.0429
     split, p = cal.change(bias)
-    assert split == 4 and p < 0.02                          # the first four runs are another population
+    assert split == 4 and p < 0.02  # the first four runs are another population
     assert cal.change(scale)[1] > 0.5
 
 
@@ -182,9 +195,13 @@ def test_what_cannot_be_calibrated_is_refused_in_one_sentence():
     accel, gyro, *_ = hand_record(1, poses=5)
     refused("5 poses at rest do not determine 9", accel, gyro)
     refused("never at rest", rng.normal(0, 3.0, (3000, 3)) + [0, 0, G])
-    tilted = np.repeat([[np.sin(a) * G, 0.02 * np.cos(9 * a), np.cos(a) * G] for a in np.linspace(0, 6, 20)], 200, axis=0)
+    tilted = np.repeat(
+        [[np.sin(a) * G, 0.02 * np.cos(9 * a), np.cos(a) * G] for a in np.linspace(0, 6, 20)], 200, axis=0
+    )
     moving = np.tile(np.concatenate([np.zeros(150), np.ones(50)]), 20)[:, None]
-    refused("do not excite accel_y", tilted + rng.normal(0, 0.01, tilted.shape) + moving * rng.normal(0, 2, tilted.shape))
+    refused(
+        "do not excite accel_y", tilted + rng.normal(0, 0.01, tilted.shape) + moving * rng.normal(0, 2, tilted.shape)
+    )
     accel, gyro, *_ = hand_record(2)
     accel[17, 1] = np.nan
     refused("row 17", accel)
@@ -202,8 +219,13 @@ def test_poses_file(tmp_path):
     found = cal.calibrate(None, y, 20.0, sections=cal.read_poses(file, 20.0))
     assert found.accelerometers is None and found.gyroscopes.scale_factors[0] is None
     assert found.gyroscopes.scale_factors[2].covers(-0.004) and found.gyroscopes.biases[2].covers(0.28 * DEG)
-    for text, match in (("a,b\n1,2", "start and stop"), ("start,stop,rate_z\n0,1,fast", "row 2, column rate_z"),
-                        ("start,stop,x\n0,1,", "row 2 says nothing"), ("start,stop,x\n,1,2", "row 2 has no start"), ("", "no pose")):
+    for text, match in (
+        ("a,b\n1,2", "start and stop"),
+        ("start,stop,rate_z\n0,1,fast", "row 2, column rate_z"),
+        ("start,stop,x\n0,1,", "row 2 says nothing"),
+        ("start,stop,x\n,1,2", "row 2 has no start"),
+        ("", "no pose"),
+    ):
         file.write_text(text)
         with pytest.raises(InputError, match=match):
             cal.read_poses(file, 20.0)
@@ -221,22 +243,37 @@ def test_ferraris_session_equals_imucal(data_dir):
     accel = np.column_stack([table[f"acc_{a}"] for a in "xyz"])
     gyro = np.column_stack([table[f"gyr_{a}"] for a in "xyz"]) * DEG
     sections = json.loads((folder / "ferraris_session.json").read_text())
-    means = {k: accel[v["start"]:v["end"]].mean(axis=0) for k, v in sections.items()}
+    means = {k: accel[v["start"] : v["end"]].mean(axis=0) for k, v in sections.items()}
     matrix, bias = cal.ferraris([means[a + "_p"] for a in "xyz"], [means[a + "_a"] for a in "xyz"], gravity=9.81)
-    assert np.allclose(matrix, [[0.996608343, -0.01478231, -0.007457416], [0.008597647, 1.002399045, 0.001848012],
-                                [0.013643076, 0.002050493, 1.02330235]], atol=1e-8)
+    assert np.allclose(
+        matrix,
+        [
+            [0.996608343, -0.01478231, -0.007457416],
+            [0.008597647, 1.002399045, 0.001848012],
+            [0.013643076, 0.002050493, 1.02330235],
+        ],
+        atol=1e-8,
+    )
     assert np.allclose(bias, [0.537117424, -0.616202993, 0.398867342], atol=1e-8)
-    found = cal.calibrate(accel, gyro, 204.8, sections=cal.read_poses(folder / "ferraris_session.json", 204.8), gravity=9.81)
+    found = cal.calibrate(
+        accel, gyro, 204.8, sections=cal.read_poses(folder / "ferraris_session.json", 204.8), gravity=9.81
+    )
     assert np.allclose(found.accelerometers.matrix, matrix, atol=1e-8)
-    theirs = [[0.5139515, -0.0002334, -0.0032953], [-0.0001092, 0.4912120, -0.0013674], [0.0048488, 0.0038142, 0.4991171]]
+    theirs = [
+        [0.5139515, -0.0002334, -0.0032953],
+        [-0.0001092, 0.4912120, -0.0013674],
+        [0.0048488, 0.0038142, 0.4991171],
+    ]
     # imucal takes g-sensitivity out of the gyroscopes before the turns; its effect on M is 3e-5
     assert np.allclose(found.gyroscopes.matrix, theirs, atol=1e-4)
 
 
 def test_xsens_poses(data_dir):
-    """The public record of Tedaldi et al.: a residual of 1e-3 m/s^2 is 0.1 mg, a tenth of the sensor's noise per sample."""
+    """The public record of Tedaldi et al.: a residual of 1e-3 m/s^2 is 0.1 mg, a tenth of the noise per sample."""
     d = np.load(data_dir / "calibration/xsens_mti_poses.npz")
-    found = cal.calibrate(d["accel_counts"], d["gyro_counts"], 100.0, gravity=9.81744, accel_nominal=None, gyro_nominal=None)
+    found = cal.calibrate(
+        d["accel_counts"], d["gyro_counts"], 100.0, gravity=9.81744, accel_nominal=None, gyro_nominal=None
+    )
     assert 36 <= len(found.rests) <= 42
     assert found.accelerometers.residual_sd < 2e-3
     assert np.allclose(found.gyroscopes.matrix.diagonal(), 4770, rtol=0.005)

@@ -12,12 +12,52 @@ from . import simulated
 from .gyro import from_turns, turns
 from .poses import ferraris, from_gravity, from_reference
 from .rest import RestWindows, moving_deviation, rest_windows
-from .table import (CALGARY, TABLE_2, TABLE_3, TABLE_3_MEAN, TABLE_3_SD, Line, Repeatability, averages, change, line,
-                    repeatability, rotation, steps)
+from .table import (
+    CALGARY,
+    TABLE_2,
+    TABLE_3,
+    TABLE_3_MEAN,
+    TABLE_3_SD,
+    Line,
+    Repeatability,
+    averages,
+    change,
+    line,
+    repeatability,
+    rotation,
+    steps,
+)
 from .triad import AXES, Triad, triad
 from .whole import Calibration, Section, calibrate, read_poses
 
-__all__ = ["AXES", "CALGARY", "TABLE_2", "TABLE_3", "TABLE_3_MEAN", "TABLE_3_SD", "Calibration", "Line", "Repeatability",
-           "RestWindows", "Section", "Triad", "averages", "calibrate", "change", "ferraris", "from_gravity", "from_reference",
-           "from_turns", "line", "moving_deviation", "read_poses", "repeatability", "rest_windows", "rotation",
-           "simulated", "steps", "triad", "turns"]
+__all__ = [
+    "AXES",
+    "CALGARY",
+    "TABLE_2",
+    "TABLE_3",
+    "TABLE_3_MEAN",
+    "TABLE_3_SD",
+    "Calibration",
+    "Line",
+    "Repeatability",
+    "RestWindows",
+    "Section",
+    "Triad",
+    "averages",
+    "calibrate",
+    "change",
+    "ferraris",
+    "from_gravity",
+    "from_reference",
+    "from_turns",
+    "line",
+    "moving_deviation",
+    "read_poses",
+    "repeatability",
+    "rest_windows",
+    "rotation",
+    "simulated",
+    "steps",
+    "triad",
+    "turns",
+]

@@ -18,34 +18,38 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 from ..errors import InputError
 from ..units import G
-from .rest import RestWindows
 from .poses import UPPER
+from .rest import RestWindows
 from .triad import Triad
 
 
 @njit(cache=True)
 def _turns(rate, start, stop, dt, out):
-    """Rotations over samples start..stop of each turn: trapezoid with the coning term (fourth-order Magnus)."""
+    """Rotations over samples start..stop of each turn, as quaternions: trapezoid with the coning term (Magnus)."""
+    c = dt * dt / 12
     for k in range(len(start)):
-        r = np.eye(3)
+        w, x, y, z = 1.0, 0.0, 0.0, 0.0
         for i in range(start[k], stop[k] - 1):
-            a, b = rate[i], rate[i + 1]
-            c = dt * dt / 12
-            x = dt * (a[0] + b[0]) / 2 + c * (a[1] * b[2] - a[2] * b[1])
-            y = dt * (a[1] + b[1]) / 2 + c * (a[2] * b[0] - a[0] * b[2])
-            z = dt * (a[2] + b[2]) / 2 + c * (a[0] * b[1] - a[1] * b[0])
-            t = np.sqrt(x * x + y * y + z * z)
-            s, v = 1.0 - t * t / 6, 0.5 - t * t / 24
-            if t > 1e-4:
-                s, v = np.sin(t) / t, (1 - np.cos(t)) / (t * t)
-            step = np.array([[1 - v * (y * y + z * z), v * x * y - s * z, v * x * z + s * y],
-                             [v * x * y + s * z, 1 - v * (x * x + z * z), v * y * z - s * x],
-                             [v * x * z - s * y, v * y * z + s * x, 1 - v * (x * x + y * y)]])
-            r = r @ step
-        out[k] = r
+            a0, a1, a2, b0, b1, b2 = rate[i, 0], rate[i, 1], rate[i, 2], rate[i + 1, 0], rate[i + 1, 1], rate[i + 1, 2]
+            p = dt * (a0 + b0) / 2 + c * (a1 * b2 - a2 * b1)
+            q = dt * (a1 + b1) / 2 + c * (a2 * b0 - a0 * b2)
+            r = dt * (a2 + b2) / 2 + c * (a0 * b1 - a1 * b0)
+            t = np.sqrt(p * p + q * q + r * r)
+            h, s = 1 - t * t / 8, 0.5 - t * t / 48
+            if t > 1e-3:
+                h, s = np.cos(t / 2), np.sin(t / 2) / t
+            p, q, r = s * p, s * q, s * r
+            w, x, y, z = (
+                w * h - x * p - y * q - z * r,
+                w * p + x * h + y * r - z * q,
+                w * q - x * r + y * h + z * p,
+                w * r + x * q - y * p + z * h,
+            )
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = x, y, z, w
 
 
 def turns(rate: np.ndarray, start: np.ndarray, stop: np.ndarray, fs: float) -> np.ndarray:
@@ -53,13 +57,20 @@ def turns(rate: np.ndarray, start: np.ndarray, stop: np.ndarray, fs: float) -> n
 
     `rate` (n, 3) rad/s at `fs` Hz; a turn goes from sample `start` to sample `stop` - 1.
     """
-    out = np.empty((len(start), 3, 3))
+    out = np.empty((len(start), 4))
     _turns(np.ascontiguousarray(rate, float), np.asarray(start), np.asarray(stop), 1.0 / fs, out)
-    return out
+    return Rotation.from_quat(out).as_matrix()
 
 
-def from_turns(gyro: np.ndarray, accel: np.ndarray, fs: float, rests: RestWindows, accelerometers: Triad, *,
-               nominal: float | None = 1.0) -> Triad:
+def from_turns(
+    gyro: np.ndarray,
+    accel: np.ndarray,
+    fs: float,
+    rests: RestWindows,
+    accelerometers: Triad,
+    *,
+    nominal: float | None = 1.0,
+) -> Triad:
     """Bias, scale factor and cross-coupling of three gyroscopes from hand-made turns between rests, Eq. (1).
 
     The axes are those of the accelerometers' calibration, so that the misalignment between the two triads is
@@ -82,17 +93,21 @@ def from_turns(gyro: np.ndarray, accel: np.ndarray, fs: float, rests: RestWindow
         With too few turns for the nine parameters, or turns that leave a sensor undetermined.
     """
     if len(rests) < 7:
-        raise InputError(f"{max(len(rests) - 1, 0)} turns between rests do not determine the gyroscopes' nine "
-                         f"parameters; at least 6, better 24 or more, about different axes are needed.")
+        raise InputError(
+            f"{max(len(rests) - 1, 0)} turns between rests do not determine the gyroscopes' nine "
+            f"parameters; at least 6, better 24 or more, about different axes are needed."
+        )
     first, last = rests.stop[:-1] - 1, rests.start[1:] + 1
     duration = (last - first - 1) / fs
     means = rests.means(gyro)
     length = rests.stop - rests.start
     bias = length @ means / length.sum()
     walk = np.mean([np.var(gyro[a:b], axis=0) for a, b in zip(rests.start, rests.stop, strict=True)], axis=0) / fs
-    scatter = length @ (means - bias)**2 / length.sum() * len(rests) / (len(rests) - 1)   # from rest to rest, per axis
-    wander = np.maximum(scatter - walk * fs * len(rests) / length.sum(), 0.0)             # of it not white noise
-    reading, gyro = rests.means(accel), np.asarray(gyro, float)
+    scatter = length @ (means - bias) ** 2 / length.sum() * len(rests) / (len(rests) - 1)  # from rest to rest, per axis
+    wander = np.maximum(scatter - walk * fs * len(rests) / length.sum(), 0.0)  # of it not white noise
+    reading = rests.means(accel)
+    span = slice(int(first[0]), int(last[-1]) + 1)  # a long first rest need not be integrated
+    gyro, first, last = np.asarray(gyro[span], float), first - span.start, last - span.start
     index = np.array([*UPPER, 9, 10, 11])
     root = np.linalg.cholesky(accelerometers.covariance[np.ix_(index, index)])
 
@@ -109,8 +124,9 @@ def from_turns(gyro: np.ndarray, accel: np.ndarray, fs: float, rests: RestWindow
     pose = directions(np.zeros(9))
     tangent = _tangent(pose[1:])
     if nominal is None:
-        nominal = _sensitivity(lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]),
-                               gyro[first[0]:last[-1]] - bias)
+        nominal = _sensitivity(
+            lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]), gyro - bias
+        )
     noise = (walk.mean() * duration + wander.mean() * duration**2) / nominal**2
     whiten = _whitener(tangent, rotations(nominal * np.eye(3)), accelerometers.residual_sd / G, noise)
     spread = np.sqrt(scatter / len(rests))
@@ -125,15 +141,23 @@ def from_turns(gyro: np.ndarray, accel: np.ndarray, fs: float, rests: RestWindow
     information = fit.jac.T @ fit.jac
     weak, vectors = np.linalg.eigh(information[:9, :9])
     if weak[0] < 1e-9 * weak[-1]:
-        poor = "xyz"[int(np.argmax((vectors[:, 0].reshape(3, 3)**2).sum(axis=0)))]
+        poor = "xyz"[int(np.argmax((vectors[:, 0].reshape(3, 3) ** 2).sum(axis=0)))]
         raise InputError(f"The turns do not excite gyro_{poor}; add turns about the {poor} axis between poses.")
-    scale = 2 * fit.cost / dof                    # above one where the noise alone does not explain the misfit
+    scale = 2 * fit.cost / dof  # above one where the noise alone does not explain the misfit
     shares = np.concatenate([np.full(9, nominal), spread])
     covariance = scale * np.linalg.inv(information)[:12, :12] * np.outer(shares, shares)
     matrix = nominal * fit.x[:9].reshape(3, 3)
     angle = pose[1:] - np.einsum("kji,kj->ki", rotations(matrix), pose[:-1])
-    return Triad(matrix, bias + fit.x[9:12] * spread, covariance, dof, np.ones(12, bool), nominal,
-                 float(np.sqrt((angle**2).sum() / dof)), float(2 * fit.cost / dof))
+    return Triad(
+        matrix,
+        bias + fit.x[9:12] * spread,
+        covariance,
+        dof,
+        np.ones(12, bool),
+        nominal,
+        float(np.sqrt((angle**2).sum() / dof)),
+        float(2 * fit.cost / dof),
+    )
 
 
 def _tangent(direction: np.ndarray) -> np.ndarray:
@@ -157,13 +181,13 @@ def _whitener(tangent: np.ndarray, rotation: np.ndarray, pose_sd: float, walk: n
         covariance[block, block] = (2 * pose_sd**2 + walk[i]) * np.eye(2)
         if i:
             before = slice(2 * i - 2, 2 * i)
-            cross = -pose_sd**2 * tangent[i - 1] @ rotation[i] @ tangent[i].T
+            cross = -(pose_sd**2) * tangent[i - 1] @ rotation[i] @ tangent[i].T
             covariance[before, block], covariance[block, before] = cross, cross.T
     return np.linalg.inv(np.linalg.cholesky(covariance))
 
 
 def _sensitivity(misfit, centred: np.ndarray) -> float:
     """The common sensitivity (reading per rad/s) with the least misfit, from a grid over its possible range."""
-    fastest = np.abs(centred).max()                  # a hand turns at 0.5 to 40 rad/s at its fastest
-    grid = fastest / np.geomspace(40.0, 0.5, 220)
-    return float(grid[np.argmin([(misfit(s)**2).sum() for s in grid])])
+    fastest = np.abs(centred).max()  # a hand turns at 0.5 to 40 rad/s at its fastest
+    grid = fastest / np.geomspace(40.0, 0.5, 90)
+    return float(grid[np.argmin([(misfit(s) ** 2).sum() for s in grid])])

@@ -48,16 +48,20 @@ def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1
     spread = np.ptp(truth, axis=0)
     excited = np.flatnonzero(spread > 1e-3 * max(spread.max(), 1e-300))
     if not len(excited):
-        raise InputError("All reference inputs are equal, so bias and scale factor cannot be told apart; "
-                         "use at least two different positions or rates.")
+        raise InputError(
+            "All reference inputs are equal, so bias and scale factor cannot be told apart; "
+            "use at least two different positions or rates."
+        )
     design = np.column_stack([truth[:, excited], np.ones(len(truth))])
     dof = len(truth) - design.shape[1]
     if dof < 1 or np.linalg.matrix_rank(design) < design.shape[1]:
-        raise InputError(f"{len(truth)} positions do not determine {design.shape[1]} parameters per sensor; "
-                         f"at least {design.shape[1] + 1} that are not in one plane are needed.")
+        raise InputError(
+            f"{len(truth)} positions do not determine {design.shape[1]} parameters per sensor; "
+            f"at least {design.shape[1] + 1} that are not in one plane are needed."
+        )
     solution, *_ = np.linalg.lstsq(design, reading, rcond=None)
     residual = reading - design @ solution
-    variance = (residual**2).sum(axis=0) / dof                # one per sensor
+    variance = (residual**2).sum(axis=0) / dof  # one per sensor
     inverse = np.linalg.inv(design.T @ design)
     matrix, estimated, covariance = np.eye(3) * nominal, np.zeros(12, bool), np.zeros((12, 12))
     for i in range(3):
@@ -65,8 +69,7 @@ def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1
         matrix[i, excited] = solution[:-1, i]
         estimated[index] = True
         covariance[np.ix_(index, index)] = variance[i] * inverse
-    return Triad(matrix, solution[-1], covariance, dof, estimated, nominal,
-                 float(np.sqrt(variance.mean()) / nominal))
+    return Triad(matrix, solution[-1], covariance, dof, estimated, nominal, float(np.sqrt(variance.mean()) / nominal))
 
 
 def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | None = 1.0) -> Triad:
@@ -88,11 +91,13 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
     """
     y = np.asarray(reading, float)
     if len(y) <= PARAMETERS:
-        raise InputError(f"{len(y)} poses at rest do not determine {PARAMETERS} parameters; record at least "
-                         f"{PARAMETERS + 1}, better 24 or more, with each axis up, down and level.")
+        raise InputError(
+            f"{len(y)} poses at rest do not determine {PARAMETERS} parameters; record at least "
+            f"{PARAMETERS + 1}, better 24 or more, with each axis up, down and level."
+        )
     start = _sphere(y)
     unexcited(y, start[9:], np.mean(start[[0, 4, 8]]) * gravity)
-    unit = np.mean(start[[0, 4, 8]])                     # work with sensitivities near one
+    unit = np.mean(start[[0, 4, 8]])  # work with sensitivities near one
     x0 = np.append(start[list(UPPER)], start[9:]) / unit
     z = y / unit
 
@@ -121,8 +126,7 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
     matrix = matrix * unit
     if nominal is None:
         nominal = float(np.mean(np.diag(matrix)))
-    return Triad(matrix, bias * unit, covariance, dof, np.isin(np.arange(12), index), nominal,
-                 float(np.sqrt(variance)))
+    return Triad(matrix, bias * unit, covariance, dof, np.isin(np.arange(12), index), nominal, float(np.sqrt(variance)))
 
 
 def _sphere(y: np.ndarray) -> np.ndarray:
@@ -149,9 +153,11 @@ def unexcited(y: np.ndarray, centre: np.ndarray, gravity: float) -> None:
     poor = [axis for axis, s in zip(AXES, spread, strict=True) if s < 1.0 * reach]
     if poor:
         names = " and ".join(f"accel_{a}" for a in poor)
-        raise InputError(f"The poses do not excite {names}: the reading at rest varies by "
-                         f"{', '.join(f'{s / reach:.2g} g' for a, s in zip(AXES, spread, strict=True) if a in poor)} "
-                         f"only; add poses with {' and '.join(poor)} pointing up and down.")
+        raise InputError(
+            f"The poses do not excite {names}: the reading at rest varies by "
+            f"{', '.join(f'{s / reach:.2g} g' for a, s in zip(AXES, spread, strict=True) if a in poor)} "
+            f"only; add poses with {' and '.join(poor)} pointing up and down."
+        )
 
 
 def ferraris(positive: np.ndarray, negative: np.ndarray, *, gravity: float = G) -> tuple[np.ndarray, np.ndarray]:

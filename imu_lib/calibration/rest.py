@@ -61,12 +61,19 @@ def otsu(values: np.ndarray, bins: int = 200) -> float:
     weight = np.cumsum(count)[:-1] / count.sum()
     total = (count * centre).sum() / count.sum()
     mean = np.cumsum(count * centre)[:-1] / count.sum()
-    between = (total * weight - mean)**2 / np.maximum(weight * (1 - weight), 1e-12)
+    between = (total * weight - mean) ** 2 / np.maximum(weight * (1 - weight), 1e-12)
     return float(edges[1:-1][np.argmax(between)])
 
 
-def rest_windows(accel: np.ndarray, fs: float, *, gyro: np.ndarray | None = None, window: float = 1.0,
-                 shortest: float = 1.0, gravity: float | None = None) -> RestWindows:
+def rest_windows(
+    accel: np.ndarray,
+    fs: float,
+    *,
+    gyro: np.ndarray | None = None,
+    window: float = 1.0,
+    shortest: float = 1.0,
+    gravity: float | None = None,
+) -> RestWindows:
     """Windows in which the sensor is at rest.
 
     Parameters
@@ -85,17 +92,21 @@ def rest_windows(accel: np.ndarray, fs: float, *, gyro: np.ndarray | None = None
     """
     width = max(3, round(window * fs))
     if len(accel) < 2 * width:
-        raise InputError(f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of "
-                         f"{window:g} s at {fs:g} Hz.")
+        raise InputError(
+            f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of "
+            f"{window:g} s at {fs:g} Hz."
+        )
     accel = np.asarray(accel, float)
     deviation = moving_deviation(accel, width)
     quiet, level, threshold = _quiet(deviation)
-    if gravity is None:                                     # gravity in counts: half the spread over the poses
+    if gravity is None:  # gravity in counts: half the spread over the poses
         spread = np.ptp(np.quantile(accel, [0.01, 0.99], axis=0), axis=0).max() / 2
         gravity = max(spread, np.abs(np.median(accel, axis=0)).max())
     if level > REST_LIMIT * gravity:
-        raise InputError(f"The sensor is never at rest: the accelerometers' standard deviation over {window:g} s does "
-                         f"not fall below {deviation.min():.3g}; record it standing still in several poses.")
+        raise InputError(
+            f"The sensor is never at rest: the accelerometers' standard deviation over {window:g} s does "
+            f"not fall below {deviation.min():.3g}; record it standing still in several poses."
+        )
     if gyro is not None:
         quiet &= _quiet(moving_deviation(np.asarray(gyro, float), width))[0]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]]).astype(int)))
@@ -109,7 +120,7 @@ def rest_windows(accel: np.ndarray, fs: float, *, gyro: np.ndarray | None = None
 def _quiet(deviation: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Which samples are at rest, the level of rest, and the threshold."""
     positive = deviation[deviation > 0]
-    if not len(positive):                                   # a noiseless record that never moves
+    if not len(positive):  # a noiseless record that never moves
         return np.ones(len(deviation), bool), 0.0, 0.0
     log = np.log(np.maximum(deviation, positive.min()))
     split = otsu(log)
@@ -117,6 +128,6 @@ def _quiet(deviation: np.ndarray) -> tuple[np.ndarray, float, float]:
     if np.exp(np.median(high) - np.median(low)) < SEPARATION:
         return np.ones(len(log), bool), float(np.exp(np.median(log))), float(deviation.max())
     middle = np.median(low)
-    scatter = 1.4826 * np.median(np.abs(low[low <= middle] - middle))     # the side without movements
+    scatter = 1.4826 * np.median(np.abs(low[low <= middle] - middle))  # the side without movements
     threshold = min(split, middle + max(6 * scatter, np.log(1.5)))
     return log <= threshold, float(np.exp(middle)), float(np.exp(threshold))

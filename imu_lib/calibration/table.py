@@ -26,13 +26,27 @@ from .triad import interval
 #: Standard gravity of the multi-sensor laboratory in Calgary (2008 paper, Section 4), m/s^2.
 CALGARY = 9.8080
 #: Printed results of the ten gyroscope runs (2008 paper, Table 3): bias deg/s, scale factor per cent.
-TABLE_3 = np.array([[0.2359, -0.3837], [0.2284, -0.3977], [0.2469, -0.3693], [0.2206, -0.4164], [0.2990, -0.4538],
-                    [0.3164, -0.3154], [0.3071, -0.4203], [0.3180, -0.4367], [0.3310, -0.3462], [0.3095, -0.4445]])
+TABLE_3 = np.array(
+    [
+        [0.2359, -0.3837],
+        [0.2284, -0.3977],
+        [0.2469, -0.3693],
+        [0.2206, -0.4164],
+        [0.2990, -0.4538],
+        [0.3164, -0.3154],
+        [0.3071, -0.4203],
+        [0.3180, -0.4367],
+        [0.3310, -0.3462],
+        [0.3095, -0.4445],
+    ]
+)
 #: Its printed mean and standard deviation.
 TABLE_3_MEAN, TABLE_3_SD = (0.2813, -0.3984), (0.0407, 0.0449)
 #: Printed mean and standard deviation of the accelerometers (2008 paper, Table 2), x y z: mg and per cent.
-TABLE_2 = {"bias": ((2.3961, 2.4233, 2.0901), (0.8858, 1.1304, 0.8356)),
-           "scale_factor": ((-0.093, -0.1284, -0.0962), (0.0358, 0.0256, 0.0357))}
+TABLE_2 = {
+    "bias": ((2.3961, 2.4233, 2.0901), (0.8858, 1.1304, 0.8356)),
+    "scale_factor": ((-0.093, -0.1284, -0.0962), (0.0358, 0.0256, 0.0357)),
+}
 
 
 @dataclass(frozen=True)
@@ -64,8 +78,10 @@ def line(reference: np.ndarray, reading: np.ndarray) -> Line:
     """
     x, y = np.asarray(reference, float), np.asarray(reading, float)
     if len(x) < 3 or np.ptp(x) == 0:
-        raise InputError(f"{len(x)} steps with inputs from {x.min():g} to {x.max():g} do not determine bias and scale "
-                         "factor; use at least three steps with different inputs.")
+        raise InputError(
+            f"{len(x)} steps with inputs from {x.min():g} to {x.max():g} do not determine bias and scale "
+            "factor; use at least three steps with different inputs."
+        )
     design = np.column_stack([np.ones_like(x), x])
     solution, *_ = np.linalg.lstsq(design, y, rcond=None)
     residual, dof = y - design @ solution, len(x) - 2
@@ -83,7 +99,7 @@ def averages(reading: np.ndarray, fs: float, *, dwell: float = 20.0, settle: flo
     """Mean reading of each step of `dwell` s after `settle` s of it, ndarray, shape (n // (dwell fs), ...)."""
     each, skip = round(dwell * fs), round(settle * fs)
     count = len(reading) // each
-    return np.array([reading[k * each + skip:(k + 1) * each].mean(axis=0) for k in range(count)])
+    return np.array([reading[k * each + skip : (k + 1) * each].mean(axis=0) for k in range(count)])
 
 
 def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY, rate: float | None = None) -> Line:
@@ -108,7 +124,7 @@ def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY,
     def cost(w):
         a = design(w)
         solution, *_ = np.linalg.lstsq(a, y, rcond=None)
-        return float(((y - a @ solution)**2).sum())
+        return float(((y - a @ solution) ** 2).sum())
 
     if rate is None:
         power = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(len(y)), 8 * len(y)))
@@ -117,8 +133,9 @@ def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY,
         if peak * span < 2 * np.pi:
             raise InputError("The record holds less than one turn of the panel; record several.")
         width = 1.0 / span
-        rate = float(minimize_scalar(cost, bounds=(peak - width, peak + width), method="bounded",
-                                     options={"xatol": 1e-9}).x)
+        rate = float(
+            minimize_scalar(cost, bounds=(peak - width, peak + width), method="bounded", options={"xatol": 1e-9}).x
+        )
     a = design(rate)
     solution, *_ = np.linalg.lstsq(a, y, rcond=None)
     residual, dof = y - a @ solution, len(y) - 4
@@ -126,9 +143,14 @@ def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY,
     size = np.hypot(*solution[1:])
     slope = np.array([0.0, *solution[1:]]) / size
     reference = (y - residual - solution[0]) * gravity / size
-    return Line(interval(solution[0], np.sqrt(covariance[0, 0]), dof),
-                interval(size / gravity - 1, np.sqrt(slope @ covariance @ slope) / gravity, dof), reference, residual,
-                rate, float(np.arctan2(-solution[2], solution[1])))
+    return Line(
+        interval(solution[0], np.sqrt(covariance[0, 0]), dof),
+        interval(size / gravity - 1, np.sqrt(slope @ covariance @ slope) / gravity, dof),
+        reference,
+        residual,
+        rate,
+        float(np.arctan2(-solution[2], solution[1])),
+    )
 
 
 @dataclass(frozen=True)
@@ -146,7 +168,9 @@ def repeatability(values: np.ndarray) -> Repeatability:
     dof = len(v) - 1
     sd = v.std(ddof=1)
     low, high = sd * np.sqrt(dof / stats.chi2.ppf([0.975, 0.025], dof))
-    return Repeatability(interval(v.mean(), sd / np.sqrt(len(v)), dof), Estimate(float(sd), float(low), float(high)), len(v))
+    return Repeatability(
+        interval(v.mean(), sd / np.sqrt(len(v)), dof), Estimate(float(sd), float(low), float(high)), len(v)
+    )
 
 
 def change(values: np.ndarray) -> tuple[int, float]:
@@ -162,7 +186,7 @@ def change(values: np.ndarray) -> tuple[int, float]:
     def best(x):
         n, k = x.shape[-1], np.arange(1, x.shape[-1])
         left = np.cumsum(x, axis=-1)[..., :-1]
-        gain = (left / k - x.mean(axis=-1, keepdims=True))**2 * k * n / (n - k)
+        gain = (left / k - x.mean(axis=-1, keepdims=True)) ** 2 * k * n / (n - k)
         return gain.argmax(axis=-1) + 1, gain.max(axis=-1)
 
     k, gain = best(v)

@@ -83,26 +83,35 @@ class Triad:
     @property
     def scale_factors(self) -> tuple[Estimate | None, ...]:
         """Scale factor error per axis, dimensionless (0.01 is one per cent)."""
-        return tuple(self._estimate(4 * i, self.matrix[i, i] / self.nominal - 1, 1 / self.nominal)
-                     for i in range(3))
+        return tuple(self._estimate(4 * i, self.matrix[i, i] / self.nominal - 1, 1 / self.nominal) for i in range(3))
 
     @property
     def cross_coupling(self) -> dict[str, Estimate | None]:
         """`{"xy": ...}`: what the x sensor reads of the y input, relative to nominal (rad where small)."""
-        return {AXES[i] + AXES[j]: self._estimate(3 * i + j, self.matrix[i, j] / self.nominal, 1 / self.nominal)
-                for i in range(3) for j in range(3) if i != j}
+        return {
+            AXES[i] + AXES[j]: self._estimate(3 * i + j, self.matrix[i, j] / self.nominal, 1 / self.nominal)
+            for i in range(3)
+            for j in range(3)
+            if i != j
+        }
 
     def to_json(self) -> dict:
         """Everything as plain lists and `{value, low, high}`."""
+
         def plain(e):
             return None if e is None else e.to_json()
-        return {"bias": {a: plain(e) for a, e in zip(AXES, self.biases, strict=True)},
-                "scale_factor": {a: plain(e) for a, e in zip(AXES, self.scale_factors, strict=True)},
-                "cross_coupling": {k: plain(e) for k, e in self.cross_coupling.items()},
-                "matrix": self.matrix.tolist(), "offset": self.bias.tolist(), "nominal": self.nominal,
-                "residual_sd": self.residual_sd,
-                "consistency": None if np.isnan(self.consistency) else self.consistency,
-                "degrees_of_freedom": int(self.dof)}
+
+        return {
+            "bias": {a: plain(e) for a, e in zip(AXES, self.biases, strict=True)},
+            "scale_factor": {a: plain(e) for a, e in zip(AXES, self.scale_factors, strict=True)},
+            "cross_coupling": {k: plain(e) for k, e in self.cross_coupling.items()},
+            "matrix": self.matrix.tolist(),
+            "offset": self.bias.tolist(),
+            "nominal": self.nominal,
+            "residual_sd": self.residual_sd,
+            "consistency": None if np.isnan(self.consistency) else self.consistency,
+            "degrees_of_freedom": int(self.dof),
+        }
 
 
 def triad(scale_factor=(0.0, 0.0, 0.0), bias=(0.0, 0.0, 0.0), cross_coupling=None) -> Triad:

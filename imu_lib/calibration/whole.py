@@ -63,14 +63,27 @@ class Calibration:
 
     def to_json(self) -> dict:
         """The whole result; SI units (`bias`, `offset`, `residual_sd`), scale factors and cross-coupling relative."""
-        return {"method": self.method, "gravity": self.gravity, "windows": self.windows.tolist(), "notes": list(self.notes),
-                "accelerometers": None if self.accelerometers is None else self.accelerometers.to_json(),
-                "gyroscopes": None if self.gyroscopes is None else self.gyroscopes.to_json()}
+        return {
+            "method": self.method,
+            "gravity": self.gravity,
+            "windows": self.windows.tolist(),
+            "notes": list(self.notes),
+            "accelerometers": None if self.accelerometers is None else self.accelerometers.to_json(),
+            "gyroscopes": None if self.gyroscopes is None else self.gyroscopes.to_json(),
+        }
 
 
-def calibrate(accel: np.ndarray | None, gyro: np.ndarray | None, fs: float, *, sections: list[Section] | None = None,
-              gravity: float = G, accel_nominal: float | None = 1.0, gyro_nominal: float | None = 1.0,
-              window: float = 1.0) -> Calibration:
+def calibrate(
+    accel: np.ndarray | None,
+    gyro: np.ndarray | None,
+    fs: float,
+    *,
+    sections: list[Section] | None = None,
+    gravity: float = G,
+    accel_nominal: float | None = 1.0,
+    gyro_nominal: float | None = 1.0,
+    window: float = 1.0,
+) -> Calibration:
     """Bias, scale factor and cross-coupling of a record's accelerometers and gyroscopes.
 
     Parameters
@@ -90,13 +103,17 @@ def calibrate(accel: np.ndarray | None, gyro: np.ndarray | None, fs: float, *, s
     for name, x in (("accelerometers", accel), ("gyroscopes", gyro)):
         if x is not None and not np.isfinite(x).all():
             row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
-            raise InputError(f"The {name} have a missing or infinite sample at row {row}; cut the record around it "
-                             "(--start, --stop).")
+            raise InputError(
+                f"The {name} have a missing or infinite sample at row {row}; cut the record around it "
+                "(--start, --stop)."
+            )
     if sections is not None:
         return _known(accel, gyro, fs, sections, gravity, accel_nominal or 1.0, gyro_nominal or 1.0)
     if accel is None:
-        raise InputError("Poses at rest calibrate nothing without three accelerometers; give them, or the true rates of a "
-                         "rate table (--poses).")
+        raise InputError(
+            "Poses at rest calibrate nothing without three accelerometers; give them, or the true rates of a "
+            "rate table (--poses)."
+        )
     rests = rest_windows(accel, fs, gyro=gyro, window=window)
     means = rests.means(accel)
     accelerometers = from_gravity(means, gravity=gravity, nominal=accel_nominal)
@@ -106,9 +123,16 @@ def calibrate(accel: np.ndarray | None, gyro: np.ndarray | None, fs: float, *, s
             gyroscopes = from_turns(gyro, accel, fs, rests, accelerometers, nominal=gyro_nominal)
         except InputError as error:
             notes.append(f"Gyroscopes not calibrated: {error}")
-    return Calibration(accelerometers, gyroscopes, "static poses found in the record, magnitude of gravity",
-                       np.column_stack([rests.start, rests.stop]) / fs, gravity,
-                       np.linalg.norm(accelerometers.correct(means), axis=1), rests, tuple(notes))
+    return Calibration(
+        accelerometers,
+        gyroscopes,
+        "static poses found in the record, magnitude of gravity",
+        np.column_stack([rests.start, rests.stop]) / fs,
+        gravity,
+        np.linalg.norm(accelerometers.correct(means), axis=1),
+        rests,
+        tuple(notes),
+    )
 
 
 def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> Calibration:
@@ -116,11 +140,13 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
     n = len(accel if accel is not None else gyro)
     for k, s in enumerate(sections):
         if not 0 <= s.start < s.stop <= n / fs + 1e-9:
-            raise InputError(f"Section {k + 1} of the poses runs from {s.start:g} to {s.stop:g} s, outside the record of "
-                             f"{n / fs:g} s or backwards; correct its start and stop.")
+            raise InputError(
+                f"Section {k + 1} of the poses runs from {s.start:g} to {s.stop:g} s, outside the record of "
+                f"{n / fs:g} s or backwards; correct its start and stop."
+            )
 
     def mean(x, s):
-        return x[round(s.start * fs):max(round(s.stop * fs), round(s.start * fs) + 1)].mean(axis=0)
+        return x[round(s.start * fs) : max(round(s.stop * fs), round(s.start * fs) + 1)].mean(axis=0)
 
     accelerometers = gyroscopes = magnitude = None
     still = [s for s in sections if s.force is not None]
@@ -139,10 +165,18 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
             truth.append(rate if s.signed else rate * np.sign((reading[-1] - zero) @ rate))
         gyroscopes = from_reference(reading, truth, nominal=gyro_nominal)
     if accelerometers is None and gyroscopes is None:
-        raise InputError("The poses give no input that this record can be compared with; state x, y, z in g or rate_x, "
-                         "rate_y, rate_z in deg/s for every row.")
-    return Calibration(accelerometers, gyroscopes, "sections with known inputs, least squares",
-                       np.array([[s.start, s.stop] for s in sections]), gravity, magnitude)
+        raise InputError(
+            "The poses give no input that this record can be compared with; state x, y, z in g or rate_x, "
+            "rate_y, rate_z in deg/s for every row."
+        )
+    return Calibration(
+        accelerometers,
+        gyroscopes,
+        "sections with known inputs, least squares",
+        np.array([[s.start, s.stop] for s in sections]),
+        gravity,
+        magnitude,
+    )
 
 
 def read_poses(path: str | Path, fs: float) -> list[Section]:
@@ -157,7 +191,9 @@ def read_poses(path: str | Path, fs: float) -> list[Section]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'}).") from None
+        raise InputError(
+            f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'})."
+        ) from None
     return _json_sections(path, text, fs) if path.suffix.lower() == ".json" else _csv_sections(path, text)
 
 
@@ -166,15 +202,20 @@ def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
         table = json.loads(text)
         items = [(name, float(v["start"]) / fs, float(v.get("stop", v.get("end"))) / fs) for name, v in table.items()]
     except (ValueError, TypeError, AttributeError, KeyError):
-        raise InputError(f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.') from None
+        raise InputError(
+            f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.'
+        ) from None
     out = []
     for name, start, stop in items:
         axis, _, what = name.partition("_")
         if axis not in AXES or what not in ("p", "a", "rot"):
             raise InputError(f"{path}: section {name!r} is not one of x_p, x_a, x_rot and the same of y and z.")
         unit = np.eye(3)[AXES.index(axis)]
-        out.append(Section(start, stop, turn=2 * np.pi * unit, signed=False) if what == "rot"
-                   else Section(start, stop, force=unit if what == "p" else -unit))
+        out.append(
+            Section(start, stop, turn=2 * np.pi * unit, signed=False)
+            if what == "rot"
+            else Section(start, stop, force=unit if what == "p" else -unit)
+        )
     return out
 
 
@@ -199,11 +240,21 @@ def _csv_sections(path: Path, text: str) -> list[Section]:
                     raise InputError(f"{path}: row {number}, column {key}: {cell.strip()!r} is not a number.") from None
         if not {"start", "stop"} <= values.keys():
             raise InputError(f"{path}: row {number} has no start or no stop.")
-        found = {g: np.array([values.get(c, 0.0) for c in cols]) for g, cols in GROUPS.items() if values.keys() & set(cols)}
+        found = {
+            g: np.array([values.get(c, 0.0) for c in cols]) for g, cols in GROUPS.items() if values.keys() & set(cols)
+        }
         if not found:
-            raise InputError(f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z "
-                             "in deg/s.")
-        out.append(Section(values["start"], values["stop"], found.get("force"),
-                           found["rate"] * DEG if "rate" in found else None,
-                           found["angle"] * DEG if "angle" in found else None))
+            raise InputError(
+                f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z "
+                "in deg/s."
+            )
+        out.append(
+            Section(
+                values["start"],
+                values["stop"],
+                found.get("force"),
+                found["rate"] * DEG if "rate" in found else None,
+                found["angle"] * DEG if "angle" in found else None,
+            )
+        )
     return out
