@@ -14,6 +14,19 @@ _HOME = {
     "grid": "style",
     "unstable_response": "errata",
     "outage_ratios": "errata",
+    "rest_windows": "calibration",
+    "pose_magnitudes": "calibration",
+    "panel_readings": "calibration",
+    "rate_table": "calibration",
+    "line_residuals": "calibration",
+    "repeatability": "calibration",
+    "triad_intervals": "calibration",
+    "fitted_spectrum": "likelihood",
+    "fit_residuals": "likelihood",
+    "candidates": "likelihood",
+    "intervals": "likelihood",
+    "characterised_allan": "likelihood",
+    "characterised_spectrum": "likelihood",
 }
 __all__ = sorted(_HOME)
 
