@@ -28,7 +28,7 @@ from .table import (
     steps,
 )
 from .triad import AXES, Triad, triad
-from .whole import Calibration, Section, calibrate, read_poses
+from .whole import Calibration, Section, calibrate, calibrate_record, read_poses
 
 __all__ = [
     "AXES",
@@ -45,6 +45,7 @@ __all__ = [
     "Triad",
     "averages",
     "calibrate",
+    "calibrate_record",
     "change",
     "ferraris",
     "from_gravity",

@@ -124,9 +124,7 @@ def from_turns(
     pose = directions(np.zeros(9))
     tangent = _tangent(pose[1:])
     if nominal is None:
-        nominal = _sensitivity(
-            lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]), gyro - bias
-        )
+        nominal = _sensitivity(lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]), gyro - bias)
     noise = (walk.mean() * duration + wander.mean() * duration**2) / nominal**2
     whiten = _whitener(tangent, rotations(nominal * np.eye(3)), accelerometers.residual_sd / G, noise)
     spread = np.sqrt(scatter / len(rests))

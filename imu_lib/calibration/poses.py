@@ -49,8 +49,7 @@ def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1
     excited = np.flatnonzero(spread > 1e-3 * max(spread.max(), 1e-300))
     if not len(excited):
         raise InputError(
-            "All reference inputs are equal, so bias and scale factor cannot be told apart; "
-            "use at least two different positions or rates."
+            "All reference inputs are equal, so bias and scale factor cannot be told apart; use at least two different positions or rates."
         )
     design = np.column_stack([truth[:, excited], np.ones(len(truth))])
     dof = len(truth) - design.shape[1]
@@ -150,13 +149,12 @@ def unexcited(y: np.ndarray, centre: np.ndarray, gravity: float) -> None:
     """
     spread = np.ptp(y, axis=0)
     reach = max(gravity, spread.max() / 2)
-    poor = [axis for axis, s in zip(AXES, spread, strict=True) if s < 1.0 * reach]
+    poor = [axis for axis, s in zip(AXES, spread) if s < reach]
     if poor:
-        names = " and ".join(f"accel_{a}" for a in poor)
+        seen = ", ".join(f"{s / reach:.2g} g on accel_{a}" for a, s in zip(AXES, spread) if a in poor)
         raise InputError(
-            f"The poses do not excite {names}: the reading at rest varies by "
-            f"{', '.join(f'{s / reach:.2g} g' for a, s in zip(AXES, spread, strict=True) if a in poor)} "
-            f"only; add poses with {' and '.join(poor)} pointing up and down."
+            f"The poses do not excite {' and '.join('accel_' + a for a in poor)}: the readings at rest vary by {seen} only; add "
+            f"poses with {' and with '.join(poor)} up and down."
         )
 
 

@@ -92,10 +92,7 @@ def rest_windows(
     """
     width = max(3, round(window * fs))
     if len(accel) < 2 * width:
-        raise InputError(
-            f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of "
-            f"{window:g} s at {fs:g} Hz."
-        )
+        raise InputError(f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of {window:g} s at {fs:g} Hz.")
     accel = np.asarray(accel, float)
     deviation = moving_deviation(accel, width)
     quiet, level, threshold = _quiet(deviation)

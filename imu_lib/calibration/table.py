@@ -133,9 +133,7 @@ def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY,
         if peak * span < 2 * np.pi:
             raise InputError("The record holds less than one turn of the panel; record several.")
         width = 1.0 / span
-        rate = float(
-            minimize_scalar(cost, bounds=(peak - width, peak + width), method="bounded", options={"xatol": 1e-9}).x
-        )
+        rate = float(minimize_scalar(cost, bounds=(peak - width, peak + width), method="bounded", options={"xatol": 1e-9}).x)
     a = design(rate)
     solution, *_ = np.linalg.lstsq(a, y, rcond=None)
     residual, dof = y - a @ solution, len(y) - 4
@@ -168,9 +166,7 @@ def repeatability(values: np.ndarray) -> Repeatability:
     dof = len(v) - 1
     sd = v.std(ddof=1)
     low, high = sd * np.sqrt(dof / stats.chi2.ppf([0.975, 0.025], dof))
-    return Repeatability(
-        interval(v.mean(), sd / np.sqrt(len(v)), dof), Estimate(float(sd), float(low), float(high)), len(v)
-    )
+    return Repeatability(interval(v.mean(), sd / np.sqrt(len(v)), dof), Estimate(float(sd), float(low), float(high)), len(v))
 
 
 def change(values: np.ndarray) -> tuple[int, float]:

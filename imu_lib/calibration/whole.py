@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InputError
+from ..record import Record
 from ..units import DEG, G
 from .gyro import from_turns
 from .poses import from_gravity, from_reference
@@ -103,16 +104,12 @@ def calibrate(
     for name, x in (("accelerometers", accel), ("gyroscopes", gyro)):
         if x is not None and not np.isfinite(x).all():
             row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
-            raise InputError(
-                f"The {name} have a missing or infinite sample at row {row}; cut the record around it "
-                "(--start, --stop)."
-            )
+            raise InputError(f"The {name} have a missing or infinite sample at row {row}; cut the record around it (--start, --stop).")
     if sections is not None:
         return _known(accel, gyro, fs, sections, gravity, accel_nominal or 1.0, gyro_nominal or 1.0)
     if accel is None:
         raise InputError(
-            "Poses at rest calibrate nothing without three accelerometers; give them, or the true rates of a "
-            "rate table (--poses)."
+            "Poses at rest calibrate nothing without three accelerometers; give them, or the true rates of a rate table (--poses)."
         )
     rests = rest_windows(accel, fs, gyro=gyro, window=window)
     means = rests.means(accel)
@@ -176,6 +173,7 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
         np.array([[s.start, s.stop] for s in sections]),
         gravity,
         magnitude,
+        notes=("The intervals take the listed poses and turns as exact; what the hand or the table is off by adds to them.",),
     )
 
 
@@ -191,9 +189,7 @@ def read_poses(path: str | Path, fs: float) -> list[Section]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'})."
-        ) from None
+        raise InputError(f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'}).") from None
     return _json_sections(path, text, fs) if path.suffix.lower() == ".json" else _csv_sections(path, text)
 
 
@@ -202,9 +198,7 @@ def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
         table = json.loads(text)
         items = [(name, float(v["start"]) / fs, float(v.get("stop", v.get("end"))) / fs) for name, v in table.items()]
     except (ValueError, TypeError, AttributeError, KeyError):
-        raise InputError(
-            f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.'
-        ) from None
+        raise InputError(f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.') from None
     out = []
     for name, start, stop in items:
         axis, _, what = name.partition("_")
@@ -240,14 +234,9 @@ def _csv_sections(path: Path, text: str) -> list[Section]:
                     raise InputError(f"{path}: row {number}, column {key}: {cell.strip()!r} is not a number.") from None
         if not {"start", "stop"} <= values.keys():
             raise InputError(f"{path}: row {number} has no start or no stop.")
-        found = {
-            g: np.array([values.get(c, 0.0) for c in cols]) for g, cols in GROUPS.items() if values.keys() & set(cols)
-        }
+        found = {g: np.array([values.get(c, 0.0) for c in cols]) for g, cols in GROUPS.items() if values.keys() & set(cols)}
         if not found:
-            raise InputError(
-                f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z "
-                "in deg/s."
-            )
+            raise InputError(f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z in deg/s.")
         out.append(
             Section(
                 values["start"],
@@ -258,3 +247,44 @@ def _csv_sections(path: Path, text: str) -> list[Section]:
             )
         )
     return out
+
+
+def calibrate_record(record: Record, *, poses: str | Path | None = None, gravity: float = G) -> Calibration:
+    """`calibrate` on a record in SI: its gap-free part without `poses`, the whole of it with them.
+
+    Raises
+    ------
+    InputError
+        As `calibrate`, and where the record has too few channels.
+    """
+    sections = None if poses is None else read_poses(poses, record.rate)
+    even = record.uniform() if sections is not None else record.continuous()
+    signals, absent = {}, {}
+    for kind in ("accel", "gyro"):
+        present = [f"{kind}_{axis}" in even for axis in AXES]
+        absent[kind] = [a for a, there in zip(AXES, present) if not there]
+        signals[kind] = None
+        if all(present) or any(present) and sections is not None:  # known inputs calibrate single sensors too
+            columns = [even[f"{kind}_{a}"] if there else np.zeros(even.n) for a, there in zip(AXES, present)]
+            signals[kind] = np.column_stack(columns)
+    if signals["accel"] is None and sections is None:
+        raise InputError(
+            f"{record.name or record.source or 'The record'} has no {', '.join('accel_' + a for a in absent['accel'])}; poses "
+            "at rest need three accelerometers, a rate table needs --poses."
+        )
+    found = calibrate(signals["accel"], signals["gyro"], record.rate, sections=sections, gravity=gravity)
+
+    def only(triad, missing):
+        if triad is None or not missing:
+            return triad
+        rows = [AXES.index(a) for a in missing]
+        held = triad.estimated.copy()
+        held[[3 * i + j for i in rows for j in range(3)] + [9 + i for i in rows]] = False
+        return replace(triad, estimated=held)
+
+    return replace(
+        found,
+        accelerometers=only(found.accelerometers, absent["accel"]),
+        gyroscopes=only(found.gyroscopes, absent["gyro"]),
+        notes=tuple(n for n in even.notes if n not in record.notes) + found.notes,
+    )
