@@ -56,11 +56,18 @@ def likelihood_fit(x, fs, template, curve):
     from imu_lib import likelihood
 
     found = likelihood.fit(x, fs, template)
-    return dict(found.parameters)
+    return {**found.parameters, "flat": likelihood.flat_level(found)}
+
+
+def wavelet_moments(x, fs, template, curve):
+    """The generalised method of wavelet moments with the covariance of the moments as weights."""
+    from imu_lib import gmwm
+
+    return dict(gmwm.fit(x, fs, template).parameters)
 
 
 METHODS = {"allan.fit": allan_fit, "allan.read_off": allan_read_off, "spectrum.read_off": spectrum_read_off,
-           "likelihood.fit": likelihood_fit}
+           "likelihood.fit": likelihood_fit, "gmwm.fit": wavelet_moments}
 
 
 def template_of(entry):
@@ -121,7 +128,7 @@ def main(arguments=None):
     parser.add_argument("--seeds", default="1-200")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--twin", default="3dm-gx3-25")
-    parser.add_argument("--methods", default="allan.fit,allan.read_off,spectrum.read_off,likelihood.fit")
+    parser.add_argument("--methods", default="allan.fit,allan.read_off,spectrum.read_off,likelihood.fit,gmwm.fit")
     parser.add_argument("--out", type=Path, default=RESULT)
     options = parser.parse_args(arguments)
     first, last = (int(v) for v in options.seeds.split("-"))

@@ -9,6 +9,7 @@ candidate sums. Equations: `statistics`, `kernel` and `evaluate`.
 from .choose import CANDIDATES, Choice, FastEnd, choose, fast_end
 from .evaluate import density, goodness, log_likelihood, residuals
 from .fit import Fit, fit
+from .flat import flat_level
 from .statistics import Regressors, Statistics
 
-__all__ = ["CANDIDATES", "Choice", "FastEnd", "Fit", "Regressors", "Statistics", "choose", "density", "fast_end", "fit", "goodness", "log_likelihood", "residuals"]
+__all__ = ["CANDIDATES", "Choice", "FastEnd", "Fit", "Regressors", "Statistics", "choose", "density", "fast_end", "fit", "flat_level", "goodness", "log_likelihood", "residuals"]

@@ -13,7 +13,7 @@ LABELS = {"white_noise": "white noise", "gauss_markov": "Gauss-Markov", "gauss_m
           "random_walk": "random walk", "flicker": "flicker", "quantization": "quantization"}
 
 
-def _bands(statistics, per_decade=20):
+def _bands(statistics, per_decade=10):
     """Statistics merged for drawing: frequency, density, its 95 % interval."""
     group = np.unique(np.floor(np.log10(statistics.frequency) * per_decade), return_inverse=True)[1]
     count = np.bincount(group, statistics.count)
