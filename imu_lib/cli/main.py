@@ -101,9 +101,7 @@ def _of_os(error: OSError) -> str:
 
 
 def _fault(sentence: str) -> int:
-    sentence = " ".join(sentence.split())
-    print(f"imu-lib: {sentence[:1].upper() + sentence[1:] if sentence[:1].islower() and ' ' in sentence and '/' not in sentence.split()[0] else sentence}",
-          file=sys.stderr)
+    print(f"imu-lib: {' '.join(sentence.split())}", file=sys.stderr)
     return 2
 
 

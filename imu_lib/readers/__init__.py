@@ -9,4 +9,6 @@ from __future__ import annotations
 from imu_lib.readers.static import read_counted, read_raw, read_record
 from imu_lib.readers.drives import read_drive
 
-__all__ = ["read_counted", "read_drive", "read_raw", "read_record"]
+from imu_lib.readers.temperature import NoTemperature, read_temperature
+
+__all__ = ["NoTemperature", "read_temperature", "read_counted", "read_drive", "read_raw", "read_record"]

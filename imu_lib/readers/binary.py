@@ -142,7 +142,7 @@ def _from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
             continue
         raw.add(canonical, value, unit, key)
     raw.contract = bool(exact)
-    if not raw.kinds():
+    if not raw.kinds() and not (signal == "temperature" and "temperature" in raw.columns):
         found = ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
         raise InputError(f"{source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or give --columns for the columns of one matrix.")
     return _checked(raw)

@@ -49,7 +49,11 @@ def _plan(path, layout, columns, signal):
             plan[i] = ({"date": "date", "clock": "clock", "moment": "date"}[what], None, plan[i][2])
     if sum(c == "date" for c, _, _ in plan) and any(c == "time" for c, _, _ in plan):
         plan = [(None, u, h) if c in ("date", "clock") else (c, u, h) for c, u, h in plan]     # a numeric time beats the calendar
-    if not columns and not any(c and c.rpartition("_")[0] in ("gyro", "accel", "dtheta", "dv") for c, _, _ in plan):
+    if signal == "temperature":
+        free = [i for i in range(width) if layout.kinds[i] == "number" and plan[i][0] is None]
+        if not layout.header and width == 2 and len(free) == 2:
+            plan = [("time", "s", "column 1"), ("temperature", None, "column 2")]
+    elif not columns and not any(c and c.rpartition("_")[0] in ("gyro", "accel", "dtheta", "dv") for c, _, _ in plan):
         free = [i for i in range(width) if layout.kinds[i] in ("number", "empty") and plan[i][0] is None]
         if signal and not layout.header and len(free) in (3, 4):
             if len(free) == 4:

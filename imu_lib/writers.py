@@ -1,0 +1,49 @@
+"""A record into a file that the readers open again, units stated."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.record import Record
+
+UNIT = {"gyro": "rad/s", "accel": "m/s^2"}
+
+
+def arrays(record: Record) -> dict[str, np.ndarray]:
+    """The contract's keys: time, gyro and accel as (n, 3) where all axes are there, else single channels, temperature."""
+    out = {"time": record.times()}
+    for kind in ("gyro", "accel"):
+        axes = [f"{kind}_{a}" for a in "xyz" if f"{kind}_{a}" in record]
+        if len(axes) == 3:
+            out[kind] = record[kind]
+        else:
+            out |= {c: record[c] for c in axes}
+    if record.temperature is not None:
+        out["temperature"] = record.temperature
+    return out
+
+
+def write_record(record: Record, path) -> None:
+    """Write `.npz` (SI, the contract's keys), or `.csv`, `.tsv`, `.txt`, `.parquet` with the unit in each column's name.
+
+    A simulated record says so in its .npz, and its units are then not doubted. InputError for another suffix.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix == ".npz":
+        more = {"simulated": np.array(True)} if record.source.startswith("simulated") else {}
+        with open(path, "wb") as file:
+            np.savez_compressed(file, **arrays(record), **more)
+        return
+    import pandas as pd
+
+    columns = {"time [s]": record.times()} | {f"{c} [{UNIT[c.partition('_')[0]]}]": x for c, x in record.channels.items()}
+    if record.temperature is not None:
+        columns["temperature [degC]"] = record.temperature
+    if suffix in (".csv", ".tsv", ".txt"):
+        pd.DataFrame(columns).to_csv(path, index=False, sep="," if suffix == ".csv" else "\t", float_format="%.10g", na_rep="")
+    elif suffix == ".parquet":
+        pd.DataFrame(columns).to_parquet(path, index=False, engine="pyarrow")
+    else:
+        raise InputError(f"{path}: records are written as .npz, .csv, .tsv, .txt or .parquet.")
