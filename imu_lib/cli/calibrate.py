@@ -89,19 +89,17 @@ def _text(estimate, factor) -> str:
 
 def figures(record, found, folder) -> None:
     """Rests and pose magnitudes as PNG."""
-    import matplotlib
-
-    matplotlib.use("Agg")
     import numpy as np
 
     from imu_lib import plots
 
+    plots.headless()
     if found.rests is not None:
         accel = record.continuous()["accel"]
         ax = plots.rest_windows(accel, record.rate, found.rests)
-        ax.figure.savefig(folder / "rests.png")
+        plots.save(ax, folder / "rests.png")
         before = np.linalg.norm(found.rests.means(accel), axis=1)
         ax = plots.pose_magnitudes(before, found.magnitude, found.gravity)
-        ax.figure.savefig(folder / "poses.png")
+        plots.save(ax, folder / "poses.png")
     elif found.magnitude is not None:
-        plots.pose_magnitudes(None, found.magnitude, found.gravity).figure.savefig(folder / "poses.png")
+        plots.save(plots.pose_magnitudes(None, found.magnitude, found.gravity), folder / "poses.png")

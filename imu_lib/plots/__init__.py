@@ -12,6 +12,8 @@ from types import ModuleType
 _HOME = {
     "apply": "style",
     "grid": "style",
+    "headless": "style",
+    "save": "style",
     "unstable_response": "errata",
     "outage_ratios": "errata",
     "rest_windows": "calibration",

@@ -95,3 +95,14 @@ def thin(t, x, *, points=4000):
     low = np.fmin.reduceat(x, starts)
     high = np.fmax.reduceat(x, starts)
     return np.repeat(t[starts], 2), np.column_stack([low, high]).ravel()
+
+
+def headless():
+    """For commands: draw into files, whatever screen there is."""
+    plt.switch_backend("Agg")
+
+
+def save(ax, path):
+    """Write the figure of `ax` to `path` (the same bytes each time) and close it."""
+    ax.figure.savefig(path, metadata={"Software": None} if str(path).endswith(".png") else None)
+    plt.close(ax.figure)
