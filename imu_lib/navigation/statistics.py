@@ -1,0 +1,73 @@
+"""Which model wins: improvements by both definitions, and paired comparisons with confidence intervals."""
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+
+def improvement(better, worse, *, how):
+    """Improvement of `better` over `worse`, per cent.
+
+    better, worse : ndarray, shape (n,), errors of the same outages, m
+    how : "mean_of_ratios" (every outage counts alike; the 2013 paper's 50.95 %) or "ratio_of_sums" (the largest outages decide; its 4.3 %)
+    """
+    better, worse = np.asarray(better, float), np.asarray(worse, float)
+    if how == "mean_of_ratios":
+        return 100.0 * float(np.mean(1.0 - better / worse))
+    if how == "ratio_of_sums":
+        return 100.0 * float(1.0 - better.sum() / worse.sum())
+    raise ValueError(f"`how` must be 'mean_of_ratios' or 'ratio_of_sums', not {how!r}")
+
+
+@dataclass(frozen=True)
+class Paired:
+    """Comparison of two models on the same outages: geometric mean of error ratios with its 95 % interval.
+
+    better, than : names; ratio below 1 means `better` has the smaller errors; wins : share of outages in which it has;
+    p : of Wilcoxon's signed-rank test on the log ratios (two-sided); outages, clusters : how many, and in how many independent groups
+    """
+    better: str
+    than: str
+    ratio: float
+    low: float
+    high: float
+    wins: float
+    p: float
+    outages: int
+    clusters: int
+
+    @property
+    def decided(self):
+        """Whether the interval leaves out 1."""
+        return self.high < 1.0 or self.low > 1.0
+
+    def to_json(self):
+        return {"better": self.better, "than": self.than, "ratio": self.ratio, "low": self.low, "high": self.high, "wins": self.wins,
+                "p": self.p, "outages": self.outages, "clusters": self.clusters}
+
+
+def paired(first, second, names=("first", "second"), *, clusters=None) -> Paired:
+    """Compare errors of the same outages.
+
+    first, second : ndarray, shape (n,), m; clusters : (n,) labels of what is not independent (a drive): logs of ratios are then
+    averaged within each first, and the interval is Student's over the clusters. The model with the smaller mean log error is named `better`.
+    """
+    log = np.log(np.maximum(np.asarray(first, float), 1e-3) / np.maximum(np.asarray(second, float), 1e-3))
+    names = tuple(names)
+    if log.mean() > 0.0:
+        log, names = -log, names[::-1]
+    values = log if clusters is None else np.array([log[np.asarray(clusters) == c].mean() for c in np.unique(clusters)])
+    n, mean = values.size, float(values.mean())
+    half = float(stats.t.ppf(0.975, n - 1) * values.std(ddof=1) / np.sqrt(n)) if n > 1 else np.inf
+    p = float(stats.wilcoxon(values).pvalue) if n > 5 and np.any(values != 0.0) else 1.0
+    with np.errstate(over="ignore"):
+        low, high = float(np.exp(mean - half)), float(np.exp(min(mean + half, 700.0)))
+    return Paired(*names, float(np.exp(mean)), low, high, float(np.mean(log < 0.0)), p, log.size, n)
+
+
+def median_interval(values, level=0.95):
+    """Median with an exact interval from the order statistics: (median, low, high)."""
+    x = np.sort(np.asarray(values, float))
+    n = x.size
+    k = int(stats.binom.ppf(0.5 * (1.0 - level), n, 0.5))
+    return float(np.median(x)), float(x[max(k - 1, 0)]), float(x[min(n - k, n - 1)])
