@@ -46,12 +46,17 @@ class Images:
 
 
 def quantization_ends(stats, noise):
-    """What the two ends of a finite record add to quantization: 8 Q^2 fs / n cos^2, which f^2 leaves out."""
+    """What the two ends of a finite record add to quantization: 8 Q^2 fs / n cos^2, which its f^2 leaves out.
+
+    Exact for the samples, so it stands in for what the kernel, made for red spectra, gives the first coefficients.
+    """
     out = 0.0
     for term in noise.terms:
         if term.name == "quantization":
             n = np.concatenate([np.full(len(s.edges) - 1, s.n) for s in stats.stretches])
-            out = out + 8 * term.Q**2 * stats.rate / n * np.cos(np.pi * stats.frequency / stats.rate) ** 2
+            psd = term.psd(stats.grid, stats.rate)
+            out = out + (8 * term.Q**2 * stats.rate / n * np.cos(np.pi * stats.frequency / stats.rate) ** 2
+                         + psd[:len(n)] - stats.collapse(psd, bands=False))
     return out
 
 

@@ -149,13 +149,15 @@ class Statistics:
         """Length of the longest stretch, s."""
         return max(s.n for s in self.stretches) / self.rate
 
-    def collapse(self, density):
+    def collapse(self, density, *, bands=True):
         """Expected mean ordinate of each band, (..., b), from a one-sided density on `grid`, (..., g)."""
         b = len(self.frequency)
         expected = np.array(density[..., :b])
         bent = np.flatnonzero((self.frequency > BENT * self.rate) & (self.count > 3))
         k = len(bent)
-        expected[..., bent] = (8 * expected[..., bent] + 5 * density[..., b:b + k] + 5 * density[..., b + k:b + 2 * k]) / 18
+        if bands:  # the mean over a bent band
+            expected[..., bent] = (8 * expected[..., bent] + 5 * density[..., b:b + k]
+                                   + 5 * density[..., b + k:b + 2 * k]) / 18
         at, node = 0, b + 2 * k
         for s in self.stretches:
             k = _singles(s)
