@@ -132,7 +132,8 @@ def pdf(out: Path | None = None) -> Path:
         write_status(work, [], contents.chapters(work))
         build_pages(work, strict=False, builder="singlehtml")
         pages = work / "_build/singlehtml"
-        page = next(path for path in (pages / "book/intro.html", pages / "index.html") if path.exists())
+        # the single page lands in the folder of the root document but links as from the top
+        page = (pages / "book/intro.html").replace(pages / "whole.html")
         done = subprocess.run(
             [browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
              f"--user-data-dir={work / 'profile'}", "--virtual-time-budget=60000", "--no-pdf-header-footer",
