@@ -17,7 +17,9 @@ from functools import lru_cache
 
 import numpy as np
 
-_PER_OCTAVE = 120      # frequencies per octave; the golden ratio spreads them through the lobes of h
+# Frequencies per octave, spread through the lobes of h by the golden ratio: few where all responses are smooth (below
+# a quarter of a cycle in the record), many at the top, where quantization has its power.
+_SMOOTH, _PER_OCTAVE, _TOP = 24, 90, 400
 _LONG = 32             # clusters longer than n / _LONG are summed over lags
 _LAGS = 256            # grid of lags over the record
 
@@ -42,6 +44,7 @@ class Quadrature:
         self.windows = np.asarray(windows, dtype=float)
         self.f, self.weight, self.response = _grid(tuple(int(k) for k in m), self.n)
         self.f = self.f * self.fs
+        self._mean = None
         self.long = np.flatnonzero(self.m > self.n / _LONG)
 
     def covariance(self, density):
@@ -57,18 +60,22 @@ class Quadrature:
         share = np.minimum(1 / self.windows[:, None], 1 / self.windows[None, :])
         out = gram * share
         if self.long.size:
-            self._replace_long(out, density)
+            self._replace_long(out, density, power, share)
         return out
 
     def mean_covariance(self, density):
         """Covariance of the plain means of the windows D_i (the square root's linear term), ndarray, shape (j, j)."""
-        x = np.pi * self.f / self.fs
-        count = (self.n - 2 * self.m + 1)[:, None]
-        mean = self.response * np.sin(x * count) / (count * np.sin(x))
-        return (mean * (density * self.fs * self.weight)) @ mean.T
+        if self._mean is None:
+            x = np.pi * self.f / self.fs
+            count = (self.n - 2 * self.m + 1)[:, None]
+            self._mean = self.response * np.sin(x * count) / (count * np.sin(x))
+        return (self._mean * (density * self.fs * self.weight)) @ self._mean.T
 
-    def _replace_long(self, out, density):
-        """The block of long clusters, summed over lags with the true number of pairs of windows."""
+    def _replace_long(self, out, density, power, share):
+        """The block of long clusters, summed over lags with the true number of pairs of windows.
+
+        What varies faster than the grid of lags resolves adds its part by Parseval's theorem as before.
+        """
         idx = self.long
         cosine, low, step = _cosines(tuple(int(k) for k in self.m), self.n)
         lag = step * np.arange(cosine.shape[1])
@@ -77,13 +84,16 @@ class Quadrature:
         cross = (half[rows] * self.response[idx][:, low][columns]) @ cosine     # (pairs, lags)
         whole = self.n - 2 * self.m[idx] + 1
         before = np.diag(out)[idx].copy()
-        exact = np.empty((idx.size, idx.size))
+        fast = np.ones(self.f.size, dtype=bool)
+        fast[low] = False
+        exact = (power[idx][:, fast] * self.weight[fast]) @ power[idx][:, fast].T * share[np.ix_(idx, idx)]
         for p, (a, b) in enumerate(zip(rows, columns, strict=True)):
             few, many = sorted((whole[a], whole[b]))
             pairs = np.clip((whole[a] + whole[b]) / 2 - lag, 0, few)
             total = step * (2 * np.sum(pairs * cross[p]**2) - pairs[0] * cross[p, 0]**2)
             missing = np.sqrt(whole[a] * whole[b] / (self.windows[idx[a]] * self.windows[idx[b]]))
-            exact[a, b] = exact[b, a] = 2 * total / (few * many) * missing
+            exact[a, b] += 2 * total / (few * many) * missing
+            exact[b, a] = exact[a, b]
         # the same edge effect, ever smaller, on the shorter clusters, so that the two parts join smoothly
         edge = np.sqrt(np.diag(exact) / before)
         scale = np.sqrt(1 - np.minimum((1 - edge[0] ** 2) * self.m / self.m[idx[0]], 0.5))
@@ -95,12 +105,15 @@ class Quadrature:
 @lru_cache(maxsize=8)
 def _grid(m, n):
     """Frequencies (cycles per sample), quadrature weights, and h of each cluster length."""
-    octaves = np.log2(0.5 * 64 * n)
-    count = int(octaves * _PER_OCTAVE)
-    edges = np.linspace(0, octaves, count + 1)
-    shift = (np.arange(count) * 0.6180339887498949) % 1.0
-    f = 0.5 * 2.0 ** (-octaves + edges[:-1] + shift * octaves / count)
-    weight = np.log(2) * octaves / count * f
+    pieces = []
+    for low, high, density in ((1 / (64 * n), 0.25 / n, _SMOOTH), (0.25 / n, 1 / 32, _PER_OCTAVE),
+                               (1 / 32, 0.5, _TOP)):
+        octaves = np.log2(high / low) if high > low else 0.0
+        count = int(np.ceil(octaves * density))
+        shift = (np.arange(count) * 0.6180339887498949) % 1.0
+        f = low * 2.0 ** ((np.arange(count) + shift) * octaves / max(count, 1))
+        pieces.append((f, np.log(2) * octaves / max(count, 1) * f))
+    f, weight = (np.concatenate(part) for part in zip(*pieces, strict=True))
     m = np.asarray(m, dtype=float)[:, None]
     response = np.sqrt(2) * np.sin(np.pi * f * m) ** 2 / (m * np.sin(np.pi * f))
     return f, weight, response

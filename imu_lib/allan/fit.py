@@ -62,7 +62,7 @@ def choose(curve, *, ratio=2**0.5, shortest=0.0, longest=np.inf):
     return ok[np.unique(np.abs(log[None, :] - goal[:, None]).argmin(axis=1))]
 
 
-def fit(curve, terms, *, shortest=0.0, longest=np.inf):
+def fit(curve, terms, *, shortest=0.0, longest=np.inf, filtered=False):
     """Fit a sum of processes to an Allan curve by iterated generalised least squares.
 
     Parameters
@@ -73,6 +73,9 @@ def fit(curve, terms, *, shortest=0.0, longest=np.inf):
         complete; they enter as they are.
     shortest, longest : float
         Range of averaging times to use, s.
+    filtered : bool
+        The sensor filters its output and the template does not say how: allow for what a short filter takes from
+        white noise beyond its own length, and begin there (`shortest`).
 
     Returns
     -------
@@ -83,22 +86,55 @@ def fit(curve, terms, *, shortest=0.0, longest=np.inf):
     ValueError
         Where the template leaves nothing to fit, or the range holds too few averaging times for it.
     """
-    terms = Terms(terms)
+    return _finished(*_found(curve, terms, shortest, longest, filtered))
+
+
+def fit_best(curve, templates, *, shortest=0.0, longest=np.inf, filtered=False, enough=0.05):
+    """The first of several templates that describes the curve (p-value above `enough`), or else the best of them.
+
+    Best is the least criterion. Arguments as for `fit`; a template with too many parameters for the curve is passed
+    over.
+
+    Returns
+    -------
+    AllanFit
+    """
+    tried = []
+    for template in templates:
+        try:
+            tried.append(_found(curve, template, shortest, longest, filtered))
+        except ValueError:
+            continue
+        problem, found, count = tried[-1]
+        if stats.chi2.sf(found[2], problem.tau.size - count) > enough:
+            return _finished(*tried[-1])
+    if not tried:
+        raise ValueError("`curve` has too few averaging times to fit anything")
+    return _finished(*min(tried, key=lambda one: one[1][3] + one[2] * np.log(one[0].tau.size)))
+
+
+def _found(curve, terms, shortest, longest, filtered):
+    """Problem, (shape, squares, misfit, criterion) at the minimum, number of parameters."""
+    terms = Terms(terms, filtered=filtered)
     index = choose(curve, shortest=shortest, longest=longest)
     count = len(terms.linear) + len(terms.shape)
     if index.size <= count:
         raise ValueError(f"`curve` has {index.size} averaging times in the range, too few to fit {count} parameters")
     problem = Problem(curve, terms, index)
     found = min((iterate(problem, start, rounds=2) for start in _starts(problem, curve)), key=lambda one: one[3])
-    found = iterate(problem, found[0])
+    return problem, iterate(problem, found[0]), count
+
+
+def _finished(problem, found, count):
+    """The result, with absent terms taken out and intervals."""
     shape, squares, misfit, criterion = drop_absent(problem, found)
     parameters, flat = estimates(problem, shape, squares)
-    model = terms.model(shape, squares)
-    dof = index.size - count
+    model = problem.terms.model(shape, squares)
+    dof = problem.tau.size - count
     variance = np.diag(problem.covariance(shape, squares))
     predicted = problem.predict(shape, squares)
     return AllanFit(model, parameters, flat, float(misfit), int(dof), float(stats.chi2.sf(misfit, dof)),
-                    float(criterion + count * np.log(index.size)), problem.tau, np.sqrt(predicted),
+                    float(criterion + count * np.log(problem.tau.size)), problem.tau, np.sqrt(predicted),
                     np.sqrt(variance) / predicted / 2)
 
 

@@ -24,30 +24,27 @@ def drop_absent(problem, found, *, needed=2.706):
     2.706 is the 95 % point for an amplitude that cannot be negative. Returns shape, squares, misfit, criterion of
     what is left; `problem.active` tells which terms those are.
     """
+    linear = problem.terms.linear
     while True:
-        shape, squares, misfit, _ = found
+        shape, squares, _, _ = found
         problem.active &= squares > 0
         sd = np.sqrt(np.diag(problem.information(shape, squares)))[:squares.size]
-        weak = [i for i in np.flatnonzero(problem.active) if sd[i] > 0.2]
+        weak = [i for i in np.flatnonzero(problem.active) if sd[i] > 0.2 and linear[i][2]]
         trials = []
         for i in weak:
             if problem.active.sum() == 1:
                 break
             problem.active[i] = False
             without = iterate(problem, shape)
-            problem.active[i] = True
-            # both against the covariance of the model without the term
+            # both misfits against the covariance of the model without the term
             white = problem.whitener(problem.covariance(*without[:2]))
-            trials.append((problem.solve(without[0], white)[1] - _best(problem, shape, white), i, without))
+            alone = problem.solve(without[0], white)[1]
+            problem.active[i] = True
+            trials.append((alone - iterate(problem, shape, white=white)[2], i, without))
         if not trials or min(trials, key=lambda t: t[0])[0] > needed:
             return found
         _, i, found = min(trials, key=lambda t: t[0])
         problem.active[i] = False
-
-
-def _best(problem, shape, white):
-    """Least misfit of the active terms under a given covariance, near the shape."""
-    return iterate(problem, shape, white=white)[2]
 
 
 def estimates(problem, shape, squares):
@@ -57,6 +54,8 @@ def estimates(problem, shape, squares):
     moving = problem.moving()
     parameters = {}
     for i, (_, _, label) in enumerate(linear):
+        if label is None:  # what a filter takes away is no coefficient
+            continue
         parameters[label] = (_ends(problem, shape, squares, cov, i) if problem.active[i]
                              else Estimate.absent(_upper(problem, shape, squares, i)))
     for k, (_, _, label) in enumerate(shapes):

@@ -18,9 +18,13 @@ from imu_lib.processes import LowPass, Sum
 
 
 class Terms:
-    """The terms of a template: what is free in each, and its Allan variance and density at unit amplitude."""
+    """The terms of a template: what is free in each, and its Allan variance and density at unit amplitude.
 
-    def __init__(self, template):
+    With `filtered`, one more free term of variance -3 q^2 / tau^2: what any short filter on white noise takes away at
+    averaging times beyond its length.
+    """
+
+    def __init__(self, template, *, filtered=False):
         self.template = template if isinstance(template, Sum) else Sum((template,))
         self.linear, self.shape = [], []
         labels = {(index, name): label for label, index, name in self.template.labels()}
@@ -33,6 +37,9 @@ class Terms:
                     (self.linear if size else self.shape).append((t, p.name, labels[t, p.name]))
         if not self.linear and not self.shape:
             raise ValueError("`terms` leaves nothing to fit: leave the parameters to be estimated at None")
+        self.filtered = filtered
+        if filtered:
+            self.linear.append((len(self.template.terms) + 1, "Q", None))
         self.filter = tuple(s for s in self.template.stages if isinstance(s, LowPass))
         self.stages = tuple(s for s in self.template.stages if not isinstance(s, LowPass))
         self.cache = {}
@@ -40,14 +47,16 @@ class Terms:
     def model(self, shape, squares):
         """The complete sum for log shape parameters and squared amplitudes."""
         values = {label: float(np.exp(v)) for (_, _, label), v in zip(self.shape, shape, strict=True)}
-        values |= {label: float(np.sqrt(max(c, 0.0))) for (_, _, label), c in zip(self.linear, squares, strict=True)}
+        values |= {label: float(np.sqrt(max(c, 0.0))) for (_, _, label), c in zip(self.linear, squares, strict=True) if label}
         return self.template.with_values(values)
 
     def parts(self, shape, tau, f, fs):
-        """Allan variance (terms + 1, j) and density (terms + 1, k) at unit amplitude; last, what the stages add."""
+        """Allan variance (terms + 1, j) and density (terms + 1, k) at unit amplitude; after the terms, what the stages add."""
         rows = [self._part(t, tuple(float(v) for (s, _, _), v in zip(self.shape, shape, strict=True) if s == t),
                            tau, f, fs) for t in range(len(self.template.terms))]
         rows.append(self._part(None, (), tau, f, fs))
+        if self.filtered:
+            rows.append((-3 / tau**2, -8 * fs * np.sin(np.pi * f / fs) ** 2))
         return np.array([a for a, _ in rows]), np.array([s for _, s in rows])
 
     def _part(self, t, shape, tau, f, fs):
@@ -94,6 +103,7 @@ class Problem:
         return avar[self.free].T, avar[self.held].sum(axis=0)
 
     def predict(self, shape, squares):
+        """Allan variance of the model (j,)."""
         basis, held = self.design(shape)
         return basis @ squares + held
 
@@ -102,11 +112,14 @@ class Problem:
         avar, density = self.terms.parts(shape, self.tau, self.quad.f, self.fs)
         weight = np.ones(len(avar))
         weight[self.free] = squares
-        out = self.quad.covariance(weight @ density)
-        trend = weight @ np.where(density.any(axis=1)[:, None], 0.0, avar)
+        total = weight @ density
+        if self.terms.filtered:  # no filter takes away more than there is
+            total = np.maximum(total, 1e-3 * np.maximum(density, 0).T @ weight)
+        out = self.quad.covariance(total)
+        trend = np.maximum(weight @ np.where(density.any(axis=1)[:, None], 0.0, avar), 0.0)
         if trend.any():
             mean = np.sqrt(trend)
-            out += 4 * np.outer(mean, mean) * self.quad.mean_covariance(weight @ density)
+            out += 4 * np.outer(mean, mean) * self.quad.mean_covariance(total)
         return out
 
     def whitener(self, covariance):
@@ -163,15 +176,7 @@ def iterate(problem, shape, *, rounds=15, white=None):
     for _ in range(rounds):
         if not held:
             white = problem.whitener(problem.covariance(shape, squares))
-        moving = problem.moving()
-        if moving.any():
-            def rest(part, white=white, moving=moving, shape=shape):
-                return problem.solve(_put(shape, moving, part), white)[1]
-            start = shape[moving]
-            simplex = np.vstack([start, start + 0.1 * np.eye(start.size)])
-            part = optimize.minimize(rest, start, method="Nelder-Mead",
-                                     options={"xatol": 1e-4, "fatol": 1e-6, "initial_simplex": simplex}).x
-            shape = _put(shape, moving, part)
+        shape = _best_shape(problem, shape, white)
         squares, misfit = problem.solve(shape, white)
         now = np.concatenate([np.exp(shape), np.sqrt(squares)])
         if held or last is not None and np.allclose(now, last, rtol=1e-3, atol=0):
@@ -180,7 +185,24 @@ def iterate(problem, shape, *, rounds=15, white=None):
     return shape, squares, misfit, misfit - 2 * np.linalg.slogdet(white)[1]
 
 
-def _put(shape, moving, part):
-    out = shape.copy()
-    out[moving] = part
-    return out
+def _best_shape(problem, shape, white):
+    """Shape parameters of least misfit under a given covariance, near `shape`."""
+    moving = problem.moving()
+
+    def put(part):
+        out = shape.copy()
+        out[moving] = part
+        return out
+
+    def rest(part):
+        return problem.solve(put(part), white)[1]
+
+    start = shape[moving]
+    if start.size == 0:
+        return shape
+    if start.size == 1:
+        return put(optimize.minimize_scalar(rest, method="bounded", bounds=(start[0] - 1.2, start[0] + 1.2),
+                                            options={"xatol": 1e-4}).x)
+    simplex = np.vstack([start, start + 0.1 * np.eye(start.size)])
+    return put(optimize.minimize(rest, start, method="Nelder-Mead",
+                                 options={"xatol": 1e-4, "fatol": 1e-6, "initial_simplex": simplex}).x)
