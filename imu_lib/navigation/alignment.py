@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imu_lib.errors import InputError
+from imu_lib.units import DEG
 
 from . import attitude, earth
 from .preparation import Fixes, Stretch
@@ -24,7 +25,8 @@ class Alignment:
 
     epoch : index into the stretch's `time`; position, velocity, attitude : (3,) each
     sd : (9,) position m, velocity m/s, attitude rad
-    gyro_offset : (3,) rad/s, mean rate at standstill (zeros without one); standstill : s used for it
+    gyro_offset : (3,) rad/s, mean rate at standstill (zeros without one); standstill : s used for it; used : s, time of the fix whose
+    position it took (the filter goes on with later ones)
     """
     epoch: int
     position: np.ndarray
@@ -32,7 +34,8 @@ class Alignment:
     attitude: np.ndarray
     sd: np.ndarray
     gyro_offset: np.ndarray
-    standstill: float
+    standstill: float = 0.0
+    used: float = -np.inf
 
 
 def level(force):
@@ -54,7 +57,7 @@ def velocity_of(fixes: Fixes, *, span=1.0):
     return out
 
 
-def align(stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=np.radians(10.0), tilt_sd=np.radians(1.5)) -> Alignment:
+def align(stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=10.0 * DEG, tilt_sd=1.5 * DEG) -> Alignment:
     """Align at the start of a stretch, or as soon after it as the fixes allow.
 
     Standing at first: level over the standstill, heading from the first straight motion, carried back by the gyros. Moving from
@@ -97,7 +100,7 @@ def align(stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=np.radians
             turned = _yaw_since(angles, rate[begin:epochs[some[-1]] + 1] - offset, stretch.dt[begin:epochs[some[-1]] + 1], epochs[some] - begin)
             angles[2] = _common(np.arctan2(velocity[some, 1], velocity[some, 0]) - turned)
         return Alignment(begin, fixes.value[index[0], :3].copy(), np.zeros(3), angles,
-                         np.concatenate([position_sd, np.full(3, 0.1), [tilt_sd, tilt_sd, heading_sd]]), offset, standstill)
+                         np.concatenate([position_sd, np.full(3, 0.1), [tilt_sd, tilt_sd, heading_sd]]), offset, standstill, float(time[0]))
     k = straight[0] if straight else first_known
     e = int(epochs[k])
     now = velocity[k] if np.isfinite(velocity[k]).all() else np.zeros(3)
@@ -108,7 +111,7 @@ def align(stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=np.radians
     ahead, aside = np.cos(yaw) * acceleration[0] + np.sin(yaw) * acceleration[1], -np.sin(yaw) * acceleration[0] + np.cos(yaw) * acceleration[1]
     roll, pitch = level(around - np.array([ahead, aside, acceleration[2]]))
     return Alignment(e, fixes.value[index[k], :3].copy(), now, np.array([roll, pitch, yaw]),
-                     np.concatenate([position_sd, np.maximum(velocity_sd, 0.5), [2 * tilt_sd, 2 * tilt_sd, heading_sd]]), np.zeros(3), 0.0)
+                     np.concatenate([position_sd, np.maximum(velocity_sd, 0.5), [2 * tilt_sd, 2 * tilt_sd, heading_sd]]), np.zeros(3), 0.0, float(time[k]))
 
 
 def _yaw_since(angles, rate, dt, marks):

@@ -101,11 +101,14 @@ class Solution:
 class LooselyCoupled:
     """A drive and a filter model, made ready once; `solve` runs the whole drive, `coast` runs on from a moment without fixes."""
 
-    def __init__(self, drive: Drive, model, *, gnss: Gnss = Gnss(), heading=None, remove_bias=True, sampling="average"):
-        """model : FilterModel or Model; heading : rad at the start, where known; remove_bias : take the gyros' mean at standstill off the readings."""
+    def __init__(self, drive: Drive, model, *, gnss: Gnss | None = None, heading=None, start: Alignment | None = None, remove_bias=True,
+                 sampling="average"):
+        """model : FilterModel or Model; heading : rad at the start, where known; start : the whole alignment, where known (its epoch counts in the first
+        stretch); remove_bias : take the gyros' mean at standstill off the readings."""
+        gnss = gnss or Gnss()
         if isinstance(model, Model):
             model = FilterModel(model.name or "model", model)
-        self.drive, self.model, self.gnss, self.heading = drive, model, gnss, heading
+        self.drive, self.model, self.gnss, self.heading, self.start = drive, model, gnss, heading, start
         self.prepared = prepare(drive, levels=model.levels, causal=model.causal, gnss=gnss, sampling=sampling)
         self.sensors: SensorStates = sensor_states(model.model, self.prepared.rate, turn_on_sd=model.turn_on_sd,
                                                    scale_sd=model.scale_sd, flicker=model.flicker)
@@ -130,15 +133,17 @@ class LooselyCoupled:
         smooth : keep what the smoother needs, at every fix and every second
         """
         pieces, alignments, kept, logs, notes = [], [], [], [], list(self.prepared.notes)
-        fixes = self.prepared.fixes
-        use = fixes.use.copy()
+        fixes, use = self.prepared.fixes, self.prepared.fixes.use.copy()
         for start, duration in withhold:
             use[(fixes.time > start) & (fixes.time <= start + duration)] = 0
         x, p_sensor, last = np.zeros(self.sensors.count), self.sensors.initial.copy(), None
         offset = np.zeros(3)
         for number, stretch in enumerate(self.prepared.stretches):
             try:
-                start = align(stretch, fixes, heading=self.heading if last is None else self._parked(stretch, pieces[-1], fixes))
+                if last is None and self.start is not None:
+                    start = self.start
+                else:
+                    start = align(stretch, fixes, heading=self.heading if last is None else self._parked(stretch, pieces[-1], fixes))
             except InputError as error:
                 if last is None and number + 1 == len(self.prepared.stretches):
                     raise
@@ -155,8 +160,8 @@ class LooselyCoupled:
             p[np.arange(9), np.arange(9)] = start.sd ** 2
             p[9:, 9:] = p_sensor
             road = np.zeros(4)
-            piece, moment = self._run(number, start.epoch, stretch.time.size - 1, nav, x, p, road, fixes, use,
-                                      self._node_epochs(stretch, start.epoch, moments, smooth, use), smooth, offset)
+            piece, moment = self._run(number, start.epoch, stretch.time.size - 1, nav, x, p, road, fixes,
+                                      np.where(fixes.time <= start.used, 0, use), self._node_epochs(stretch, start.epoch, moments, smooth, use), smooth, offset)
             pieces.append((stretch.time[start.epoch + 1:],) + piece[:2])
             logs.append(piece[2])
             kept.append(moment)
