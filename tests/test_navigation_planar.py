@@ -129,12 +129,6 @@ def test_drive_is_what_the_paper_describes():
     assert drive.state[-1, 4] - drive.start[4] == pytest.approx(2 * np.pi, abs=1e-6)  # five right turns, one left
 
 
-def test_printed_table_4_adds_up():
-    for rows in ui.TABLE_4.values():
-        for x, y, horizontal in rows.values():
-            assert np.hypot(x, y) == pytest.approx(horizontal, abs=2e-4)  # four printed decimals
-
-
 def test_fit_of_static_records_follows_the_spectrum_that_matters():
     """AR(4) sees more of the slow noise than GM(1): the truth at low frequency lies above both."""
     model = imu.preset("rga300ca")

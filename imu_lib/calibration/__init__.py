@@ -14,10 +14,6 @@ from .poses import ferraris, from_gravity, from_reference
 from .rest import RestWindows, moving_deviation, rest_windows
 from .table import (
     CALGARY,
-    TABLE_2,
-    TABLE_3,
-    TABLE_3_MEAN,
-    TABLE_3_SD,
     Line,
     Repeatability,
     averages,
@@ -33,10 +29,6 @@ from .whole import Calibration, Section, calibrate, calibrate_record, read_poses
 __all__ = [
     "AXES",
     "CALGARY",
-    "TABLE_2",
-    "TABLE_3",
-    "TABLE_3_MEAN",
-    "TABLE_3_SD",
     "Calibration",
     "Line",
     "Repeatability",

@@ -25,28 +25,6 @@ from .triad import interval
 
 #: Standard gravity of the multi-sensor laboratory in Calgary (2008 paper, Section 4), m/s^2.
 CALGARY = 9.8080
-#: Printed results of the ten gyroscope runs (2008 paper, Table 3): bias deg/s, scale factor per cent.
-TABLE_3 = np.array(
-    [
-        [0.2359, -0.3837],
-        [0.2284, -0.3977],
-        [0.2469, -0.3693],
-        [0.2206, -0.4164],
-        [0.2990, -0.4538],
-        [0.3164, -0.3154],
-        [0.3071, -0.4203],
-        [0.3180, -0.4367],
-        [0.3310, -0.3462],
-        [0.3095, -0.4445],
-    ]
-)
-#: Its printed mean and standard deviation.
-TABLE_3_MEAN, TABLE_3_SD = (0.2813, -0.3984), (0.0407, 0.0449)
-#: Printed mean and standard deviation of the accelerometers (2008 paper, Table 2), x y z: mg and per cent.
-TABLE_2 = {
-    "bias": ((2.3961, 2.4233, 2.0901), (0.8858, 1.1304, 0.8356)),
-    "scale_factor": ((-0.093, -0.1284, -0.0962), (0.0358, 0.0256, 0.0357)),
-}
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from ..wavelet import denoise
 #: name -> options of `wavelet.denoise`
 FORMS = {
     "SURE, whole record": {},
+    "SURE, noise of level 1": {"noise": "first_level"},
     "SURE, causal": {"causal": True},
     "low-pass, whole record": {"threshold": "approximation"},
     "low-pass, causal": {"threshold": "approximation", "causal": True},

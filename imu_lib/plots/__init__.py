@@ -29,6 +29,13 @@ _HOME = {
     "intervals": "likelihood",
     "characterised_allan": "likelihood",
     "characterised_spectrum": "likelihood",
+    "planar_tracks": "update_interval",
+    "planar_errors": "update_interval",
+    "rms_by_interval": "update_interval",
+    "paired_ratios": "update_interval",
+    "level_curves": "wavelet_level",
+    "band_energy": "wavelet_level",
+    "denoised_detail": "wavelet_level",
 }
 __all__ = sorted(_HOME)
 
