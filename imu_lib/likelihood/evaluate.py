@@ -116,11 +116,11 @@ def _scores(stats, expected, power=None):
     return -ndtri(upper)
 
 
-def goodness(stats, expected, parameters, power=None, *, per_decade=8):
+def goodness(stats, expected, parameters, power=None, *, per_decade=(2.5, 8)):
     """p-value of the hypothesis that the record has this spectrum.
 
-    Two chi-square sums of normal scores, over all bands and over `per_decade` bands a decade (where a smooth misfit
-    adds up); the smaller p-value of the two counts as such (Sidak).
+    Chi-square sums of normal scores over all bands and over `per_decade` bands a decade, where a smooth misfit adds
+    up; the smallest of their p-values counts as the smallest of three (Sidak).
 
     Parameters
     ----------
@@ -130,14 +130,14 @@ def goodness(stats, expected, parameters, power=None, *, per_decade=8):
     """
     power = stats.power if power is None else power
     p_values = []
-    for bins in (_bands(stats, per_decade), np.arange(len(power))):
+    for bins in (*(_bands(stats, width) for width in per_decade), np.arange(len(power))):
         total = np.bincount(bins, power / expected)
         count = np.bincount(bins, stats.count)
         keep = count > 0
         upper = np.clip(gammaincc(count[keep] / 2, total[keep] / 2), 1e-300, 1 - 1e-16)
         square = float(np.sum(ndtri(upper) ** 2))
         p_values.append(chi2.sf(square, max(int(keep.sum()) - parameters, 1)))
-    return float(-np.expm1(2 * np.log1p(-min(min(p_values), 1 - 1e-16))))
+    return float(-np.expm1(3 * np.log1p(-min(min(p_values), 1 - 1e-16))))
 
 
 def _bands(stats, per_decade):
