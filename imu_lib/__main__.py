@@ -1,4 +1,5 @@
 """`python -m imu_lib` is `imu-lib`."""
+
 import sys
 
 from imu_lib.cli.main import main

@@ -3,6 +3,7 @@
 The header of an array is read before its data: a file that announces more than it holds is refused
 before memory is asked for, and pickled objects are never loaded.
 """
+
 from __future__ import annotations
 
 import zipfile
@@ -31,8 +32,10 @@ def _read(stream, size: int, where: str) -> np.ndarray:
         count *= int(length)
     held = size - stream.tell()
     if count * dtype.itemsize > held:
-        raise InputError(f"{where} announces {count:,} values in its header but the file holds {held // max(dtype.itemsize, 1):,}; "
-                         "it is cut off or damaged: write it again.")
+        raise InputError(
+            f"{where} announces {count:,} values in its header but the file holds {held // max(dtype.itemsize, 1):,}; "
+            "it is cut off or damaged: write it again."
+        )
     data = stream.read(count * dtype.itemsize)
     if len(data) < count * dtype.itemsize:
         raise InputError(f"{where} ends after {len(data) // max(dtype.itemsize, 1):,} of {count:,} values; it is cut off: write it again.")

@@ -1,4 +1,5 @@
 """Two models, two records of one sensor, or a record and a model, side by side: at every averaging time and by coefficient."""
+
 from __future__ import annotations
 
 import os
@@ -17,6 +18,7 @@ from imu_lib.record import Record
 @dataclass(frozen=True)
 class Curve:
     """Allan deviation at common averaging times with its 95 % interval; a model's interval is a point."""
+
     adev: np.ndarray
     low: np.ndarray
     high: np.ndarray
@@ -24,8 +26,11 @@ class Curve:
 
 @dataclass(frozen=True)
 class Channel:
-    """One channel of both. ratio: a over b with its 95 % interval; differs: whether the interval excludes 1 after correction for the number of
-    averaging times looked at. coefficients: name -> (a, b), an Estimate, a number, or None where one has no such term. mean, sd: of records."""
+    """One channel of both. ratio: a over b with its 95 % interval; differs: whether the interval excludes 1 after correction for
+    the number of
+    averaging times looked at. coefficients: name -> (a, b), an Estimate, a number, or None where one has no such term. mean, sd:
+    of records."""
+
     tau: np.ndarray
     a: Curve
     b: Curve
@@ -39,13 +44,16 @@ class Channel:
 
     def to_json(self) -> dict:
         keys = ("tau", "ratio", "low", "high", "differs", "mean", "sd")
-        return {k: getattr(self, k) for k in keys} | {"adev": {"a": self.a.adev, "b": self.b.adev},
-                                                      "coefficients": {k: {"a": v[0], "b": v[1]} for k, v in self.coefficients.items()}}
+        return {k: getattr(self, k) for k in keys} | {
+            "adev": {"a": self.a.adev, "b": self.b.adev},
+            "coefficients": {k: {"a": v[0], "b": v[1]} for k, v in self.coefficients.items()},
+        }
 
 
 @dataclass(frozen=True)
 class Comparison:
     """a, b: what was compared. channels: those that both have. only: the channels that one alone has."""
+
     a: str
     b: str
     channels: Mapping[str, Channel]
@@ -55,7 +63,9 @@ class Comparison:
         return {"a": self.a, "b": self.b, "only": self.only, "channels": dict(self.channels)}
 
 
-def compare(a: Record | Model, b: Record | Model, *, rate: float | None = None, per_decade: int = 2, tell=lambda fits, total: fits) -> Comparison:
+def compare(
+    a: Record | Model, b: Record | Model, *, rate: float | None = None, per_decade: int = 2, tell=lambda fits, total: fits
+) -> Comparison:
     """Lay two side by side.
 
     a, b: records at rest or error models. rate: Hz at which two models are sampled (their own, else the continuous limit).
@@ -96,8 +106,17 @@ def _channel(name, a, b, tau, fs, fitted) -> Channel:
     # as many questions as averaging times: Bonferroni's correction keeps the false alarms of a channel at 5 %
     wider = norm.ppf(1 - 0.025 / max(1, len(tau))) / Z95
     differs = (log - wider * down > 1e-9) | (log + wider * up < -1e-9)
-    return Channel(tau, ca, cb, np.exp(log), np.exp(log - down), np.exp(log + up), differs, _coefficients(*(m[1] for m in measured)),
-                   *(tuple(float(f(x[name])) if isinstance(x, Record) else None for x in (a, b)) for f in (np.nanmean, np.nanstd)))
+    return Channel(
+        tau,
+        ca,
+        cb,
+        np.exp(log),
+        np.exp(log - down),
+        np.exp(log + up),
+        differs,
+        _coefficients(*(m[1] for m in measured)),
+        *(tuple(float(f(x[name])) if isinstance(x, Record) else None for x in (a, b)) for f in (np.nanmean, np.nanstd)),
+    )
 
 
 def _curve(x, name, tau, fs, fitted):

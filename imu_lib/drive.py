@@ -3,6 +3,7 @@
 Units are SI; body axes forward-right-down, navigation axes north-east-down; positions are latitude and longitude in rad
 and height in m above the WGS-84 ellipsoid. All times count from the first IMU sample.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
@@ -10,15 +11,24 @@ from pathlib import Path
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.archive import load_arrays, numbers
 from imu_lib.errors import InputError
 from imu_lib.record import Record, frozen_array
-from imu_lib import timing
 
-_SHAPES = {"gyro": "time", "accel": "time", "temperature": "time",
-           "gnss_position": "gnss_time", "gnss_velocity": "gnss_time", "gnss_position_sd": "gnss_time", "gnss_velocity_sd": "gnss_time",
-           "gnss_fix": "gnss_time", "reference_position": "reference_time", "reference_velocity": "reference_time",
-           "reference_attitude": "reference_time"}
+_SHAPES = {
+    "gyro": "time",
+    "accel": "time",
+    "temperature": "time",
+    "gnss_position": "gnss_time",
+    "gnss_velocity": "gnss_time",
+    "gnss_position_sd": "gnss_time",
+    "gnss_velocity_sd": "gnss_time",
+    "gnss_fix": "gnss_time",
+    "reference_position": "reference_time",
+    "reference_velocity": "reference_time",
+    "reference_attitude": "reference_time",
+}
 _FLAT = ("temperature", "gnss_fix")
 
 
@@ -31,6 +41,7 @@ class Drive:
     gnss_fix (m,) the receiver's own code. reference_* likewise, reference_attitude (r, 3) roll, pitch, yaw in rad.
     lever_arm (3,) IMU to antenna, body axes, m. extra: what else the file held. Raises ValueError naming the argument.
     """
+
     time: np.ndarray
     gyro: np.ndarray
     accel: np.ndarray
@@ -135,8 +146,10 @@ def _check_position(position, key):
     if not len(good):
         raise ValueError(f"`{key}` holds no position that is a number")
     if (np.abs(good[:, 0]) > np.pi / 2 + 1e-9).any() or (np.abs(good[:, 1]) > 2 * np.pi + 1e-9).any():
-        raise ValueError(f"`{key}` has a latitude of {np.abs(good[:, 0]).max():.4g}, beyond pi/2; latitude and longitude are in rad, "
-                         "it looks like degrees: multiply them by pi/180")
+        raise ValueError(
+            f"`{key}` has a latitude of {np.abs(good[:, 0]).max():.4g}, beyond pi/2; latitude and longitude are in rad, "
+            "it looks like degrees: multiply them by pi/180"
+        )
 
 
 def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ...] = ()) -> Drive:
@@ -144,8 +157,10 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
     known = {f.name for f in fields(Drive)} - {"extra", "name", "source", "notes"}
     missing = [k for k in ("time", "gyro", "accel", "gnss_time", "gnss_position") if k not in arrays]
     if missing:
-        raise InputError(f"{source} has no `{missing[0]}`; a drive needs time, gyro, accel, gnss_time and gnss_position "
-                         f"(found: {', '.join(sorted(arrays)) or 'nothing'}).")
+        raise InputError(
+            f"{source} has no `{missing[0]}`; a drive needs time, gyro, accel, gnss_time and gnss_position "
+            f"(found: {', '.join(sorted(arrays)) or 'nothing'})."
+        )
     values = {k: numbers(v, f"{source}, array `{k}`,") for k, v in arrays.items() if k in known}
     for clock in ("gnss_time", "reference_time"):
         if clock not in values or values[clock].ndim != 1:
@@ -160,8 +175,10 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
         order = order[np.r_[True, np.diff(t[order]) > 0]] if order.size else order
         if len(order) < len(t) or (np.diff(order) < 0).any():
             swapped = int((np.diff(t[good]) < 0).sum())
-            notes += (f"{clock}: {len(t) - len(order)} rows without a number or with a repeated time left out, "
-                      f"{swapped} out of order put in place.",)
+            notes += (
+                f"{clock}: {len(t) - len(order)} rows without a number or with a repeated time left out, "
+                f"{swapped} out of order put in place.",
+            )
             for k in [clock] + partners:
                 values[k] = values[k][order]
     t = values["time"]
@@ -171,6 +188,8 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
             if k in values:
                 values[k] = values[k] - t[0]
     try:
-        return Drive(**values, extra={k: v for k, v in arrays.items() if k not in known}, name=Path(source).stem, source=source, notes=notes)
+        return Drive(
+            **values, extra={k: v for k, v in arrays.items() if k not in known}, name=Path(source).stem, source=source, notes=notes
+        )
     except ValueError as error:
         raise InputError(f"{source}: {error}.") from None

@@ -2,6 +2,7 @@
 
 `of_record` and `of_drive` look; nothing is changed. What deserves attention is a sentence in `findings`.
 """
+
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
@@ -13,15 +14,17 @@ from imu_lib.drive import Drive
 from imu_lib.readers import plausibility
 from imu_lib.record import Record
 
-WINDOW = 1.0            # s, the length of the windows in which rest is asked
-TURNING = 0.02          # rad/s of a window's mean off the bias: more than any bias drifts within a record at rest
-TILTING = 0.15          # m/s^2 between neighbouring windows' means: 0.9 deg of tilt
-SHAKING = 4.0           # times the scatter of the quietest fifth of the windows
+WINDOW = 1.0  # s, the length of the windows in which rest is asked
+TURNING = 0.02  # rad/s of a window's mean off the bias: more than any bias drifts within a record at rest
+TILTING = 0.15  # m/s^2 between neighbouring windows' means: 0.9 deg of tilt
+SHAKING = 4.0  # times the scatter of the quietest fifth of the windows
 
 
 @dataclass(frozen=True)
 class Clock:
-    """jitter: standard deviation of a stamp about the even grid, s (None without stamps). gaps: (start s, duration s, missing samples), longest first."""
+    """jitter: standard deviation of a stamp about the even grid, s (None without stamps). gaps: (start s, duration s, missing
+    samples), longest first."""
+
     samples: int
     rate: float
     duration: float
@@ -36,8 +39,11 @@ class Clock:
 
 @dataclass(frozen=True)
 class Channel:
-    """One channel, SI. resolution: step of the output grid, None where none shows. saturated: samples at an end of the range where they pile up.
-    frozen: samples in runs of one value longer than chance allows; longest_run in samples. noise: white-noise coefficient from neighbours' differences."""
+    """One channel, SI. resolution: step of the output grid, None where none shows. saturated: samples at an end of the range
+    where they pile up.
+    frozen: samples in runs of one value longer than chance allows; longest_run in samples. noise: white-noise coefficient from
+    neighbours' differences."""
+
     mean: float
     sd: float
     low: float
@@ -53,6 +59,7 @@ class Channel:
 @dataclass(frozen=True)
 class Motion:
     """state: at rest, moving, or partly moving. moving_share of the windows; rest_start, rest_stop: the longest stretch at rest, s."""
+
     state: str
     moving_share: float
     rest_start: float
@@ -63,6 +70,7 @@ class Motion:
 @dataclass(frozen=True)
 class Health:
     """What `check` says. gnss: of a drive. findings: sentences on what deserves attention; none for a sound record."""
+
     name: str
     source: str
     clock: Clock
@@ -83,8 +91,17 @@ def of_record(record: Record, *, repeats: int = 0) -> Health:
     channels = {c: _channel(x, record.rate) for c, x in record.channels.items()}
     motion = _motion(record)
     temperature = _temperature(record)
-    return Health(record.name, record.source, clock, channels, motion, temperature, None, record.notes,
-                  tuple(_findings(record, clock, channels, motion, temperature)))
+    return Health(
+        record.name,
+        record.source,
+        clock,
+        channels,
+        motion,
+        temperature,
+        None,
+        record.notes,
+        tuple(_findings(record, clock, channels, motion, temperature)),
+    )
 
 
 def of_drive(drive: Drive) -> Health:
@@ -92,11 +109,18 @@ def of_drive(drive: Drive) -> Health:
     imu = of_record(drive.imu())
     step = np.diff(drive.gnss_time)
     usual = float(np.median(step))
-    gnss = {"fixes": len(drive.gnss_time), "rate": 1.0 / usual, "from": float(drive.gnss_time[0]), "to": float(drive.gnss_time[-1]),
-            "gaps": [(float(drive.gnss_time[i]), float(step[i])) for i in np.argsort(-step)[:5] if step[i] > 1.5 * usual],
-            "velocity": drive.gnss_velocity is not None, "standard_deviations": drive.gnss_position_sd is not None,
-            "reference": drive.has_reference, "lever_arm": None if drive.lever_arm is None else drive.lever_arm.tolist(),
-            "max_speed": None if drive.gnss_velocity is None else float(np.nanmax(np.linalg.norm(drive.gnss_velocity[:, :2], axis=1)))}
+    gnss = {
+        "fixes": len(drive.gnss_time),
+        "rate": 1.0 / usual,
+        "from": float(drive.gnss_time[0]),
+        "to": float(drive.gnss_time[-1]),
+        "gaps": [(float(drive.gnss_time[i]), float(step[i])) for i in np.argsort(-step)[:5] if step[i] > 1.5 * usual],
+        "velocity": drive.gnss_velocity is not None,
+        "standard_deviations": drive.gnss_position_sd is not None,
+        "reference": drive.has_reference,
+        "lever_arm": None if drive.lever_arm is None else drive.lever_arm.tolist(),
+        "max_speed": None if drive.gnss_velocity is None else float(np.nanmax(np.linalg.norm(drive.gnss_velocity[:, :2], axis=1))),
+    }
     if drive.gnss_fix is not None:
         code, count = np.unique(drive.gnss_fix, return_counts=True)
         gnss["fix_codes"] = {f"{c:g}": int(n) for c, n in zip(code, count)}
@@ -109,7 +133,9 @@ def of_drive(drive: Drive) -> Health:
         more.append("The fixes have no velocity.")
     # a vehicle moves: that it is not at rest is no finding here
     keep = tuple(f for f in imu.findings if not f.startswith("The sensor"))
-    return Health(drive.name, drive.source, imu.clock, imu.channels, imu.motion, imu.temperature, gnss, drive.notes + imu.notes, keep + tuple(more))
+    return Health(
+        drive.name, drive.source, imu.clock, imu.channels, imu.motion, imu.temperature, gnss, drive.notes + imu.notes, keep + tuple(more)
+    )
 
 
 def _clock(record: Record, repeats: int) -> Clock:
@@ -120,20 +146,29 @@ def _clock(record: Record, repeats: int) -> Clock:
         # slow drift of the clock is no jitter: the scatter of neighbours' steps about the even ones
         step = np.diff(late)[np.diff(record.slots()) == 1]
         jitter = float(np.std(step) / np.sqrt(2)) if step.size else 0.0
-    return Clock(record.n, record.rate, record.duration, record.time is not None, jitter,
-                 record.time is not None and timing.in_bursts(record.time), repeats,
-                 tuple(tuple(g) for g in sorted(gaps, key=lambda g: -g.duration)[:10]), len(gaps), sum(g.missing for g in gaps))
+    return Clock(
+        record.n,
+        record.rate,
+        record.duration,
+        record.time is not None,
+        jitter,
+        record.time is not None and timing.in_bursts(record.time),
+        repeats,
+        tuple(tuple(g) for g in sorted(gaps, key=lambda g: -g.duration)[:10]),
+        len(gaps),
+        sum(g.missing for g in gaps),
+    )
 
 
 def resolution(x: np.ndarray) -> float | None:
     """Step of the grid that the values of `x` (n,) lie on, None where they lie on none."""
-    x = x[: 200_000]
+    x = x[:200_000]
     x = x[~np.isnan(x)]
     level = np.unique(x)
     if len(level) < 2 or len(level) > 0.5 * len(x):
         return None
     step = np.diff(level)
-    step = step[step > 2e-6 * max(abs(level[0]), abs(level[-1]), level[-1] - level[0])]     # levels apart by float32 rounding are one
+    step = step[step > 2e-6 * max(abs(level[0]), abs(level[-1]), level[-1] - level[0])]  # levels apart by float32 rounding are one
     if not step.size:
         return None
     unit = float(np.quantile(step, 0.02))
@@ -156,8 +191,18 @@ def _channel(x: np.ndarray, rate: float) -> Channel:
             if inner.size and count >= 5 and count > 2 * int((np.abs(good - next_one) <= tiny).sum()):
                 saturated += count
     frozen, longest = _frozen(x)
-    return Channel(float(good.mean()), float(good.std()), low, high, int(np.isnan(x).sum()), resolution(x), saturated, frozen, longest,
-                   plausibility._noise_density(good[:, None], rate) if len(good) > 10 else 0.0)
+    return Channel(
+        float(good.mean()),
+        float(good.std()),
+        low,
+        high,
+        int(np.isnan(x).sum()),
+        resolution(x),
+        saturated,
+        frozen,
+        longest,
+        plausibility._noise_density(good[:, None], rate) if len(good) > 10 else 0.0,
+    )
 
 
 def _frozen(x: np.ndarray) -> tuple[int, int]:
@@ -168,7 +213,8 @@ def _frozen(x: np.ndarray) -> tuple[int, int]:
     repeat = 1.0 - (len(run) - 1) / max(1, len(x) - 1)
     if len(run) == 1:
         return len(x), longest
-    # longest run that independent samples of this share of repeats are to be expected to make, five times over: coarse steps and slow drift repeat more
+    # longest run that independent samples of this share of repeats are to be expected to make, five times over: coarse steps and
+    # slow drift repeat more
     chance = np.log(len(x)) / -np.log(min(max(float(np.quantile(run, 0.9) > 1) * repeat, 1e-3), 0.9999))
     least = max(5.0 * chance, 8.0)
     return int(run[run > least].sum()), longest
@@ -207,7 +253,9 @@ def _motion(record: Record) -> Motion:
     state = "at rest" if share <= 0.01 else "moving" if share > 0.5 else "partly moving"
     low, high = timing.longest_run(~moving & known, np.array([], dtype=int))
     accel = record["accel"] if all(f"accel_{a}" in record for a in "xyz") else None
-    return Motion(state, share, low * block / record.rate, high * block / record.rate, None if accel is None else plausibility.gravity(accel))
+    return Motion(
+        state, share, low * block / record.rate, high * block / record.rate, None if accel is None else plausibility.gravity(accel)
+    )
 
 
 def _temperature(record: Record) -> dict | None:
@@ -222,7 +270,10 @@ def _findings(record, clock, channels, motion, temperature):
     nan = sum(c.nan for c in channels.values())
     if clock.gap_count:
         longest = clock.gaps[0]
-        yield (f"{clock.gap_count} gaps in the time stamps, {clock.missing:,} samples missing; the longest lasts {longest[1]:.4g} s from {longest[0]:.6g} s on.")
+        yield (
+            f"{clock.gap_count} gaps in the time stamps, {clock.missing:,} samples missing; the longest lasts {longest[1]:.4g} "
+            f"s from {longest[0]:.6g} s on."
+        )
     if nan:
         worst = max(channels, key=lambda c: channels[c].nan)
         yield f"{nan:,} values are missing (NaN), most in {worst} ({channels[worst].nan:,})."
@@ -240,15 +291,20 @@ def _findings(record, clock, channels, motion, temperature):
         if c.resolution and c.sd < c.resolution:
             yield f"{name} has output steps of {c.resolution:.3g}, coarser than its scatter of {c.sd:.3g}: rounding hides the noise."
     if motion.state != "at rest":
-        yield (f"The sensor is {motion.state} ({100 * motion.moving_share:.2g} % of the seconds); the longest stretch at rest runs from "
-               f"{motion.rest_start:.6g} to {motion.rest_stop:.6g} s (--start, --stop).")
+        yield (
+            f"The sensor is {motion.state} ({100 * motion.moving_share:.2g} % of the seconds); the longest stretch at rest runs from "
+            f"{motion.rest_start:.6g} to {motion.rest_stop:.6g} s (--start, --stop)."
+        )
     gyros = [c.noise for n, c in channels.items() if n.startswith("gyro") and c.noise > 0]
     accels = [c.noise for n, c in channels.items() if n.startswith("accel") and c.noise > 0]
     if motion.gravity is None and accels and all(f"accel_{a}" in record for a in "xyz"):
         yield "The accelerometers show no gravity: it was taken out, or the record is simulated."
     if gyros and accels and not 0.3 < np.median(accels) / np.median(gyros) < 250:
-        yield (f"Gyro and accelerometer noise ({np.median(gyros) / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), {np.median(accels) / units.MPS_PER_SQRT_HOUR:.2g} m/s/sqrt(h)) "
-               "rarely go together in one sensor: check both units.")
+        yield (
+            f"Gyro and accelerometer noise ({np.median(gyros) / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), "
+            f"{np.median(accels) / units.MPS_PER_SQRT_HOUR:.2g} m/s/sqrt(h)) "
+            "rarely go together in one sensor: check both units."
+        )
     if temperature and temperature["high"] - temperature["low"] > 3:
         yield f"The temperature moves by {temperature['high'] - temperature['low']:.3g} degC: part of the drift may follow it."
     if clock.duration < 600:

@@ -3,6 +3,7 @@
 Units are SI: rad/s, m/s^2, s, degC. A missing sample is NaN. A record never changes; every method that
 alters one returns a new record whose `notes` say what was done.
 """
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -40,6 +41,7 @@ class Record:
     temperature: ndarray (n,), degC, or None. notes: sentences on what reading or cutting did.
     Raises ValueError naming the argument.
     """
+
     channels: Mapping[str, np.ndarray]
     rate: float
     time: np.ndarray | None = None
@@ -61,7 +63,9 @@ class Record:
         channels = {c: frozen_array(self.channels[c], c, (n,)) for c in CHANNELS if c in self.channels}
         for name, x in channels.items():
             if np.isinf(x).any():
-                raise ValueError(f"`{name}` holds an infinite value at sample {int(np.flatnonzero(np.isinf(x))[0])}; NaN marks a missing sample")
+                raise ValueError(
+                    f"`{name}` holds an infinite value at sample {int(np.flatnonzero(np.isinf(x))[0])}; NaN marks a missing sample"
+                )
             if np.isnan(x).all():
                 raise ValueError(f"`{name}` holds no number, only NaN")
         rate = float(self.rate)
@@ -84,7 +88,9 @@ class Record:
         return Record, (dict(self.channels), self.rate, self.time, self.temperature, self.name, self.source, self.notes)
 
     def __repr__(self):
-        return f"Record({self.name or 'unnamed'}: {', '.join(self.channels)}; {self.n} samples at {self.rate:.6g} Hz, {self.duration:.6g} s)"
+        return (
+            f"Record({self.name or 'unnamed'}: {', '.join(self.channels)}; {self.n} samples at {self.rate:.6g} Hz, {self.duration:.6g} s)"
+        )
 
     def __contains__(self, key) -> bool:
         return key in self.channels
@@ -124,8 +130,13 @@ class Record:
     def take(self, index, *notes: str) -> Record:
         """The samples of a slice or an index array; the time starts anew at 0."""
         time = None if self.time is None else self.time[index]
-        return replace(self, channels={c: x[index] for c, x in self.channels.items()}, time=None if time is None else time - time[:1],
-                       temperature=None if self.temperature is None else self.temperature[index], notes=self.notes + notes)
+        return replace(
+            self,
+            channels={c: x[index] for c, x in self.channels.items()},
+            time=None if time is None else time - time[:1],
+            temperature=None if self.temperature is None else self.temperature[index],
+            notes=self.notes + notes,
+        )
 
     def slice(self, start: float | None = None, stop: float | None = None) -> Record:
         """The part from `start` to before `stop`, seconds from the first sample. ValueError where fewer than two samples are left."""
@@ -169,9 +180,14 @@ class Record:
             out = np.full(n, np.nan)
             out[slots] = x
             return out
-        return replace(self, channels={c: spread(x) for c, x in self.channels.items()}, time=None,
-                       temperature=None if self.temperature is None else timing.fill(spread(self.temperature), n)[0],
-                       notes=self.notes + (f"{n - self.n:,} missing samples put in as NaN on an even grid.",))
+
+        return replace(
+            self,
+            channels={c: spread(x) for c, x in self.channels.items()},
+            time=None,
+            temperature=None if self.temperature is None else timing.fill(spread(self.temperature), n)[0],
+            notes=self.notes + (f"{n - self.n:,} missing samples put in as NaN on an even grid.",),
+        )
 
     def longest_stretch(self) -> Record:
         """The longest part without a gap in time and without NaN, on an even grid (`time` None)."""
@@ -181,8 +197,10 @@ class Record:
             raise ValueError("`channels` have no two neighbouring samples in which every channel is a number")
         if (low, high) == (0, self.n):
             return replace(self, time=None)
-        part = self.take(slice(low, high), f"Longest stretch without a gap: {(high - low) / self.rate:.6g} s "
-                         f"from {self.times()[low]:.6g} s on, of {self.duration:.6g} s.")
+        part = self.take(
+            slice(low, high),
+            f"Longest stretch without a gap: {(high - low) / self.rate:.6g} s from {self.times()[low]:.6g} s on, of {self.duration:.6g} s.",
+        )
         return replace(part, time=None)
 
     def continuous(self, *, fill: int = 10) -> Record:
@@ -198,6 +216,9 @@ class Record:
             channels[c], filled = timing.fill(x, fill)
             count = max(count, filled)
         if count:
-            even = replace(even, channels=channels, notes=even.notes + (
-                f"{count:,} missing samples in short gaps (up to {fill}) bridged by straight lines.",))
+            even = replace(
+                even,
+                channels=channels,
+                notes=even.notes + (f"{count:,} missing samples in short gaps (up to {fill}) bridged by straight lines.",),
+            )
         return even.longest_stretch()

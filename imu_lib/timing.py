@@ -1,4 +1,5 @@
 """Time stamps: the rate they tell, the samples they miss, the stamps that repeat."""
+
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -6,12 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import minimum_filter1d
 
-WINDOW = 64         # samples over which late stamps may be made up for by the early ones after them
+WINDOW = 64  # samples over which late stamps may be made up for by the early ones after them
 BURST_WINDOW = 512  # the same where a host read the sensor in bursts
 
 
 class Gap(NamedTuple):
     """A gap: `start` (s, last sample before it), `duration` (s to the next sample), `missing` samples."""
+
     start: float
     duration: float
     missing: int
@@ -34,11 +36,11 @@ def slots(time: np.ndarray, rate: float) -> np.ndarray:
     time = np.asarray(time, dtype=np.float64)
     step = np.ones(len(time), dtype=np.int64)
     step[0] = 0
-    late = (time - time[0]) * rate - np.arange(len(time))     # samples by which a stamp is late
+    late = (time - time[0]) * rate - np.arange(len(time))  # samples by which a stamp is late
     wide = np.flatnonzero(np.diff(late) > 0.5) + 1
     if wide.size and in_bursts(time):
         wide = wide[(wide > BURST_WINDOW // 8) & (wide < len(time) - BURST_WINDOW // 8)]
-        total = np.r_[0.0, np.cumsum(late)]                  # mean lateness of the window before against the one after
+        total = np.r_[0.0, np.cumsum(late)]  # mean lateness of the window before against the one after
         low, high = np.maximum(wide - BURST_WINDOW, 0), np.minimum(wide + BURST_WINDOW, len(time))
         rise = (total[high] - total[wide]) / (high - wide) - (total[wide] - total[low]) / (wide - low)
         least = max(0.5, 6.0 * 1.4826 * float(np.median(np.abs(rise - np.median(rise))))) if wide.size else 0.0
@@ -47,12 +49,12 @@ def slots(time: np.ndarray, rate: float) -> np.ndarray:
         step[wide] += lost.astype(np.int64)
     elif wide.size:
         # what the stamps from here on never fall below, against what those before had come down to
-        after = minimum_filter1d(late, WINDOW, origin=-(WINDOW // 2), mode="nearest")     # i .. i+WINDOW-1
-        before = minimum_filter1d(late, WINDOW, origin=WINDOW // 2 - 1, mode="nearest")   # i-WINDOW+1 .. i
+        after = minimum_filter1d(late, WINDOW, origin=-(WINDOW // 2), mode="nearest")  # i .. i+WINDOW-1
+        before = minimum_filter1d(late, WINDOW, origin=WINDOW // 2 - 1, mode="nearest")  # i-WINDOW+1 .. i
         last = 0
         for i in wide[after[wide] - before[wide - 1] > 0.5]:
-            own = round((time[i] - time[i - 1]) * rate) - 1      # no gap has lost more than its own length
-            floor = late[max(last, i - WINDOW):i].min()          # nor is an earlier gap counted again
+            own = round((time[i] - time[i - 1]) * rate) - 1  # no gap has lost more than its own length
+            floor = late[max(last, i - WINDOW) : i].min()  # nor is an earlier gap counted again
             lost = min(round(after[i] - floor), own)
             if lost > 0:
                 step[i] += lost
@@ -70,10 +72,10 @@ def measured_rate(time: np.ndarray) -> float:
     time = np.asarray(time, dtype=np.float64)
     step = np.diff(time)
     low, middle, high = np.quantile(step, (0.25, 0.5, 0.75))
-    if high - low < 0.4 * middle:      # steady stamps: the usual step, averaged because stamps may be written coarsely
+    if high - low < 0.4 * middle:  # steady stamps: the usual step, averaged because stamps may be written coarsely
         usual = step[np.abs(step - middle) < 0.5 * middle]
         rate = 1.0 / float(usual.mean())
-    else:                              # bursts and jitter: over many samples they average out, and gaps only lengthen
+    else:  # bursts and jitter: over many samples they average out, and gaps only lengthen
         bursts = in_bursts(time)
         lag = max(1, min(1000 if bursts else 100, len(time) // 4))
         rate = lag / float(np.quantile(time[lag:] - time[:-lag], 0.5 if bursts else 0.25))
@@ -84,7 +86,11 @@ def measured_rate(time: np.ndarray) -> float:
         rate = new
     nearest = round(rate)
     # stamps tell the rate to about a millisecond in their whole span: 100.0000003 Hz over an hour is 100 Hz
-    return float(nearest) if nearest and abs(rate - nearest) * (time[-1] - time[0]) < max(1e-3 * rate, 0.5) and abs(rate / nearest - 1) < 1e-4 else rate
+    return (
+        float(nearest)
+        if nearest and abs(rate - nearest) * (time[-1] - time[0]) < max(1e-3 * rate, 0.5) and abs(rate / nearest - 1) < 1e-4
+        else rate
+    )
 
 
 def spread_repeats(time: np.ndarray) -> tuple[np.ndarray, int]:

@@ -1,4 +1,5 @@
 """A record into a file that the readers open again, units stated."""
+
 from __future__ import annotations
 
 from pathlib import Path

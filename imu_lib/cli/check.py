@@ -1,4 +1,5 @@
 """`imu-lib check FILE`: the health of a record or drive."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -56,11 +57,22 @@ def report(health) -> str:
     from imu_lib import units
 
     clock, motion = health.clock, health.motion
-    stamps = "none (even sampling taken)" if not clock.stamped else f"jitter {clock.jitter * 1e3:.3g} ms" + (", in bursts" if clock.bursts else "")
+    stamps = (
+        "none (even sampling taken)"
+        if not clock.stamped
+        else f"jitter {clock.jitter * 1e3:.3g} ms" + (", in bursts" if clock.bursts else "")
+    )
     rest = motion.state if motion.state == "at rest" else f"{motion.state}, {100 * motion.moving_share:.3g} % of the seconds"
-    facts = [("record", health.source), ("samples", f"{clock.samples:,}"), ("rate", f"{clock.rate:.6g} Hz"), ("duration", _duration(clock.duration)),
-             ("time stamps", stamps), ("gaps", f"{clock.gap_count} ({clock.missing:,} samples missing)" if clock.gap_count else "none"),
-             ("repeated stamps", f"{clock.repeats:,}"), ("motion", rest)]
+    facts = [
+        ("record", health.source),
+        ("samples", f"{clock.samples:,}"),
+        ("rate", f"{clock.rate:.6g} Hz"),
+        ("duration", _duration(clock.duration)),
+        ("time stamps", stamps),
+        ("gaps", f"{clock.gap_count} ({clock.missing:,} samples missing)" if clock.gap_count else "none"),
+        ("repeated stamps", f"{clock.repeats:,}"),
+        ("motion", rest),
+    ]
     if motion.gravity is not None:
         facts.append(("specific force", f"{motion.gravity:.4g} m/s^2, {motion.gravity / units.G:.4g} g"))
     if health.temperature:
@@ -68,8 +80,13 @@ def report(health) -> str:
         facts.append(("temperature", f"{t['low']:.4g} to {t['high']:.4g} degC"))
     if health.gnss:
         g = health.gnss
-        facts += [("fixes", f"{g['fixes']:,} at {g['rate']:.4g} Hz, {g['from']:.4g} to {g['to']:.4g} s" + (", with velocity" if g["velocity"] else "")),
-                  ("reference", "yes" if g["reference"] else "none")]
+        facts += [
+            (
+                "fixes",
+                f"{g['fixes']:,} at {g['rate']:.4g} Hz, {g['from']:.4g} to {g['to']:.4g} s" + (", with velocity" if g["velocity"] else ""),
+            ),
+            ("reference", "yes" if g["reference"] else "none"),
+        ]
         if "fix_codes" in g:
             facts.append(("fix codes", ", ".join(f"{c}: {n:,}" for c, n in g["fix_codes"].items())))
     width = max(len(k) for k, _ in facts)
@@ -79,8 +96,19 @@ def report(health) -> str:
         factor = units.DEG_PER_S if name.startswith("gyro") else units.G
         noise, unit = units.datasheet("N", name)
         grid = "-" if c.resolution is None else f"{c.resolution / factor:.3g}"
-        rows.append((name, "deg/s" if name.startswith("gyro") else "g", f"{c.mean / factor:.4g}", f"{c.sd / factor:.3g}", grid, f"{c.noise / noise:.3g} {unit}",
-                     c.nan, c.saturated, c.frozen))
+        rows.append(
+            (
+                name,
+                "deg/s" if name.startswith("gyro") else "g",
+                f"{c.mean / factor:.4g}",
+                f"{c.sd / factor:.3g}",
+                grid,
+                f"{c.noise / noise:.3g} {unit}",
+                c.nan,
+                c.saturated,
+                c.frozen,
+            )
+        )
     lines += ["", common.table(rows, ("channel", "unit", "mean", "sd", "step", "short-time noise", "NaN", "clipped", "frozen"))]
     for title, sentences in (("Reading", health.notes), ("Attention", health.findings)):
         if sentences:
@@ -91,4 +119,6 @@ def report(health) -> str:
 
 
 def _duration(seconds: float) -> str:
-    return f"{seconds:.6g} s" + (f" ({seconds / 3600:.3g} h)" if seconds >= 3600 else f" ({seconds / 60:.3g} min)" if seconds >= 120 else "")
+    return f"{seconds:.6g} s" + (
+        f" ({seconds / 3600:.3g} h)" if seconds >= 3600 else f" ({seconds / 60:.3g} min)" if seconds >= 120 else ""
+    )

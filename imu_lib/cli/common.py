@@ -1,4 +1,5 @@
 """What the commands share: the flags that open a record, results written whole or not at all, tables, progress."""
+
 from __future__ import annotations
 
 import argparse
@@ -91,7 +92,7 @@ def atomic_path(path):
         yield temporary
         umask = os.umask(0)
         os.umask(umask)
-        temporary.chmod(0o666 & ~umask)             # mkstemp makes files private; a result is not
+        temporary.chmod(0o666 & ~umask)  # mkstemp makes files private; a result is not
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

@@ -1,4 +1,5 @@
 """`imu-lib compare A B`: two models or two records of one sensor side by side."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -51,8 +52,12 @@ def report(result, a: str, b: str) -> str:
         lines.append(f"In one of them only: {', '.join(result.only)}")
     for name, channel in result.channels.items():
         factor, unit = units.datasheet("B", name)
-        rows = [(f"{t:.3g} s", f"{x / factor:.4g}", f"{y / factor:.4g}", f"{r:.3g}", f"[{lo:.3g}, {hi:.3g}]", "differ" if d else "")
-                for t, x, y, r, lo, hi, d in zip(channel.tau, channel.a.adev, channel.b.adev, channel.ratio, channel.low, channel.high, channel.differs)]
+        rows = [
+            (f"{t:.3g} s", f"{x / factor:.4g}", f"{y / factor:.4g}", f"{r:.3g}", f"[{lo:.3g}, {hi:.3g}]", "differ" if d else "")
+            for t, x, y, r, lo, hi, d in zip(
+                channel.tau, channel.a.adev, channel.b.adev, channel.ratio, channel.low, channel.high, channel.differs
+            )
+        ]
         lines += ["", name, common.table(rows, ("averaging time", f"A, {unit}", f"B, {unit}", "A/B", "95 %", ""))]
         rows = []
         for key, pair in channel.coefficients.items():

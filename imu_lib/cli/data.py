@@ -1,4 +1,5 @@
 """`imu-lib data list` and `imu-lib data fetch NAME`: the public records of the registry."""
+
 from __future__ import annotations
 
 from imu_lib.cli import common
@@ -20,10 +21,16 @@ def run(args):
 
     common.check_writable(args.json)
     if args.action == "list":
-        result = {name: {**{k: v for k, v in about.items() if k != "convert"}, "available": datasets.available(name)} for name, about in datasets.registry().items()}
+        result = {
+            name: {**{k: v for k, v in about.items() if k != "convert"}, "available": datasets.available(name)}
+            for name, about in datasets.registry().items()
+        }
         common.write_json(result, args.json)
         if args.json != "-":
-            rows = [(n, a["kind"], "yes" if a["available"] else "no", f"{sum(s['bytes'] for s in a['sources']) / 1e6:.1f}", a["sensor"]) for n, a in result.items()]
+            rows = [
+                (n, a["kind"], "yes" if a["available"] else "no", f"{sum(s['bytes'] for s in a['sources']) / 1e6:.1f}", a["sensor"])
+                for n, a in result.items()
+            ]
             width = max(len(r[0]) for r in rows)
             print(f"{'name'.ljust(width)}  {'kind'.ljust(11)}  here   MB    sensor; licence")
             for name, kind, here, size, sensor in rows:

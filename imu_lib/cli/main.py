@@ -3,6 +3,7 @@
 A command is a module of this package with NAME, HELP, `add_arguments(parser)` and `run(args)`; it is imported when it is
 asked for. Exit 0: done. Exit 2: the input or the call is at fault; one sentence on standard error says what and the remedy.
 """
+
 from __future__ import annotations
 
 import argparse
@@ -42,8 +43,11 @@ def there() -> dict[str, tuple]:
 
 def parser(command: str | None = None) -> Parser:
     """The parser; only the module of `command` is imported (None: none)."""
-    out = Parser(prog="imu-lib", description="Errors of low-cost inertial sensors: measure, model, simulate, compare.",
-                 epilog="`imu-lib COMMAND --help` shows the options of a command. A model is a file or a preset (preset:3dm-gx3-25).")
+    out = Parser(
+        prog="imu-lib",
+        description="Errors of low-cost inertial sensors: measure, model, simulate, compare.",
+        epilog="`imu-lib COMMAND --help` shows the options of a command. A model is a file or a preset (preset:3dm-gx3-25).",
+    )
     out.add_argument("--version", action="version", version=f"imu-lib {_version()}")
     commands = out.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
     for name, (module, aliases, about) in there().items():
@@ -76,7 +80,7 @@ def main(argv: list[str] | None = None) -> int:
     except ImuLibError as error:
         return _fault(str(error))
     except OSError as error:
-        if isinstance(error, BrokenPipeError):       # `imu-lib ... | head`
+        if isinstance(error, BrokenPipeError):  # `imu-lib ... | head`
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         return _fault(_of_os(error))
@@ -92,9 +96,13 @@ def main(argv: list[str] | None = None) -> int:
 def _of_os(error: OSError) -> str:
     """An operating-system error as a sentence with its remedy."""
     name = error.filename if isinstance(error.filename, str) else str(error.filename or "")
-    remedy = {FileNotFoundError: "does not exist; check the path", PermissionError: "may not be read or written; check its permissions",
-              IsADirectoryError: "is a directory; name a file", NotADirectoryError: "has a file where a folder should be; check the path",
-              FileExistsError: "is there already and not what is needed; choose another name"}.get(type(error))
+    remedy = {
+        FileNotFoundError: "does not exist; check the path",
+        PermissionError: "may not be read or written; check its permissions",
+        IsADirectoryError: "is a directory; name a file",
+        NotADirectoryError: "has a file where a folder should be; check the path",
+        FileExistsError: "is there already and not what is needed; choose another name",
+    }.get(type(error))
     if remedy:
         return f"{name or 'A file'} {remedy}."
     return f"{name + ': ' if name else ''}{error.strerror or error}."

@@ -1,4 +1,5 @@
 """From the originals of the public records to the files the readers open: SI, the contract's keys."""
+
 from __future__ import annotations
 
 import shutil
@@ -41,7 +42,12 @@ def as_is(originals, targets):
 def rdata_six(originals, targets):
     """gyro deg/s, then accelerometer g; no time stamps: nominal rate."""
     x = _matrix(originals[0], 6)
-    _save(targets[0], time=np.arange(len(x)) / RATE, gyro=(x[:, :3] * units.DEG_PER_S).astype(np.float32), accel=(x[:, 3:6] * units.G).astype(np.float32))
+    _save(
+        targets[0],
+        time=np.arange(len(x)) / RATE,
+        gyro=(x[:, :3] * units.DEG_PER_S).astype(np.float32),
+        accel=(x[:, 3:6] * units.G).astype(np.float32),
+    )
 
 
 def rdata_one(originals, targets):
@@ -54,7 +60,12 @@ def hipnuc_static(originals, targets):
     """accReading g, gyroReading deg/s."""
     raw = read_mat(originals[0])
     gyro, accel = (np.column_stack([raw.columns[f"{k}_{a}"] for a in "xyz"]) for k in ("gyro", "accel"))
-    _save(targets[0], time=np.arange(len(gyro)) / RATE, gyro=(gyro * units.DEG_PER_S).astype(np.float32), accel=(accel * units.G).astype(np.float32))
+    _save(
+        targets[0],
+        time=np.arange(len(gyro)) / RATE,
+        gyro=(gyro * units.DEG_PER_S).astype(np.float32),
+        accel=(accel * units.G).astype(np.float32),
+    )
 
 
 def mpu9150(originals, targets):

@@ -1,4 +1,5 @@
 """The twins, drawn once and kept: the file carries a hash of all it was drawn from, so that a changed model is drawn anew."""
+
 from __future__ import annotations
 
 import hashlib
@@ -15,11 +16,12 @@ from imu_lib.datasets import places
 from imu_lib.readers import read_record
 from imu_lib.record import Record
 
-_WAIT = 180.0            # s that one process waits for another that draws the same twin
+_WAIT = 180.0  # s that one process waits for another that draws the same twin
 
 
 def twin(name: str = "3dm-gx3-25") -> Record:
-    """An embedded record. Seconds on first use, then read from the cache (mapped, not copied). InputError where there is none of that name."""
+    """An embedded record. Seconds on first use, then read from the cache (mapped, not copied). InputError where there is none of
+    that name."""
     mark = twins.fingerprint(name)
     path = places.cache() / f"{name}-{mark[:12]}.npy"
     record = _read(name, path, mark)
@@ -52,11 +54,19 @@ def _draw(name, path: Path, mark: str) -> Record:
     try:
         with open(part, "wb") as file:
             np.save(file, values)
-        side = {"fingerprint": mark, "sha256": _sha256(part), "bytes": part.stat().st_size, "modified_ns": part.stat().st_mtime_ns, "rate": record.rate,
-                "channels": list(record.channels), "source": record.source, "about": twins.twin_of(name).about}
+        side = {
+            "fingerprint": mark,
+            "sha256": _sha256(part),
+            "bytes": part.stat().st_size,
+            "modified_ns": part.stat().st_mtime_ns,
+            "rate": record.rate,
+            "channels": list(record.channels),
+            "source": record.source,
+            "about": twins.twin_of(name).about,
+        }
         _write(path.with_suffix(".json"), json.dumps(side, indent=1) + "\n")
         part.replace(path)
-    except OSError:          # a full or read-only disk costs the next reader time, nothing else
+    except OSError:  # a full or read-only disk costs the next reader time, nothing else
         part.unlink(missing_ok=True)
         return record
     for old in path.parent.glob(f"{name}-????????????.*"):
@@ -102,8 +112,9 @@ def _alone(lock: Path):
             lock.unlink(missing_ok=True)
 
 
-def chapter_record(record_path: str = "", *, gyro_unit: str = "", accel_unit: str = "", rate: float = 0.0, columns: str = "",
-                   twin: str = "3dm-gx3-25") -> Record:
+def chapter_record(
+    record_path: str = "", *, gyro_unit: str = "", accel_unit: str = "", rate: float = 0.0, columns: str = "", twin: str = "3dm-gx3-25"
+) -> Record:
     """What a chapter works on: the user's record where `record_path` names one, else an embedded twin; evenly sampled and without NaN.
 
     Empty and zero options are left unsaid. `record_path` may be two files joined by ` + `: the gyro's and the accelerometer's.

@@ -1,4 +1,5 @@
 """Where data lies: beside the code in a source tree, in the wheel, in the user's cache, in IMU_LIB_DATA."""
+
 from __future__ import annotations
 
 import os
@@ -39,7 +40,8 @@ def cache() -> Path:
 
 
 def given() -> Path | None:
-    """The folder that IMU_LIB_DATA names (relative: to the working folder, then to the source tree), None where it is not set or not there."""
+    """The folder that IMU_LIB_DATA names (relative: to the working folder, then to the source tree), None where it is not set or
+    not there."""
     value = os.environ.get("IMU_LIB_DATA", "")
     if not value:
         return None

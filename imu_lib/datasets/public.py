@@ -1,4 +1,5 @@
 """The public records: what `data/registry.json` lists, found in IMU_LIB_DATA, in the cache, or fetched from their source."""
+
 from __future__ import annotations
 
 import json
@@ -16,7 +17,8 @@ from imu_lib.record import Record
 
 @cache
 def registry() -> MappingProxyType:
-    """Name -> entry: kind (static, drive, calibration), sensor, about, rate, columns, licence, files, options of the reader, sources (url, sha256, bytes)."""
+    """Name -> entry: kind (static, drive, calibration), sensor, about, rate, columns, licence, files, options of the reader,
+    sources (url, sha256, bytes)."""
     return MappingProxyType(json.loads((places.shipped() / "registry.json").read_text(encoding="utf-8")))
 
 
@@ -58,7 +60,7 @@ def load(name: str):
     if name == "xsens_mti_poses":
         from imu_lib.archive import load_arrays
 
-        return load_arrays(files[0])       # counts: their scale is what its calibration is to find
+        return load_arrays(files[0])  # counts: their scale is what its calibration is to find
     if name == "phone":
         return read_record(gyro=files[0], accel=files[1], **about["options"])
     return read_record(files[0], **about["options"])
@@ -74,15 +76,32 @@ def fetch(name: str, *, progress: bool = False) -> list[Path]:
     for source in about["sources"]:
         file = f"{source['sha256'][:12]}-{source['url'].rpartition('/')[2]}"
         try:
-            originals.append(Path(pooch.retrieve(source["url"], known_hash=f"sha256:{source['sha256']}", fname=file, path=folder / "originals",
-                                                 progressbar=progress and sys.stderr.isatty())))
+            originals.append(
+                Path(
+                    pooch.retrieve(
+                        source["url"],
+                        known_hash=f"sha256:{source['sha256']}",
+                        fname=file,
+                        path=folder / "originals",
+                        progressbar=progress and sys.stderr.isatty(),
+                    )
+                )
+            )
         except ValueError as error:
-            raise InputError(f"{source['url']} is not what the registry describes ({str(error).splitlines()[0][:80]}); it changed at its source.") from None
+            raise InputError(
+                f"{source['url']} is not what the registry describes ({str(error).splitlines()[0][:80]}); it changed at its source."
+            ) from None
         except Exception as error:  # requests, urllib3, ssl and the operating system all have their own
-            raise InputError(f"{name} is not at hand and {source['url']} cannot be fetched ({type(error).__name__}); set IMU_LIB_DATA to a folder that holds "
-                             f"{about['files'][0]}, or try again with a network.") from None
+            raise InputError(
+                f"{name} is not at hand and {source['url']} cannot be fetched ({type(error).__name__}); set IMU_LIB_DATA to a "
+                f"folder that holds "
+                f"{about['files'][0]}, or try again with a network."
+            ) from None
     if about["convert"] is None:
-        raise InputError(f"{name}: the original was fetched to {originals[0].parent} but needs conversion. {about['how']} Put the result at {folder / about['files'][0]}.")
+        raise InputError(
+            f"{name}: the original was fetched to {originals[0].parent} but needs conversion. {about['how']} Put the result at "
+            f"{folder / about['files'][0]}."
+        )
     targets = [folder / f for f in about["files"]]
     for target in targets:
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,5 @@
 """Numeric matrices out of R's `.rda` files: just enough of R's serialisation (XDR, versions 2 and 3) for the public records."""
+
 from __future__ import annotations
 
 import bz2
@@ -66,7 +67,8 @@ class _Reader:
 
 
 def read_rdata(path) -> dict[str, np.ndarray]:
-    """The numeric vectors and matrices of an `.rda` file by name; columns of a data frame are stacked. InputError where it is no such file."""
+    """The numeric vectors and matrices of an `.rda` file by name; columns of a data frame are stacked. InputError where it is no
+    such file."""
     data = Path(path).read_bytes()
     try:
         for magic, unpack in ((b"\x1f\x8b", gzip.decompress), (b"BZh", bz2.decompress), (b"\xfd7zXZ", lzma.decompress)):

@@ -1,4 +1,5 @@
 """From raw columns to a Record: units to SI, increments to rates, stamps to seconds, every value accounted for."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -18,7 +19,11 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
     """The record that a file's columns and the call's units and rate make. InputError where they do not make one."""
     n = len(next(iter(raw.columns.values())))
     # what is missing is asked for all at once, before anything is computed
-    scale = {kind: _scale(raw, kind, flag) for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)) if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds()}
+    scale = {
+        kind: _scale(raw, kind, flag)
+        for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit))
+        if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds()
+    }
     time, rate, keep = stamps.settle(raw, rate, lenient=lenient)
     channels = {}
     for kind, (factor, zero, _) in scale.items():
@@ -34,7 +39,9 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
             x.setflags(write=False)
             channels[f"{kind}_{axis}"] = x
         if source != kind:
-            raw.notes += (f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",)
+            raw.notes += (
+                f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",
+            )
     record = _record(raw, channels, rate, time, _temperature(raw, keep))
     if not (trust or raw.simulated):
         check_units(record, {k: s[2] for k, s in scale.items()}, {k: s[0] for k, s in scale.items()}, strict=not raw.contract)
@@ -43,8 +50,10 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
         record = record.with_note(f"{missing:,} of {record.n:,} samples have no number in at least one channel.")
     gaps = record.gaps()
     if gaps:
-        record = record.with_note(f"{len(gaps)} gaps in the time stamps, {sum(g.missing for g in gaps):,} samples missing; the longest lasts "
-                                  f"{max(g.duration for g in gaps):.4g} s.")
+        record = record.with_note(
+            f"{len(gaps)} gaps in the time stamps, {sum(g.missing for g in gaps):,} samples missing; the longest lasts "
+            f"{max(g.duration for g in gaps):.4g} s."
+        )
     return record
 
 
@@ -61,14 +70,25 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
     unit = raw.unit(_INCREMENT[kind] if increments else kind)
     if flag:
         factor, zero, stated = names.stated(flag, kind)
-        if unit not in (None, "counts", stated) and not raw.contract and not (increments and {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2"}[unit] == stated):
-            raise InputError(f"{raw.source} states {unit} for its {kind} columns, --{kind}-unit {flag}; drop the flag or correct the header.")
+        if (
+            unit not in (None, "counts", stated)
+            and not raw.contract
+            and not (increments and {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2"}[unit] == stated)
+        ):
+            raise InputError(
+                f"{raw.source} states {unit} for its {kind} columns, --{kind}-unit {flag}; drop the flag or correct the header."
+            )
         return factor, zero, stated
     if unit == "counts":
-        raise InputError(f"{raw.source} states counts for its {kind} columns; give their scale with --{kind}-unit counts:C "
-                         f"(C counts per {'deg/s' if kind == 'gyro' else 'g'}, counts:C:ZERO where zero is not 0).")
+        raise InputError(
+            f"{raw.source} states counts for its {kind} columns; give their scale with --{kind}-unit counts:C "
+            f"(C counts per {'deg/s' if kind == 'gyro' else 'g'}, counts:C:ZERO where zero is not 0)."
+        )
     if unit is None:
-        raise InputError(f"{raw.source} does not state the unit of its {'gyro' if kind == 'gyro' else 'accelerometer'} columns; give --{kind}-unit {_OTHER[kind]}.")
+        raise InputError(
+            f"{raw.source} does not state the unit of its {'gyro' if kind == 'gyro' else 'accelerometer'} columns; give "
+            f"--{kind}-unit {_OTHER[kind]}."
+        )
     return names.UNITS[_INCREMENT[kind] if increments else kind][unit], 0.0, unit
 
 
@@ -81,10 +101,15 @@ def _values(raw: Raw, canonical: str) -> np.ndarray:
     if x.size and not np.isfinite(x.sum()):
         infinite = np.flatnonzero(np.isinf(x))
         if infinite.size:
-            raise InputError(f"{raw.source}, `{raw.headings[canonical]}`, {raw.line(int(infinite[0]))}: the value is infinite ({infinite.size:,} of them); "
-                             "leave the field empty (NaN) where a sample is missing.")
+            raise InputError(
+                f"{raw.source}, `{raw.headings[canonical]}`, {raw.line(int(infinite[0]))}: the value is infinite "
+                f"({infinite.size:,} of them); "
+                "leave the field empty (NaN) where a sample is missing."
+            )
         if np.isnan(x).all():
-            raise InputError(f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -.")
+            raise InputError(
+                f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -."
+            )
     return x
 
 

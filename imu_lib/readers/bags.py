@@ -1,4 +1,5 @@
 """ROS 1 and ROS 2 bags through `rosbags` (optional): the sensor_msgs/Imu topic, rad/s and m/s^2 by its definition."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -31,8 +32,14 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
             chosen = [c for c in found if topic is None or c.topic == topic]
             if not chosen or len({c.topic for c in chosen}) > 1:
                 topics = ", ".join(sorted({c.topic for c in found})) or "none"
-                raise InputError(f"{path}: " + (f"has several IMU topics ({topics}); choose one with --topic." if chosen else
-                                                f"has no sensor_msgs/Imu topic{f' {topic}' if topic else ''} (IMU topics: {topics})."))
+                raise InputError(
+                    f"{path}: "
+                    + (
+                        f"has several IMU topics ({topics}); choose one with --topic."
+                        if chosen
+                        else f"has no sensor_msgs/Imu topic{f' {topic}' if topic else ''} (IMU topics: {topics})."
+                    )
+                )
             for connection, received, data in reader.messages(connections=chosen):
                 message = reader.deserialize(data, connection.msgtype)
                 header = message.header.stamp
@@ -47,10 +54,12 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
     except Exception as error:  # a damaged bag fails deep inside sqlite, mcap, lz4 or the message parser, each in its own way
         if isinstance(error, OSError) and error.errno is not None:
             raise
-        raise InputError(f"{path} is damaged ({type(error).__name__}: {(str(error).splitlines() or [''])[0][:70]}); record or copy it again.") from None
+        raise InputError(
+            f"{path} is damaged ({type(error).__name__}: {(str(error).splitlines() or [''])[0][:70]}); record or copy it again."
+        ) from None
     if len(rows) < 2:
         raise InputError(f"{path}: its IMU topic has {len(rows)} messages; at least two are needed.")
-    order = np.argsort(np.asarray(stamp, dtype=np.int64), kind="stable")     # a bag is in order of receipt
+    order = np.argsort(np.asarray(stamp, dtype=np.int64), kind="stable")  # a bag is in order of receipt
     values = np.asarray(rows, dtype=np.float64)[order]
     raw = Raw(str(path))
     raw.add("time", np.asarray(stamp, dtype=np.int64)[order], "ns", "header.stamp")

@@ -1,4 +1,5 @@
 """Binary files of arrays: .npz and .npy, .mat (v5 to v7.3), .parquet."""
+
 from __future__ import annotations
 
 import struct
@@ -9,11 +10,11 @@ import numpy as np
 
 from imu_lib.archive import load_arrays
 from imu_lib.errors import InputError
-from imu_lib.record import CHANNELS
 from imu_lib.readers import names
 from imu_lib.readers.raw import Raw, by_position
+from imu_lib.record import CHANNELS
 
-MOST_VALUES = 2_000_000_000     # 16 GB of float64: no record of an IMU
+MOST_VALUES = 2_000_000_000  # 16 GB of float64: no record of an IMU
 CONTRACT = {"time", "gyro", "accel", "temperature", *CHANNELS}
 
 
@@ -35,10 +36,25 @@ def read_mat(path, *, columns=None, signal=None) -> Raw:
 
         try:
             arrays = scipy.io.loadmat(path, squeeze_me=False, struct_as_record=False)
-        except (ValueError, TypeError, KeyError, IndexError, EOFError, NotImplementedError, struct.error, zlib.error, OverflowError, UnicodeError,
-                scipy.io.matlab.MatReadError, AttributeError, MemoryError) as error:
-            raise InputError(f"{path} is not a whole MATLAB file ({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); "
-                             "save it again with save -v7.") from None
+        except (
+            ValueError,
+            TypeError,
+            KeyError,
+            IndexError,
+            EOFError,
+            NotImplementedError,
+            struct.error,
+            zlib.error,
+            OverflowError,
+            UnicodeError,
+            scipy.io.matlab.MatReadError,
+            AttributeError,
+            MemoryError,
+        ) as error:
+            raise InputError(
+                f"{path} is not a whole MATLAB file ({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); "
+                "save it again with save -v7."
+            ) from None
         flat: dict[str, np.ndarray] = {}
         for key, value in arrays.items():
             if not key.startswith("__"):
@@ -63,13 +79,18 @@ def _hdf5(path) -> dict[str, np.ndarray]:
     out: dict[str, np.ndarray] = {}
     try:
         with h5py.File(path, "r") as file:
+
             def visit(name, item):
                 if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "fiu" or name.startswith("#refs#"):
                     return
                 if item.size > 1000 and item.id.get_storage_size() * 20_000 < item.size * item.dtype.itemsize or item.size > MOST_VALUES:
-                    raise InputError(f"{path}, `{name}`: announces {item.size:,} values but stores {item.id.get_storage_size():,} bytes; it is damaged: save it again.")
+                    raise InputError(
+                        f"{path}, `{name}`: announces {item.size:,} values but stores {item.id.get_storage_size():,} bytes; it "
+                        f"is damaged: save it again."
+                    )
                 value = item[()]
-                out[name.replace("/", ".")] = value.T if value.ndim == 2 else value     # MATLAB stores columns first
+                out[name.replace("/", ".")] = value.T if value.ndim == 2 else value  # MATLAB stores columns first
+
             file.visititems(visit)
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         if isinstance(error, PermissionError | FileNotFoundError | IsADirectoryError):
@@ -103,7 +124,9 @@ def read_parquet(path, *, columns=None, signal=None) -> Raw:
             continue
         else:
             raise InputError(f"{path}, column `{name}`: holds {column.type} instead of numbers; write it as float.")
-        arrays[name] = column.to_numpy() if not (column.null_count and pa.types.is_integer(column.type)) else column.cast(pa.float64()).to_numpy()
+        arrays[name] = (
+            column.to_numpy() if not (column.null_count and pa.types.is_integer(column.type)) else column.cast(pa.float64()).to_numpy()
+        )
     return _from_arrays(str(path), arrays, columns, signal, contract=False)
 
 
@@ -129,7 +152,7 @@ def _from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
                 canonical, unit = names.parse(leaf, signal=signal)
             kind = canonical.rpartition("_")[0] or canonical if canonical else None
             if exact and canonical and (canonical in exact or kind in exact or any(k.startswith(kind + "_") for k in exact)):
-                continue                     # a drive's further arrays do not compete with the contract's own
+                continue  # a drive's further arrays do not compete with the contract's own
             if canonical == "time" and raw.columns.get("time") is not None:
                 continue
         if canonical in (None, "index", "date", "clock"):
@@ -144,7 +167,10 @@ def _from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
     raw.contract = bool(exact)
     if not raw.kinds() and not (signal == "temperature" and "temperature" in raw.columns):
         found = ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
-        raise InputError(f"{source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or give --columns for the columns of one matrix.")
+        raise InputError(
+            f"{source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or give --columns "
+            f"for the columns of one matrix."
+        )
     return _checked(raw)
 
 
@@ -160,13 +186,19 @@ def _matrix(source, arrays):
     flat = [v.ravel() for v in found.values() if v.size > 1 and max(v.shape) == v.size]
     if flat and len(flat) == len(found) and len({len(v) for v in flat}) == 1:
         return np.column_stack(flat)
-    raise InputError(f"{source} holds {len(wide)} matrices ({', '.join(list(found)[:8]) or 'no numbers'}); --columns needs one matrix, or columns of one length.")
+    raise InputError(
+        f"{source} holds {len(wide)} matrices ({', '.join(list(found)[:8]) or 'no numbers'}); --columns needs one matrix, or "
+        f"columns of one length."
+    )
 
 
 def _checked(raw: Raw) -> Raw:
     lengths = {h: len(raw.columns[c]) for c, h in raw.headings.items() if c in raw.columns}
     if len(set(lengths.values())) > 1:
-        raise InputError(f"{raw.source}: its arrays differ in length ({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); every one needs a value per sample.")
+        raise InputError(
+            f"{raw.source}: its arrays differ in length ({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); "
+            f"every one needs a value per sample."
+        )
     if next(iter(lengths.values())) < 2:
         raise InputError(f"{raw.source} has only {next(iter(lengths.values()))} sample; at least two are needed.")
     return raw

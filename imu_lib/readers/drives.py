@@ -1,4 +1,5 @@
 """Drives: one .npz with the contract's keys, or an IMU file of any static format and a GNSS file beside it."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -10,8 +11,21 @@ from imu_lib.readers.assemble import assemble, check_units
 from imu_lib.readers.static import read_raw
 
 
-def read_drive(path=None, *, gnss=None, imu=None, rate=None, gyro_unit=None, accel_unit=None, columns=None, start=None, stop=None,
-               topic=None, trust_units=False, gnss_offset: float | None = None) -> Drive:
+def read_drive(
+    path=None,
+    *,
+    gnss=None,
+    imu=None,
+    rate=None,
+    gyro_unit=None,
+    accel_unit=None,
+    columns=None,
+    start=None,
+    stop=None,
+    topic=None,
+    trust_units=False,
+    gnss_offset: float | None = None,
+) -> Drive:
     """A drive from an .npz, or from an IMU file (`path` or `imu`) and a GNSS file (`gnss`: RTKLIB .pos or NMEA).
 
     Both clocks must be absolute (epoch or dates) to be laid over each other; else `gnss_offset` is the IMU's time of the first fix, s.
@@ -28,7 +42,9 @@ def read_drive(path=None, *, gnss=None, imu=None, rate=None, gyro_unit=None, acc
         if not archive and Path(path).suffix.lower() != ".npz":
             if Path(path).is_file() and gnss_files.is_gnss(path):
                 raise InputError(f"{path} is a GNSS solution; give the IMU's file first and this one as --gnss.")
-            raise InputError(f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA).")
+            raise InputError(
+                f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA)."
+            )
         drive = Drive.load(path)
         if not trust_units:
             check_units(drive.imu(), {"gyro": "rad/s", "accel": "m/s^2"}, {"gyro": 1.0, "accel": 1.0}, strict=False)
@@ -46,11 +62,16 @@ def read_drive(path=None, *, gnss=None, imu=None, rate=None, gyro_unit=None, acc
         arrays = gnss_files.read_gnss(gnss)
         zero = arrays["gnss_time"][0] - gnss_offset if gnss_offset is not None else raw.epoch
         if zero is None:
-            raise InputError(f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time of the first fix.")
+            raise InputError(
+                f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time "
+                f"of the first fix."
+            )
         arrays["gnss_time"] = arrays["gnss_time"] - zero
         if arrays["gnss_time"][0] > record.duration or arrays["gnss_time"][-1] < 0:
-            raise InputError(f"{gnss} and {path} do not overlap in time (the first fix is {arrays['gnss_time'][0]:.6g} s after the first IMU sample); "
-                             "check the clocks, or give --gnss-offset S.")
+            raise InputError(
+                f"{gnss} and {path} do not overlap in time (the first fix is {arrays['gnss_time'][0]:.6g} s after the first IMU sample); "
+                "check the clocks, or give --gnss-offset S."
+            )
         arrays |= {"time": record.times(), "gyro": record["gyro"], "accel": record["accel"]}
         if record.temperature is not None:
             arrays["temperature"] = record.temperature
@@ -59,5 +80,7 @@ def read_drive(path=None, *, gnss=None, imu=None, rate=None, gyro_unit=None, acc
         try:
             drive = drive.slice(start, stop)
         except ValueError as error:
-            raise InputError(f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')}).") from None
+            raise InputError(
+                f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')})."
+            ) from None
     return drive

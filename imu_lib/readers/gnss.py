@@ -1,4 +1,5 @@
 """GNSS solutions in text: RTKLIB `.pos` and NMEA 0183 (through `pynmea2`)."""
+
 from __future__ import annotations
 
 import datetime as dt
@@ -8,8 +9,8 @@ import numpy as np
 
 from imu_lib.errors import InputError
 
-GPS_EPOCH = dt.datetime(1980, 1, 6, tzinfo=dt.timezone.utc).timestamp()
-LEAP_SECONDS = 18               # GPS - UTC since 2017; earlier drives are off by what was added since, and should be given in UTC
+GPS_EPOCH = dt.datetime(1980, 1, 6, tzinfo=dt.UTC).timestamp()
+LEAP_SECONDS = 18  # GPS - UTC since 2017; earlier drives are off by what was added since, and should be given in UTC
 KNOT = 1852.0 / 3600.0
 
 
@@ -48,7 +49,7 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
         f = line.split()
         try:
             if "/" in f[0]:
-                day = dt.datetime.strptime(f[0], "%Y/%m/%d").replace(tzinfo=dt.timezone.utc).timestamp()
+                day = dt.datetime.strptime(f[0], "%Y/%m/%d").replace(tzinfo=dt.UTC).timestamp()
                 h, m, s = f[1].split(":")
                 t = day + 3600 * int(h) + 60 * int(m) + float(s)
             else:
@@ -57,9 +58,14 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
             if len(row) < 3 or not np.isfinite([t, *row[:3]]).all() or abs(row[0]) > 90 or abs(row[1]) > 360:
                 raise ValueError
         except (ValueError, IndexError, OverflowError):
-            raise InputError(f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, longitude, height); correct or remove it.") from None
+            raise InputError(
+                f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, longitude, height); correct or remove it."
+            ) from None
         if values and len(row) != len(values[0]):
-            raise InputError(f"{path}, line {number}: {len(row) + 2} columns where the first position has {len(values[0]) + 2}; the file is cut off there.")
+            raise InputError(
+                f"{path}, line {number}: {len(row) + 2} columns where the first position has {len(values[0]) + 2}; the file is "
+                f"cut off there."
+            )
         time.append(t - (LEAP_SECONDS if gpst else 0))
         values.append(row)
     if len(values) < 2:
@@ -68,17 +74,18 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
     out = {"gnss_time": np.asarray(time), "gnss_position": np.column_stack([np.radians(v[:, 0]), np.radians(v[:, 1]), v[:, 2]])}
     if v.shape[1] >= 4:
         out["gnss_fix"] = v[:, 3]
-    if v.shape[1] >= 8:          # sdn, sde, sdu
+    if v.shape[1] >= 8:  # sdn, sde, sdu
         out["gnss_position_sd"] = v[:, 5:8]
     if v.shape[1] >= 16 and "vn" in header:
-        out["gnss_velocity"] = v[:, 13:16] * [1.0, 1.0, -1.0]      # up is written, down is meant
+        out["gnss_velocity"] = v[:, 13:16] * [1.0, 1.0, -1.0]  # up is written, down is meant
         if v.shape[1] >= 19:
             out["gnss_velocity_sd"] = v[:, 16:19]
     return out
 
 
 def _nmea(path, lines) -> dict[str, np.ndarray]:
-    """GGA for position and fix, RMC for date, speed and course, GST for standard deviations; sentences with a wrong checksum are left out."""
+    """GGA for position and fix, RMC for date, speed and course, GST for standard deviations; sentences with a wrong checksum are
+    left out."""
     import pynmea2
 
     fixes: dict[float, dict] = {}
@@ -99,7 +106,7 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
         seconds = 3600 * stamp.hour + 60 * stamp.minute + stamp.second + 1e-6 * stamp.microsecond
         try:
             if kind == "RMC" and isinstance(m.datestamp, dt.date):
-                day = dt.datetime.combine(m.datestamp, dt.time(), dt.timezone.utc).timestamp()
+                day = dt.datetime.combine(m.datestamp, dt.time(), dt.UTC).timestamp()
             elif last is not None and seconds < last - 43_200 and day is not None and kind == "GGA":
                 day += 86_400.0
             last = seconds
@@ -113,7 +120,7 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
                 fix["sd"] = (float(m.std_dev_latitude), float(m.std_dev_longitude), float(m.std_dev_altitude or 0))
         except (ValueError, TypeError, AttributeError):
             bad += 1
-    if day is not None:           # sentences before the first RMC had no date yet
+    if day is not None:  # sentences before the first RMC had no date yet
         first = next(iter(t for t in fixes if t > 86_400 * 2), 0.0)
         early = {t: fixes.pop(t) for t in [t for t in fixes if t < 86_400 * 2]}
         for t, fix in early.items():
@@ -122,8 +129,11 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
     if len(rows) < 2:
         raise InputError(f"{path} has {len(rows)} GGA positions with a fix ({bad} damaged sentences); at least two are needed.")
     p = np.asarray([f["position"] for _, f in rows])
-    out = {"gnss_time": np.asarray([t for t, _ in rows]), "gnss_position": np.column_stack([np.radians(p[:, :2]), p[:, 2]]),
-           "gnss_fix": np.asarray([f["fix"] for _, f in rows])}
+    out = {
+        "gnss_time": np.asarray([t for t, _ in rows]),
+        "gnss_position": np.column_stack([np.radians(p[:, :2]), p[:, 2]]),
+        "gnss_fix": np.asarray([f["fix"] for _, f in rows]),
+    }
     if all("sd" in f for _, f in rows):
         out["gnss_position_sd"] = np.asarray([f["sd"] for _, f in rows])
     if all("velocity" in f for _, f in rows):

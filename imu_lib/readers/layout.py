@@ -1,4 +1,5 @@
 """How a text file of numbers is laid out: delimiter, decimal mark, comments, preamble, header, first line of data."""
+
 from __future__ import annotations
 
 import re
@@ -7,20 +8,23 @@ from pathlib import Path
 
 from imu_lib.errors import InputError
 
-HEAD = 1 << 18                     # bytes looked at
+HEAD = 1 << 18  # bytes looked at
 COMMENTS = ("#", "%", "//", "!")
 _NUMBER = re.compile(r"^[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|nan|inf|infinity|na|n/a|null)$", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"^[+-]?\d+,\d+(?:[eE][+-]?\d+)?$")
 _DATE = re.compile(r"^\d{4}[-/.]\d{1,2}[-/.]\d{1,2}$|^\d{1,2}[-/.]\d{1,2}[-/.]\d{4}$")
 _CLOCK = re.compile(r"^\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d+)?)?$")
 _MOMENT = re.compile(r"^\d{4}[-/]\d{1,2}[-/]\d{1,2}[T ]\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d+)?)?\s*(?:Z|[+-]\d{2}:?\d{2})?$")
-_RATE = re.compile(r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate)$", re.IGNORECASE)
+_RATE = re.compile(
+    r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate)$", re.IGNORECASE
+)
 
 
 @dataclass(frozen=True)
 class Layout:
     """delimiter None is any white space. header: names or None. first: 0-based line of the first data row; kinds: one of
     number, date, clock, moment, empty for each column."""
+
     delimiter: str | None
     decimal: str
     header: tuple[str, ...] | None
@@ -71,14 +75,16 @@ def sniff(path) -> Layout:
         raise InputError(f"{path} is empty; a table with a row per sample is expected.")
     encoding = "utf-16" if head[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     if encoding == "utf-8-sig" and (b"\0" in head or sum(c < 9 or 13 < c < 32 for c in head[:4096]) > 0.01 * len(head[:4096])):
-        raise InputError(f"{path} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag.")
+        raise InputError(
+            f"{path} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag."
+        )
     try:
         text = head.decode(encoding, errors="strict" if len(head) < HEAD else "ignore")
     except UnicodeDecodeError:
         text, encoding = head.decode("latin-1"), "latin-1"
     lines = text.splitlines()
     if len(head) == HEAD:
-        lines = lines[:-1]         # the last one may be cut
+        lines = lines[:-1]  # the last one may be cut
     comment = next((c for c in COMMENTS if any(line.lstrip().startswith(c) for line in lines)), None)
     kept = [i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(COMMENTS)]
     best = None
@@ -89,7 +95,14 @@ def sniff(path) -> Layout:
             continue
         width = max(set(widths), key=widths.count)
         # the first run of equally wide rows; `key,3` lines above it are preamble
-        start = next((j for j, r in enumerate(rows) if r and len(r) == width and (j + 1 == len(rows) or rows[j + 1] is None or len(rows[j + 1]) == width)), None)
+        start = next(
+            (
+                j
+                for j, r in enumerate(rows)
+                if r and len(r) == width and (j + 1 == len(rows) or rows[j + 1] is None or len(rows[j + 1]) == width)
+            ),
+            None,
+        )
         if start is None:
             continue
         score = (sum(w == width for w in widths) / len(rows), width)
@@ -115,8 +128,13 @@ def _header(lines, first, kept, start, delimiter, width):
         if not line:
             continue
         fields = [f.strip().strip('"').strip() for f in (line.split() if delimiter is None else line.split(delimiter))]
-        if header is None and i >= first - 3 and len(fields) in (width, width + 1) and not (len(fields) == width + 1 and fields[-1]) \
-                and all(kind(f) in ("text", "empty") for f in fields):
+        if (
+            header is None
+            and i >= first - 3
+            and len(fields) in (width, width + 1)
+            and not (len(fields) == width + 1 and fields[-1])
+            and all(kind(f) in ("text", "empty") for f in fields)
+        ):
             header = tuple(fields[:width])
             continue
         pair = re.match(r"^(.*?)\s*[:=,;\t ]\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(Hz)?$", line.rstrip(",;"))

@@ -3,6 +3,7 @@
 `gyro_x [deg/s]`, `w_RS_S_x [rad s^-1]`, `accel_z_mps2`, `field.linear_acceleration.y`, `#timestamp [ns]` and their
 likes become a canonical name (`gyro_x`, `accel_z`, `time`, ...) and a unit.
 """
+
 from __future__ import annotations
 
 import re
@@ -13,19 +14,74 @@ from imu_lib.errors import InputError
 GYRO_UNITS = {"rad/s": 1.0, "deg/s": units.DEG_PER_S, "deg/h": units.DEG_PER_HOUR}
 ACCEL_UNITS = {"m/s^2": 1.0, "g": units.G, "mg": units.MILLI_G}
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
-UNITS = {"gyro": GYRO_UNITS, "accel": ACCEL_UNITS, "time": TIME_UNITS,
-         "dtheta": {"rad": 1.0, "deg": units.DEG}, "dv": {"m/s": 1.0}, "temperature": {"degC": 1.0}}
+UNITS = {
+    "gyro": GYRO_UNITS,
+    "accel": ACCEL_UNITS,
+    "time": TIME_UNITS,
+    "dtheta": {"rad": 1.0, "deg": units.DEG},
+    "dv": {"m/s": 1.0},
+    "temperature": {"degC": 1.0},
+}
 COUNTS = ("counts", "count", "lsb", "raw", "adc")
 
 _SPELLINGS = {
-    "rad/s": "rad/s", "rad/sec": "rad/s", "rads": "rad/s", "radps": "rad/s", "rad*s^-1": "rad/s", "rads^-1": "rad/s", "rads-1": "rad/s", "r/s": "rad/s",
-    "deg/s": "deg/s", "deg/sec": "deg/s", "dps": "deg/s", "degps": "deg/s", "degs^-1": "deg/s", "degs-1": "deg/s", "degrees/s": "deg/s", "d/s": "deg/s",
-    "deg/h": "deg/h", "deg/hr": "deg/h", "deg/hour": "deg/h", "dph": "deg/h",
-    "m/s^2": "m/s^2", "m/s2": "m/s^2", "m/s/s": "m/s^2", "mps2": "m/s^2", "mps^2": "m/s^2", "ms^-2": "m/s^2", "ms-2": "m/s^2", "m/sec^2": "m/s^2",
-    "m/s**2": "m/s^2", "ms2": "m/s^2", "m*s^-2": "m/s^2", "g": "g", "g0": "g", "gn": "g", "mg": "mg", "milli-g": "mg", "millig": "mg",
-    "s": "s", "sec": "s", "secs": "s", "second": "s", "seconds": "s", "ms": "ms", "msec": "ms", "us": "us", "usec": "us", "ns": "ns", "nsec": "ns",
-    "min": "min", "h": "h", "rad": "rad", "deg": "deg", "m/s": "m/s", "mps": "m/s",
-    "degc": "degC", "c": "degC", "celsius": "degC",
+    "rad/s": "rad/s",
+    "rad/sec": "rad/s",
+    "rads": "rad/s",
+    "radps": "rad/s",
+    "rad*s^-1": "rad/s",
+    "rads^-1": "rad/s",
+    "rads-1": "rad/s",
+    "r/s": "rad/s",
+    "deg/s": "deg/s",
+    "deg/sec": "deg/s",
+    "dps": "deg/s",
+    "degps": "deg/s",
+    "degs^-1": "deg/s",
+    "degs-1": "deg/s",
+    "degrees/s": "deg/s",
+    "d/s": "deg/s",
+    "deg/h": "deg/h",
+    "deg/hr": "deg/h",
+    "deg/hour": "deg/h",
+    "dph": "deg/h",
+    "m/s^2": "m/s^2",
+    "m/s2": "m/s^2",
+    "m/s/s": "m/s^2",
+    "mps2": "m/s^2",
+    "mps^2": "m/s^2",
+    "ms^-2": "m/s^2",
+    "ms-2": "m/s^2",
+    "m/sec^2": "m/s^2",
+    "m/s**2": "m/s^2",
+    "ms2": "m/s^2",
+    "m*s^-2": "m/s^2",
+    "g": "g",
+    "g0": "g",
+    "gn": "g",
+    "mg": "mg",
+    "milli-g": "mg",
+    "millig": "mg",
+    "s": "s",
+    "sec": "s",
+    "secs": "s",
+    "second": "s",
+    "seconds": "s",
+    "ms": "ms",
+    "msec": "ms",
+    "us": "us",
+    "usec": "us",
+    "ns": "ns",
+    "nsec": "ns",
+    "min": "min",
+    "h": "h",
+    "rad": "rad",
+    "deg": "deg",
+    "m/s": "m/s",
+    "mps": "m/s",
+    "degc": "degC",
+    "c": "degC",
+    "celsius": "degC",
 }
 _SPELLINGS.update({c: "counts" for c in COUNTS})
 
@@ -33,19 +89,39 @@ _SIGNAL = [
     ("dtheta", r"(?:d(?:elta)?_?theta|d(?:elta)?_?ang(?:le)?|dtheta|dang|da|dt(?=[_ .]?[xyz]$))"),
     ("dv", r"(?:d(?:elta)?_?v(?:el(?:ocity)?)?)"),
     ("gyro", r"(?:gyros?|gyr|gyroscopes?|g|w|wib_?b?|omega|rate|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|w_rs_s|angvel|gyroreading)"),
-    ("accel", r"(?:accels?|acc|a|f|fib_?b?|accelerometers?|accelerations?|lin(?:ear)?_?acc(?:el(?:eration)?)?|spec(?:ific)?_?force|a_rs_s|accreading)"),
+    (
+        "accel",
+        r"(?:accels?|acc|a|f|fib_?b?|accelerometers?|accelerations?"
+        r"|lin(?:ear)?_?acc(?:el(?:eration)?)?|spec(?:ific)?_?force|a_rs_s|accreading)",
+    ),
 ]
 _PREFIX = r"(?:(?:imu|raw|meas|body|sensor|field|data|msg|calibrated|cal|uncalibrated|s)_?\d*[_. ])*"
 _AXES = {"x": "x", "y": "y", "z": "z", "1": "x", "2": "y", "3": "z"}
-_TIME = re.compile(r"^" + _PREFIX + r"(?:time|times|timestamps?|time_?stamp|t|stamp|tow|sow|rostime|epoch|gps_?time|(?:header_)?stamp_(?:secs?|nsecs?)|elapsed|elapsed_time"
-                   r"|host_?time|utc_?time|unix_?time|system_?time|seconds?|secs?|datetime|date_?time)$")
+_TIME = re.compile(
+    r"^"
+    + _PREFIX
+    + r"(?:time|times|timestamps?|time_?stamp|t|stamp|tow|sow"
+    r"|rostime|epoch|gps_?time|(?:header_)?stamp_(?:secs?|nsecs?)|elapsed|elapsed_time"
+    r"|host_?time|utc_?time|unix_?time|system_?time|seconds?|secs?|datetime|date_?time)$"
+)
 _TEMPERATURE = re.compile(r"^" + _PREFIX + r"(?:(?:imu|chip|gyro|sensor|die)_?)?temp(?:erature)?$")
-_TRAILING = re.compile(r"^(.*?)[_ .](rad_s|rads|radps|rad_per_s|dps|deg_s|degps|deg_per_s|deg_h|dph|mps2|m_s2|ms2|m_per_s2|g|mg|counts?|lsb|raw|s|sec|ms|us|ns|degc|c)$")
+_TRAILING = re.compile(
+    r"^(.*?)[_ .](rad_s|rads|radps|rad_per_s|dps|deg_s|degps|deg_per_s|deg_h|dph|mps2|m_s2|ms2|m_per_s2|g|mg|counts?|lsb|raw|s|sec|ms|us|ns|degc|c)$"
+)
 
 
 def unit_of(text: str) -> str | None:
     """The canonical unit a text spells, or None."""
-    plain = text.strip().strip("[]()").replace("°", "deg").replace("º", "deg").replace("²", "^2").replace("µ", "u").replace("μ", "u").replace("·", "*")
+    plain = (
+        text.strip()
+        .strip("[]()")
+        .replace("°", "deg")
+        .replace("º", "deg")
+        .replace("²", "^2")
+        .replace("µ", "u")
+        .replace("μ", "u")
+        .replace("·", "*")
+    )
     plain = plain.replace("_per_", "/").replace(" per ", "/")
     if plain in ("G", "g"):
         return "g"
@@ -60,7 +136,7 @@ def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | No
     of three axes. `signal` ("gyro" or "accel") is what a bare x, y, z or 1, 2, 3 stands for. The unit is as spelled where it is
     not known, so that it can be refused by name.
     """
-    text = str(name).strip().lstrip("#%").strip().strip('"\'').strip()
+    text = str(name).strip().lstrip("#%").strip().strip("\"'").strip()
     unit = None
     bracket = re.match(r"^(.*?)[\s_]*[\[(]([^\])]*)[\])]\s*$", text)
     if bracket and bracket[1].strip():
@@ -88,7 +164,22 @@ def _canonical(key: str, signal: str | None) -> str | None:
         return "time"
     if _TEMPERATURE.match(key):
         return "temperature"
-    if key in ("index", "n_samples", "sample", "samples", "counter", "count", "frame", "seq", "n", "i", "id", "packet", "packetcounter", "sample_number"):
+    if key in (
+        "index",
+        "n_samples",
+        "sample",
+        "samples",
+        "counter",
+        "count",
+        "frame",
+        "seq",
+        "n",
+        "i",
+        "id",
+        "packet",
+        "packetcounter",
+        "sample_number",
+    ):
         return "index"
     if signal and key in _AXES:
         return f"{signal}_{_AXES[key]}"

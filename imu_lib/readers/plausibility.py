@@ -2,6 +2,7 @@
 
 A number that cannot be what it is said to be is refused, with the unit it more likely has; nothing is converted on suspicion.
 """
+
 from __future__ import annotations
 
 import numpy as np
@@ -9,12 +10,12 @@ import numpy as np
 from imu_lib import units
 from imu_lib.readers import names
 
-MOST = 200_000                  # samples looked at
-GRAVITY = (7.0, 13.0)           # m/s^2; a poor accelerometer is 10 % off, a bumpy ride averages out
-GYRO_NOISE = 2e-3               # rad/s/sqrt(Hz), 7 deg/sqrt(h): above the noisiest gyro sold as one
-GYRO_BIAS = 0.6                 # rad/s, 34 deg/s: MEMS data sheets allow 20
-GYRO_FAST = 17.0                # rad/s, 1000 deg/s, for one per cent of the time: not in a vehicle
-RATIO = (1.5, 60.0)             # m/s^2 per rad/s: accelerometer over gyro noise density of the MEMS units measured (5 to 25)
+MOST = 200_000  # samples looked at
+GRAVITY = (7.0, 13.0)  # m/s^2; a poor accelerometer is 10 % off, a bumpy ride averages out
+GYRO_NOISE = 2e-3  # rad/s/sqrt(Hz), 7 deg/sqrt(h): above the noisiest gyro sold as one
+GYRO_BIAS = 0.6  # rad/s, 34 deg/s: MEMS data sheets allow 20
+GYRO_FAST = 17.0  # rad/s, 1000 deg/s, for one per cent of the time: not in a vehicle
+RATIO = (1.5, 60.0)  # m/s^2 per rad/s: accelerometer over gyro noise density of the MEMS units measured (5 to 25)
 
 
 def gravity(accel: np.ndarray) -> float | None:
@@ -39,12 +40,15 @@ def accel_unit(accel: np.ndarray, unit: str, factor: float) -> str | None:
     read = size / factor
     for other, scale in names.ACCEL_UNITS.items():
         if GRAVITY[0] < read * scale < GRAVITY[1] and other != unit:
-            return (f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; "
-                    f"its unit is likely {other}")
+            return (
+                f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; "
+                f"its unit is likely {other}"
+            )
     if size < 0.5:
-        return None                # what is left when gravity was taken out
-    return (f"the specific force stated in {unit} has a median length of {size / units.G:.3g} times gravity; "
-            + (f"if these are counts, counts:{read:.5g} (per g) is near" if read > 50 else "check its unit and scale"))
+        return None  # what is left when gravity was taken out
+    return f"the specific force stated in {unit} has a median length of {size / units.G:.3g} times gravity; " + (
+        f"if these are counts, counts:{read:.5g} (per g) is near" if read > 50 else "check its unit and scale"
+    )
 
 
 def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate: float, unit: str, *, strict: bool) -> str | None:
@@ -59,10 +63,18 @@ def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate: float, unit: str
         for other, scale in names.GYRO_UNITS.items() if factor else ():
             if other != unit and 0.5 < slope / (scale / factor) < 2.0:
                 return f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}"
-        return None if 0.2 < slope < 5 else f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale"
+        return (
+            None
+            if 0.2 < slope < 5
+            else f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale"
+        )
     still, bias = _still(gyro, rate)
     if still > GYRO_NOISE or bias > GYRO_BIAS:
-        worst = f"a noise of {still / units.DEG_PER_SQRT_HOUR:.3g} deg/sqrt(h)" if still > GYRO_NOISE else f"a bias of {bias / units.DEG_PER_S:.3g} deg/s"
+        worst = (
+            f"a noise of {still / units.DEG_PER_SQRT_HOUR:.3g} deg/sqrt(h)"
+            if still > GYRO_NOISE
+            else f"a bias of {bias / units.DEG_PER_S:.3g} deg/s"
+        )
         said = f"the rates stated in {unit} have {worst}, more than any gyro at rest"
         if factor is None or _whole(gyro / factor):
             return said + "; they are likely raw counts (counts:C, C counts per deg/s)" if factor else said + "; check the counts per deg/s"
@@ -74,7 +86,8 @@ def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate: float, unit: str
     if factor and fast > GYRO_FAST:
         other = next((u for u, scale in names.GYRO_UNITS.items() if scale < factor), None)
         return f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a hundred; " + (
-            f"their unit is likely {other}" if other else "check the unit")
+            f"their unit is likely {other}" if other else "check the unit"
+        )
     factor = factor or 1.0
     if strict and accel is not None and still > 0:
         size = gravity(accel)
@@ -82,8 +95,11 @@ def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate: float, unit: str
         if size is not None and noise > 7e-4 and noise / still > 250:
             for other, scale in sorted(names.GYRO_UNITS.items(), key=lambda u: u[1]):
                 if scale > factor and RATIO[0] < noise / (still * scale / factor) < RATIO[1]:
-                    return (f"the rates stated in {unit} have a noise of {still / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), {noise / still:.0f} times less than these "
-                            f"accelerometers' noise would go with (usual: {RATIO[0]:g} to {RATIO[1]:g}); their unit is likely {other}")
+                    return (
+                        f"the rates stated in {unit} have a noise of {still / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), "
+                        f"{noise / still:.0f} times less than these "
+                        f"accelerometers' noise would go with (usual: {RATIO[0]:g} to {RATIO[1]:g}); their unit is likely {other}"
+                    )
     return None
 
 
@@ -138,9 +154,9 @@ def _turning(gyro, accel, rate):
         return None
     unit_vector = np.where(good[:, None], a / np.where(size > 0, size, 1.0), 0.0)
     dt = block / rate
-    turned = (unit_vector[2:] - unit_vector[:-2]) / (2 * dt)                # body axes: d(a)/dt = -w x a
+    turned = (unit_vector[2:] - unit_vector[:-2]) / (2 * dt)  # body axes: d(a)/dt = -w x a
     w = w - np.median(w[good], axis=0)
-    smooth = (w[:-2] + 2 * w[1:-1] + w[2:]) / 4                             # the rate over the span of the difference
+    smooth = (w[:-2] + 2 * w[1:-1] + w[2:]) / 4  # the rate over the span of the difference
     said = -np.cross(np.where(np.isfinite(smooth), smooth, 0.0), unit_vector[1:-1])
     use = good[2:] & good[:-2] & good[1:-1] & (np.linalg.norm(turned, axis=1) > 0.1) & (np.linalg.norm(turned, axis=1) < 3.0)
     if use.sum() < 8:

@@ -1,4 +1,5 @@
 """What a file holds before it is a record: columns under canonical names, in the file's own units."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -15,8 +16,10 @@ class Raw:
     """Columns by canonical name (see `names.parse`) with the unit each one's name states (None where it states none).
 
     contract: the file says by its keys that it is in SI. simulated: it says that imu_lib drew it.
-    epoch: absolute time of the first stamp, s, where the stamps tell; repeats: how many stamps repeated the one before. line: row number -> what to call it in a message.
+    epoch: absolute time of the first stamp, s, where the stamps tell; repeats: how many stamps repeated the one before. line:
+    row number -> what to call it in a message.
     """
+
     source: str
     columns: dict[str, np.ndarray] = field(default_factory=dict)
     units: dict[str, str | None] = field(default_factory=dict)
@@ -44,8 +47,10 @@ class Raw:
         if values.ndim != 1:
             raise InputError(f"{self.source}: `{heading}` has the shape {values.shape}; one value per sample is expected.")
         if canonical in self.columns:
-            raise InputError(f"{self.source}: both `{self.headings[canonical]}` and `{heading}` would be {canonical}; "
-                             "say which is meant with --columns (names by position, - skips).")
+            raise InputError(
+                f"{self.source}: both `{self.headings[canonical]}` and `{heading}` would be {canonical}; "
+                "say which is meant with --columns (names by position, - skips)."
+            )
         self.columns[canonical] = values
         self.units[canonical] = unit
         self.headings[canonical] = heading
@@ -57,15 +62,22 @@ class Raw:
         """The one unit that the columns of a kind state, None where none does. InputError where they contradict or are unknown."""
         said = {u for c, u in self.units.items() if (c == kind or c.startswith(kind + "_")) and u is not None}
         if len(said) > 1:
-            raise InputError(f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with --{kind}-unit.")
+            raise InputError(
+                f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with --{kind}-unit."
+            )
         unit = said.pop() if said else None
         if unit is not None and unit != "counts" and unit not in names.UNITS[kind]:
-            raise InputError(f"{self.source}: the unit [{unit}] of `{self.headings.get(kind) or next(h for c, h in self.headings.items() if c.startswith(kind))}` "
-                             f"is not known; give it in {', '.join(names.UNITS[kind])}.")
+            raise InputError(
+                f"{self.source}: the unit [{unit}] of "
+                f"`{self.headings.get(kind) or next(h for c, h in self.headings.items() if c.startswith(kind))}` "
+                f"is not known; give it in {', '.join(names.UNITS[kind])}."
+            )
         return unit
 
 
-def by_position(columns: str | list[str] | tuple[str, ...], found: int, source: str, signal: str | None) -> list[tuple[str | None, str | None, str]]:
+def by_position(
+    columns: str | list[str] | tuple[str, ...], found: int, source: str, signal: str | None
+) -> list[tuple[str | None, str | None, str]]:
     """(canonical, unit, heading) for each of `found` columns from the names the caller gave. InputError where they do not fit."""
     given = [c.strip() for c in columns.split(",")] if isinstance(columns, str) else [str(c).strip() for c in columns]
     if len(given) != found:
@@ -77,8 +89,10 @@ def by_position(columns: str | list[str] | tuple[str, ...], found: int, source: 
             continue
         canonical, unit = names.parse(name, signal=signal)
         if canonical is None or canonical in ("gyro", "accel"):
-            raise InputError(f"--columns: {name!r} is no column name; use time, date, clock, temperature, gyro_x .. gyro_z, accel_x .. accel_z, "
-                             "dtheta_x .. dtheta_z, dv_x .. dv_z or -.")
+            raise InputError(
+                f"--columns: {name!r} is no column name; use time, date, clock, temperature, gyro_x .. gyro_z, accel_x .. accel_z, "
+                "dtheta_x .. dtheta_z, dv_x .. dv_z or -."
+            )
         out.append((canonical, unit, name))
     if not any(c and c[:2] in ("gy", "ac", "dt", "dv") for c, _, _ in out):
         raise InputError("--columns names no signal; at least one of gyro_x .. accel_z is needed.")

@@ -1,4 +1,5 @@
 """One door for static records: the format is told by the content first, then by the name."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -43,12 +44,25 @@ def read_record(path=None, **options) -> Record:
     return read_counted(path, **options)[0]
 
 
-def read_counted(path=None, *, gyro=None, accel=None, rate: float | None = None, gyro_unit: str | None = None, accel_unit: str | None = None,
-                 columns: str | None = None, start: float | None = None, stop: float | None = None, topic: str | None = None,
-                 trust_units: bool = False, lenient: bool = False) -> tuple[Record, int]:
+def read_counted(
+    path=None,
+    *,
+    gyro=None,
+    accel=None,
+    rate: float | None = None,
+    gyro_unit: str | None = None,
+    accel_unit: str | None = None,
+    columns: str | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    topic: str | None = None,
+    trust_units: bool = False,
+    lenient: bool = False,
+) -> tuple[Record, int]:
     """A static record and how many of its time stamps repeated the one before.
 
-    path: .npz / .npy, .csv / .txt / .tsv, .parquet, .mat, ROS bag; or `gyro` and `accel`, a file each. rate: Hz, where the file has no time.
+    path: .npz / .npy, .csv / .txt / .tsv, .parquet, .mat, ROS bag; or `gyro` and `accel`, a file each. rate: Hz, where the file
+    has no time.
     gyro_unit: rad/s, deg/s, deg/h or counts:C (C counts per deg/s). accel_unit: m/s^2, g, mg or counts:C (per g); a zero that is not at 0
     counts as counts:C:ZERO. columns: names by position, `-` skips. start, stop: s from the first sample. topic: of a bag.
     trust_units: do not ask whether the units are possible. lenient: keep single repeated stamps (for `check`).
@@ -74,8 +88,11 @@ def read_counted(path=None, *, gyro=None, accel=None, rate: float | None = None,
         try:
             record = record.slice(start, stop)
         except ValueError:
-            raise InputError(f"{record.source}: --start {0 if start is None else start:g} and --stop {record.duration if stop is None else stop:g} leave fewer "
-                             f"than two samples of a record of {record.duration:.6g} s.") from None
+            raise InputError(
+                f"{record.source}: --start {0 if start is None else start:g} and --stop "
+                f"{record.duration if stop is None else stop:g} leave fewer "
+                f"than two samples of a record of {record.duration:.6g} s."
+            ) from None
     return record, repeats
 
 
@@ -93,19 +110,25 @@ def merge(gyro: Record, gyro_epoch: float | None, accel: Record, accel_epoch: fl
     """Two files of one sensor on one time base: overlapped where both tell the absolute time, else from their first samples."""
     source = f"{gyro.source} and {accel.source}"
     if not 0.98 < gyro.rate / accel.rate < 1.02:
-        raise InputError(f"{gyro.source} has {gyro.rate:.6g} Hz and {accel.source} {accel.rate:.6g} Hz; read them one at a time, or resample one.")
+        raise InputError(
+            f"{gyro.source} has {gyro.rate:.6g} Hz and {accel.source} {accel.rate:.6g} Hz; read them one at a time, or resample one."
+        )
     shift = (accel_epoch - gyro_epoch) if gyro_epoch is not None and accel_epoch is not None else 0.0
     notes = gyro.notes + tuple(n for n in accel.notes if n not in gyro.notes)
     if shift >= gyro.duration or -shift >= accel.duration:
-        notes += (f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after {gyro.source}); they are laid side by side from their first "
-                  "samples, so nothing common to gyros and accelerometers can be seen.",)
+        notes += (
+            f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after {gyro.source}); they are laid "
+            f"side by side from their first "
+            "samples, so nothing common to gyros and accelerometers can be seen.",
+        )
         shift = 0.0
     temperature = gyro.temperature
     if gyro.time is None and accel.time is None and shift == 0.0:
         n = min(gyro.n, accel.n)
         left, right = np.arange(n), np.arange(n)
     else:
-        # each gyro sample with the nearest accelerometer sample, where there is one within half a sample: no interpolation, it would smooth the noise
+        # each gyro sample with the nearest accelerometer sample, where there is one within half a sample: no interpolation, it
+        # would smooth the noise
         a, b = gyro.slots(), accel.slots() + int(round(shift * gyro.rate))
         _, left, right = np.intersect1d(a, b, return_indices=True)
     if len(left) < 2:

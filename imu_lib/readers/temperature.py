@@ -1,4 +1,5 @@
 """A temperature record alone: time and temperature out of any file the readers know."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -13,12 +14,13 @@ class NoTemperature(InputError):
 
 
 def read_temperature(path) -> tuple[np.ndarray, np.ndarray]:
-    """Time (s from the first sample) and temperature (degC), both (n,). NoTemperature where there is none, InputError where it is at fault."""
+    """Time (s from the first sample) and temperature (degC), both (n,). NoTemperature where there is none, InputError where it
+    is at fault."""
     raw = read_raw(path, signal="temperature")
     if "temperature" not in raw.columns:
         raise NoTemperature(f"{path} has no temperature.")
     if raw.units.get("time", "") is None:
-        raw.units["time"] = "s"          # the contract's unit; a temperature is often logged once a minute, so its rate tells nothing
+        raw.units["time"] = "s"  # the contract's unit; a temperature is often logged once a minute, so its rate tells nothing
     time, rate, keep = stamps.settle(raw, None, lenient=True)
     x = np.asarray(raw.columns["temperature"], dtype=float)[keep]
     t = np.arange(len(keep)) / rate if time is None else time

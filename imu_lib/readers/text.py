@@ -3,6 +3,7 @@
 The numbers are parsed by Arrow (or pandas where fields are set apart by runs of blanks); when that fails the file is
 walked line by line, to say which line and column is at fault.
 """
+
 from __future__ import annotations
 
 import itertools
@@ -48,7 +49,7 @@ def _plan(path, layout, columns, signal):
         if what in ("date", "clock", "moment") and plan[i][0] in (None, "time", "date", "clock") and not (columns and plan[i][0] is None):
             plan[i] = ({"date": "date", "clock": "clock", "moment": "date"}[what], None, plan[i][2])
     if sum(c == "date" for c, _, _ in plan) and any(c == "time" for c, _, _ in plan):
-        plan = [(None, u, h) if c in ("date", "clock") else (c, u, h) for c, u, h in plan]     # a numeric time beats the calendar
+        plan = [(None, u, h) if c in ("date", "clock") else (c, u, h) for c, u, h in plan]  # a numeric time beats the calendar
     if signal == "temperature":
         free = [i for i in range(width) if layout.kinds[i] == "number" and plan[i][0] is None]
         if not layout.header and width == 2 and len(free) == 2:
@@ -62,7 +63,10 @@ def _plan(path, layout, columns, signal):
                 plan[i] = (f"{signal}_{axis}", None, plan[i][2])
         else:
             header = f"its header ({', '.join(layout.header)[:80]}) names no gyro or accelerometer" if layout.header else "it has no header"
-            raise InputError(f"{path} has {width} columns and {header}; name them by position with --columns, as in time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z.")
+            raise InputError(
+                f"{path} has {width} columns and {header}; name them by position with --columns, as in "
+                f"time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z."
+            )
     return plan
 
 
@@ -83,7 +87,7 @@ def _parse(path, layout, wanted) -> dict[int, np.ndarray]:
         raise InputError(f"{path} has only {rows} row of data; at least two are needed.")
     last = table[max(numeric)] if numeric else None
     if last is not None and last.dtype.kind == "f" and np.isnan(last).any():
-        _explain(path, layout, wanted)       # a short line reads as NaN at its end; an empty field is a missing sample
+        _explain(path, layout, wanted)  # a short line reads as NaN at its end; an empty field is a missing sample
     return table
 
 
@@ -95,10 +99,17 @@ def _arrow(path, layout, numeric, texts):
     whole = {f"c{i}": pa.string() for i in texts}
     try:
         table = csv.read_csv(
-            path, read_options=csv.ReadOptions(skip_rows=layout.first, column_names=width, block_size=1 << 22),
+            path,
+            read_options=csv.ReadOptions(skip_rows=layout.first, column_names=width, block_size=1 << 22),
             parse_options=csv.ParseOptions(delimiter=layout.delimiter),
-            convert_options=csv.ConvertOptions(include_columns=[f"c{i}" for i in sorted(numeric + texts)], null_values=NULLS, column_types=whole,
-                                               decimal_point=layout.decimal, strings_can_be_null=False))
+            convert_options=csv.ConvertOptions(
+                include_columns=[f"c{i}" for i in sorted(numeric + texts)],
+                null_values=NULLS,
+                column_types=whole,
+                decimal_point=layout.decimal,
+                strings_can_be_null=False,
+            ),
+        )
     except (pa.ArrowInvalid, pa.ArrowNotImplementedError, pa.ArrowKeyError):
         return None
     out = {}
@@ -120,9 +131,22 @@ def _pandas(path, layout, numeric, texts):
     width = len(layout.kinds)
     try:
         frame = pd.read_csv(
-            path, sep=r"\s+" if layout.delimiter is None else layout.delimiter, header=None, names=range(width), skiprows=layout.first,
-            usecols=sorted(numeric + texts), dtype={i: str for i in texts}, decimal=layout.decimal, engine="c", encoding=layout.encoding,
-            comment=layout.comment[0] if layout.comment else None, na_values=NULLS, skip_blank_lines=True, skipinitialspace=True, index_col=False)
+            path,
+            sep=r"\s+" if layout.delimiter is None else layout.delimiter,
+            header=None,
+            names=range(width),
+            skiprows=layout.first,
+            usecols=sorted(numeric + texts),
+            dtype={i: str for i in texts},
+            decimal=layout.decimal,
+            engine="c",
+            encoding=layout.encoding,
+            comment=layout.comment[0] if layout.comment else None,
+            na_values=NULLS,
+            skip_blank_lines=True,
+            skipinitialspace=True,
+            index_col=False,
+        )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, UnicodeError, OverflowError):
         return None
     out = {i: frame[i].to_numpy() for i in numeric}
@@ -147,14 +171,19 @@ def _explain(path, layout, wanted):
     width = len(layout.kinds)
     for number, fields in _rows(path, layout):
         if len(fields) != width and not (len(fields) == width + 1 and fields[-1] == ""):
-            raise InputError(f"{path}, line {number}: {len(fields)} columns where line {layout.first + 1} has {width}; the file is cut off or damaged there: "
-                             "complete or remove the line.")
+            raise InputError(
+                f"{path}, line {number}: {len(fields)} columns where line {layout.first + 1} has {width}; the file is cut off "
+                f"or damaged there: "
+                "complete or remove the line."
+            )
         for i in wanted:
             want, got = layout.kinds[i], lay.kind(fields[i], layout.decimal)
             if got not in (want, "empty") and not (want == "empty" and got == "number"):
                 heading = f" ({layout.header[i]})" if layout.header else ""
-                raise InputError(f"{path}, line {number}, column {i + 1}{heading}: {fields[i][:30]!r} is not a {want if want != 'empty' else 'number'}; "
-                                 "correct the line or leave the field empty for a missing sample.")
+                raise InputError(
+                    f"{path}, line {number}, column {i + 1}{heading}: {fields[i][:30]!r} is not a {want if want != 'empty' else 'number'}; "
+                    "correct the line or leave the field empty for a missing sample."
+                )
 
 
 def _line_of(path, layout, row: int) -> int:
