@@ -1,0 +1,195 @@
+"""The workflow on one channel: electronics, noise level, lines, then the competition, then whether anything is left."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from imu_lib.gap import effects, electronics, rounds, verdict
+from imu_lib.gap.base_fit import free_base
+from imu_lib.gap.engine import Data
+from imu_lib.gap.innovations import Smooth, whitened
+from imu_lib.gap.search import State
+from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
+from imu_lib.processes import Sum
+
+#: Effects whose doubts leave the name without high confidence.
+DOUBTED = 0.5
+#: log10 p of the stationarity tests below which only one round is run.
+VETO = -9.0
+
+
+@dataclass
+class ChannelResult:
+    """What was found in a channel.
+
+    `base` is the model it started from (fitted where none was given), `model` the grown one, `steps` the effects in the
+    order found, `absorbed` what a free base may have swallowed, `unexplained` None or a sentence.
+    """
+
+    name: str
+    base: Sum
+    model: Sum
+    steps: list[Step]
+    absorbed: list[str]
+    unexplained: str | None
+    checks: list = field(default_factory=list)
+    mean: float = 0.0
+
+
+def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, seed: int = 0, shared: float = 0.0, progress=None) -> ChannelResult:
+    """Find, name and add what `base` lacks to be the model of `raw` (NaN where a sample is missing), one channel at `fs` Hz.
+
+    `shared` is the density N of noise that the channel shares with others and that is accounted for on the record.
+    """
+    say = progress or (lambda text: None)
+    rng = np.random.default_rng([seed, sum(map(ord, name))])
+    raw = np.asarray(raw, float)
+    mean = float(np.nanmean(raw))
+    given = base
+    drift = np.zeros(len(raw))
+    if given is not None and given.drifts.terms:
+        known = Sum(tuple(t for t in given.drifts.terms if t.name != "constant" and not (t.name == "sinusoid" and t.phase is None)))
+        drift = known.mean(np.arange(len(raw)) / fs, temperature)
+    say("electronics")
+    clean = electronics.undo(raw, fs, given, rng)
+    x = clean.x - drift
+    findings = list(clean.findings)
+    doubts = []
+    # -- noise level ---------------------------------------------------------------------------------------
+    say("noise level")
+    y = whitened(clean.x - clean.coarse, clean.smooth)
+    held = None if given is None else given.find("noise_level_change")
+    if held is not None:
+        x = _levelled(x, held.ratio, held.time, fs, given)
+        y = y / np.where(np.arange(len(y)) >= held.time * fs, held.ratio, 1.0)
+    change = effects.CATALOGUE["noise_level_change"].detect(y, fs, None)
+    if change is not None:
+        if change.doubt is None:
+            findings.append(change)
+            x = _levelled(x, change.process.ratio, change.process.time, fs, given)
+            y = y / np.where(np.arange(len(y)) >= change.process.time * fs, change.process.ratio, 1.0)
+        else:
+            doubts.append(change.doubt)
+    # -- lines ---------------------------------------------------------------------------------------------
+    say("lines")
+    data = Data(x, fs, white=clean.white, temperature=temperature, extra=clean.extra)
+    lines, data = effects.CATALOGUE["sinusoid"].find(data)
+    if given is not None:
+        lines = [(item, s) for item, s in lines if not any(t.name == "sinusoid" and t.phase is None and abs(t.frequency - item.process.frequency) < 2 / data.duration for t in given.terms)]
+    findings += [item for item, _ in lines]
+    # -- the competition -------------------------------------------------------------------------------------
+    say("candidates")
+    terms = [] if given is None else [t for t in given.terms if not t.deterministic]
+    if shared > 0:
+        from imu_lib.processes import WhiteNoise
+        terms.append(WhiteNoise(N=shared))
+    if given is None:
+        state = free_base(data, terms)
+    else:
+        state = State(data, terms, low_pass=given.low_pass)
+    n_base = len(state.base)
+    # a spectrum that does not stand still has no stationary name: one round at the most, and no confidence
+    unsteady = min(verdict.stationarity(y if not lines else whitened(data.x - clean.coarse, clean.smooth), fs), key=lambda c: c.log_p, default=None)
+    wild = unsteady is not None and unsteady.log_p < VETO
+    state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
+    rivals = [{} for _ in state.items]
+    if state.items:
+        if len(state.items) > 1:
+            state = rounds.prune(state)
+        state, rivals = rounds.swap(state, passes=1 if wild else 2)
+    # -- what is left ----------------------------------------------------------------------------------------
+    say("what is left")
+    if state.items and any(i.column is not None or i.signal is not None for i in state.items):
+        rest = data.x - _deterministic(state)
+        y = whitened(rest - clean.coarse * 0, Smooth(rest, fs))
+    else:
+        y = whitened(data.x, Smooth(data.x, fs))
+    coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(clean.smooth.conditional_variance)
+    tests = verdict.checks(state, y, coarse_steps=coarse_steps or clean.touched > 0.002)
+    worst = min(tests, key=lambda c: c.log_p)
+    doubts += [f.doubt for f in findings if f.doubt]
+    unexplained = None
+    if worst.log_p < verdict.LIMIT:
+        unexplained = worst.where
+    elif doubts:
+        unexplained = doubts[0]
+    steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals, n_base)
+    if unexplained is not None:
+        steps = [s.capped(DOUBTED) for s in steps]
+    base_sum = given if given is not None else Sum(tuple(state.base[:n_base]))
+    model = _grown(base_sum, state, findings, n_base, shared)
+    absorbed = [] if given is not None else _absorbed(state)
+    return ChannelResult(name, base_sum, model, steps, absorbed, unexplained, tests, mean)
+
+
+def _levelled(x, ratio, time, fs, base):
+    """The fast noise after `time` brought back to its level before; what the base calls slow stays."""
+    n = len(x)
+    k = int(round(time * fs))
+    drifts = [] if base is None else [t for t in base.terms if not t.deterministic and not t.fast]
+    quick = [] if base is None else [t for t in base.terms if not t.deterministic and t.fast]
+    if drifts and quick:
+        size = 2 * n
+        f = np.maximum(np.arange(n + 1), 0.5) * fs / size
+        d, q = sum(t.psd(f, fs) for t in drifts), sum(t.psd(f, fs) for t in quick)
+        gain = d / (d + q)
+    else:
+        size = 2 * n
+        f = np.arange(n + 1) * fs / size
+        gain = 1.0 / (1.0 + (f * 20.0) ** 4)
+    pad = np.concatenate([x, x[::-1]])
+    slow_part = np.fft.irfft(np.fft.rfft(pad) * gain, size)[:n]
+    out = x.copy()
+    out[k:] = slow_part[k:] + (x[k:] - slow_part[k:]) / ratio
+    return out
+
+
+def _deterministic(state):
+    """Drifts with their fitted amplitudes and the signals of telegraphs, shape (n,)."""
+    fit, data = state.fit, state.data
+    t = np.arange(data.n) / data.fs
+    out = np.zeros(data.n)
+    for b, item in zip(fit.beta, state.column_items):
+        out += b * item.process.mean(t, data.temperature)
+    for item in state.items:
+        if item.signal is not None:
+            out += item.signal
+    return out
+
+
+def _grown(base, state, findings, n_base, shared):
+    """The base with what was found: changed parameters, added processes, drifts with their amplitudes, stages."""
+    fit = state.fit
+    terms = [t for t in base.terms]
+    noise = [i for i, t in enumerate(terms) if not t.deterministic]
+    fitted = list(fit.terms)
+    for place, index in enumerate(noise):
+        terms[index] = fitted[place]
+    terms += fitted[n_base:]
+    stages = {s.name: s for s in base.stages}
+    for b, item in zip(fit.beta, state.column_items):
+        amplitude = item.effect.amplitude
+        terms.append(item.process.with_(**{amplitude: float(b)}))
+    for item in state.items:
+        if item.name == "low_pass":
+            stages["low_pass"] = fit.low_pass
+        elif item.signal is not None:
+            terms.append(item.process)
+    for f in findings:
+        if f.process.name == "sinusoid":
+            terms.append(f.process)
+        else:
+            stages[f.process.name] = f.process
+    return Sum(tuple(terms), tuple(stages.values()))
+
+
+def _absorbed(state):
+    """What a free base may have swallowed: its own processes, and their like in the spectrum."""
+    names = []
+    for term in state.base:
+        names.append(term.name)
+    slow_ones = {"flicker", "random_walk", "gauss_markov", "gauss_markov_2"}
+    if slow_ones & set(names):
+        names += [n for n in ("gauss_markov", "random_walk", "flicker") if n not in names]
+    return list(dict.fromkeys(names + ["parameter_change"]))

@@ -1,0 +1,42 @@
+"""A resonance: an autoregressive process of second order."""
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.gap.engine import AMPLITUDE_WIDTH, Slot
+from imu_lib.processes import Autoregressive as Process
+
+from .base import Spectral
+
+
+class Resonance(Slot):
+    """AR(2) through the logarithms of its standard deviation, its damping -ln r and its frequency."""
+
+    def read(self, process):
+        a, b = process.phi
+        r = np.sqrt(max(-b, 1e-12))
+        w = np.arccos(np.clip(a / (2 * r), -1, 1))
+        gain = process.sigma / np.sqrt(1 - r * r)
+        return [np.log(gain), np.log(-np.log(r)), np.log(w)]
+
+    def write(self, process, vector):
+        gain, damping, w = np.exp(vector)
+        r = np.exp(-damping)
+        return process.with_(phi=(2 * r * np.cos(w), -r * r), sigma=float(gain * np.sqrt(1 - r * r)))
+
+
+class Autoregressive(Spectral):
+    name = "autoregressive"
+    cause = "A mechanical resonance of the sensor or its mounting, driven by noise."
+    domain = "psd"
+    process = Process
+    amplitude = "sigma"
+    rarity = 1.0
+
+    def grid(self, fs, duration):
+        return [Process(phi=(2 * r * np.cos(w), -r * r), sigma=np.sqrt(1 - r * r), rate=fs)
+                for r in (0.7, 0.9, 0.97, 0.99) for w in np.linspace(0.08, 0.95, 12) * np.pi]
+
+    def slot(self, index, fs, duration):
+        return Resonance(index, ("sigma", "damping", "frequency"), (-60.0, np.log(5e-4), np.log(0.02)), (30.0, np.log(1.5), np.log(0.98 * np.pi)),
+                         (AMPLITUDE_WIDTH, np.log(1e3), np.log(50.0)))

@@ -1,0 +1,17 @@
+"""Carrier traps and surface states in the electronics."""
+from __future__ import annotations
+
+from imu_lib.processes import Flicker as Process
+
+from .base import Spectral
+
+
+class Flicker(Spectral):
+    name = "flicker"
+    cause = "Carrier traps and surface states in the electronics: noise with equal power in every octave."
+    domain = "allan"
+    process = Process
+    amplitude = "B"
+
+    def grid(self, fs, duration):
+        return [Process(B=1.0)]

@@ -1,0 +1,20 @@
+"""A disturbed bias behind a second lag, so that it moves smoothly."""
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.processes import GaussMarkov2 as Process
+
+from .base import Spectral
+
+
+class GaussMarkov2(Spectral):
+    name = "gauss_markov_2"
+    cause = "A disturbed bias behind a second lag, so that it moves smoothly."
+    domain = "allan"
+    process = Process
+    amplitude = "sigma"
+    rarity = 1.0
+
+    def grid(self, fs, duration):
+        return [Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)]

@@ -1,0 +1,26 @@
+"""A low-pass filter in the sensor."""
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.gap.engine import Slot
+from imu_lib.processes import LowPass as Stage
+
+from .base import Effect
+
+
+class LowPass(Effect):
+    name = "low_pass"
+    cause = "The sensor filters its output, with a moving average or an analogue or digital filter of some order."
+    domain = "psd"
+
+    def candidates(self, fs) -> list:
+        """Filters from whose shapes the best start is chosen."""
+        moving = [Stage(taps=k, rate=fs) for k in (2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 16, 20, 24, 32, 48, 64)]
+        inner = [Stage(taps=k, rate=10 * fs) for k in (4, 6, 8, 10, 12, 15, 18, 22, 27, 33)]
+        cutoffs = np.geomspace(0.01, 0.47, 22) * fs
+        return moving + inner + [Stage(order=k, cutoff=float(c), rate=fs) for k in (1, 2, 3, 4) for c in cutoffs]
+
+    def slot(self, fs) -> Slot:
+        """The cutoff of a filter of given order."""
+        return Slot(-1, ("cutoff",), (np.log(0.003 * fs),), (np.log(0.495 * fs),), (np.log(100.0),))

@@ -1,0 +1,92 @@
+"""A change of the noise level at one instant."""
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import chi2
+
+from imu_lib.processes import NoiseLevelChange as Stage
+
+from .base import Effect, Finding
+
+#: Block lengths over which the noise has to keep its level, s.
+SCALES = (5.0, 20.0, 60.0, 300.0)
+
+
+def energies(y, fs, seconds: float):
+    """Mean square of a white series in blocks, and the degrees of freedom of each."""
+    m = max(1, int(round(seconds * fs)))
+    k = len(y) // m
+    return np.mean((y[:k * m] ** 2).reshape(k, m), axis=1), m
+
+
+def unsteady(y, fs) -> tuple[float, str] | None:
+    """(log10 of the p-value, where) of the worst scale at which the mean square wanders more than chance; None below three blocks.
+
+    Two tests at each scale: dispersion of the block energies, and the largest line in their periodogram.
+    """
+    worst = (0.0, "")
+    kurt = max(np.mean(y**4) / np.mean(y**2) ** 2 - 1.0, 0.5)          # variance of y^2 in units of its mean
+    for seconds in SCALES:
+        e, m = energies(y, fs, seconds)
+        k = len(e)
+        if k < 8:
+            continue
+        z = (e / e.mean() - 1.0) * np.sqrt(m / kurt)
+        log_p = chi2.logsf(np.sum(z**2), k - 1) / np.log(10)
+        line = np.abs(np.fft.rfft(z - z.mean()))[1:] ** 2 / k
+        log_line = (np.log(len(line)) - line.max()) / np.log(10)
+        low = min(log_p, log_line)
+        if low < worst[0]:
+            worst = (low, f"variance of the innovations over {seconds:g} s: it wanders by {100 * np.std(e) / e.mean():.2g} % where chance allows {100 * np.sqrt(kurt / m):.2g} %")
+    return worst if worst[1] else None
+
+
+def change_point(y):
+    """(gain, index, ratio) of the best single change of variance of a white series, to the sample."""
+    n = len(y)
+    c = np.cumsum(y**2)
+    total = c[-1]
+    edge = max(20, n // 400)
+    k = np.arange(edge, n - edge)
+    a, b = c[k - 1] / k, (total - c[k - 1]) / (n - k)
+    gain = 0.5 * (n * np.log(total / n) - k * np.log(a) - (n - k) * np.log(b))
+    i = int(np.argmax(gain))
+    return float(gain[i]), int(k[i]), float(np.sqrt(b[i] / a[i]))
+
+
+class NoiseLevelChange(Effect):
+    name = "noise_level_change"
+    cause = "The gain, the supply or the vibration around the sensor changed at one instant."
+    domain = "stationarity"
+
+    def detect(self, y, fs, held) -> Finding | None:
+        """`y` is the whitened fast noise."""
+        gain, k, ratio = change_point(y)
+        if gain < 13:
+            return None
+        if held is not None and abs(np.log(ratio / held.ratio)) < 0.05 and abs(k / fs - held.time) < 5:
+            return None
+        n = len(y)
+        sd = np.sqrt(0.5 / k + 0.5 / (n - k))
+        slack = self._time_slack(y, k)
+        after = y.copy()
+        after[k:] /= ratio
+        found = Finding(self, Stage(ratio=ratio, time=k / fs), gain,
+                        f"variance of the innovations: {20 * np.log10(ratio):+.2f} dB from {k / fs:.1f} s on",
+                        {"ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)], "time": [(k - slack) / fs, (k + slack) / fs]})
+        left = unsteady(after, fs)
+        if left is not None and left[0] < -5:
+            found.doubt = left[1]
+        return found
+
+    @staticmethod
+    def _time_slack(y, k) -> float:
+        """Half width, in samples, of the range of change points within 2.5 of the best log-likelihood."""
+        n = len(y)
+        c = np.cumsum(y**2)
+        edge = max(20, n // 400)
+        i = np.arange(edge, n - edge)
+        a, b = c[i - 1] / i, (c[-1] - c[i - 1]) / (n - i)
+        gain = -0.5 * (i * np.log(a) + (n - i) * np.log(b))
+        near = i[gain > gain.max() - 2.5]
+        return float(max(abs(near.min() - k), abs(near.max() - k), 1))

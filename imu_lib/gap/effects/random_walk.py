@@ -1,0 +1,17 @@
+"""Slow ageing and unresolved environment."""
+from __future__ import annotations
+
+from imu_lib.processes import RandomWalk as Process
+
+from .base import Spectral
+
+
+class RandomWalk(Spectral):
+    name = "random_walk"
+    cause = "Slow ageing and unresolved environment: the bias diffuses without a restoring force."
+    domain = "allan"
+    process = Process
+    amplitude = "K"
+
+    def grid(self, fs, duration):
+        return [Process(K=1.0)]

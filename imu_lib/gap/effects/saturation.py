@@ -1,0 +1,59 @@
+"""Clipping at the ends of the range."""
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.processes import Saturation as Stage
+
+from .base import Effect, Finding
+
+
+def _piled(x, step, side) -> float:
+    """How far the outermost value is overfull, as a log-likelihood gain; 0 where it is not."""
+    y = side * x
+    top = y.max()
+    if step is None:
+        at = np.flatnonzero(y == top)
+        visits = 1 + np.count_nonzero(np.diff(at) > 1)
+        return 12.0 * (visits - 1) if visits >= 3 else 0.0
+    k = np.rint((top - y) / step).astype(np.int64)
+    h = np.bincount(k[k < 4], minlength=4).astype(float)
+    if h[0] < 8:
+        return 0.0
+    # the logarithm of a rounded normal's occupation is concave: the last level is below the line of the two before it
+    want = (h[1] + 0.5) ** 2 / (h[2] + 0.5)
+    want = min(want + 2 * want * np.sqrt(4 / (h[1] + 0.5) + 1 / (h[2] + 0.5)), h[1] + 3 * np.sqrt(h[1] + 1)) + 0.5
+    return float(h[0] * np.log(h[0] / want) - (h[0] - want)) if h[0] > want else 0.0
+
+
+class Saturation(Effect):
+    name = "saturation"
+    cause = "The signal leaves the range of an amplifier or converter and is clipped."
+    domain = "distribution"
+
+    def detect(self, x, step: float | None, held) -> Finding | None:
+        """`step` of the grid if the output is rounded, `held` the base model's stage."""
+        high, low = _piled(x, step, 1.0), _piled(x, step, -1.0)
+        tolerance = (step or 0.0) + 1e-6 * np.ptp(x)
+        if held is not None:
+            old_low = -held.limit if held.low is None else held.low
+            high = 0.0 if abs(x.max() - held.limit) <= tolerance else high
+            low = 0.0 if abs(x.min() - old_low) <= tolerance else low
+        if max(high, low) < 12:
+            return None
+        top, bottom = float(x.max()), float(x.min())
+        half = 0.5 * (step or 0.0)
+        if high >= 12 and low >= 12 and abs(top + bottom) > tolerance:
+            stage = Stage(limit=top, low=bottom)
+        elif high >= 12:
+            stage = Stage(limit=top) if bottom > -top - half or low >= 12 else Stage(limit=top, low=bottom - abs(top - bottom))
+        else:
+            stage = Stage(limit=-bottom) if -bottom >= top else Stage(limit=top + abs(top - bottom), low=bottom)
+        above = x >= top - 1e-9 * abs(top) if high >= 12 else np.zeros(len(x), bool)
+        below = x <= bottom + 1e-9 * abs(bottom) if low >= 12 else np.zeros(len(x), bool)
+        share = (above.sum() + below.sum()) / len(x)
+        ends = " and ".join(f"{v:.5g}" for v, on in ((top, high >= 12), (bottom, low >= 12)) if on)
+        found = Finding(self, stage, max(high, low), f"distribution of the samples: {100 * share:.3g} % of them sit exactly at the end of the range, {ends}",
+                        {"limit": sorted([stage.limit - half, stage.limit + half])})
+        found.mask = np.where(above, 1, np.where(below, -1, 0)).astype(np.int8)
+        return found

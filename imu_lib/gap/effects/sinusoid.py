@@ -1,0 +1,138 @@
+"""Spectral lines."""
+from __future__ import annotations
+
+import numpy as np
+from scipy.fft import rfft
+from scipy.ndimage import median_filter
+
+from imu_lib.gap import fast
+from imu_lib.processes import Sinusoid as Process
+
+from .base import Effect, Finding
+
+#: First ordinate that is searched: slower oscillations are drifts.
+FIRST = 32
+#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in three of a thousand channels of an hour at 100 Hz.
+THRESHOLD = 20.0
+
+
+def local_level(power, layout) -> np.ndarray:
+    """A level around every ordinate that lines do not lift: running medians, wider the higher the frequency."""
+    n = len(power)
+    out = np.empty(n)
+    edges = [0, 64, 512, 4096, max(n, 4097)]
+    for a, b in zip(edges[:-1], edges[1:]):
+        if a >= n:
+            break
+        b = min(b, n)
+        width = {0: 15, 64: 41, 512: 151}.get(a, 601)
+        lo, hi = max(0, a - width), min(n, b + width)
+        out[a:b] = median_filter(power[lo:hi], width, mode="reflect")[a - lo:b - lo] / np.log(2)
+    return out
+
+
+class Sinusoid(Effect):
+    name = "sinusoid"
+    cause = "Vibration, mains hum, a clock or a switching supply that couples in."
+    domain = "lines"
+
+    def strongest(self, data, level):
+        """Frequencies (Hz) and power over level of the strongest lines, on a grid twice as fine as the ordinates."""
+        n, size = data.n, 2 * fast.padded(data.n)
+        z = rfft(fast.taper(n) * (data.x - fast._bridge(data.x)), size)
+        ratio = np.abs(z) ** 2 * (2.0 / n / data.fs) / np.repeat(level, 2)[:len(z)]
+        ratio[:2 * FIRST] = 0.0
+        ratio[-16:] = 0.0
+        i = int(np.argmax(ratio))
+        return i * data.fs / size, float(ratio[i])
+
+    def refine(self, data, f: float):
+        """Least-squares sinusoid near `f` Hz: amplitude, frequency, phase and the fitted signal."""
+        fs, n = data.fs, data.n
+        x = data.x - fast._bridge(data.x)
+        w = fast.taper(n)
+        t = np.arange(n)
+        size = fast.padded(n)
+        width = 0.4 * fs / size
+        # demodulate into ~256 pieces around the trial frequency, then work on those
+        pieces = min(n, 512)
+        m = n // pieces
+        base = (x * w * np.exp(-2j * np.pi * f / fs * t))[:pieces * m].reshape(pieces, m).sum(axis=1)
+        middle = (np.arange(pieces) + 0.5) * m / fs
+        offsets = np.linspace(-width, width, 61)
+        for _ in range(3):
+            power = np.abs(np.exp(-2j * np.pi * np.outer(offsets, middle)) @ base) ** 2
+            j = int(np.argmax(power))
+            step = offsets[1] - offsets[0]
+            offsets = np.linspace(offsets[j] - step, offsets[j] + step, 61)
+        f = f + offsets[30]
+        e = 2 * np.pi * f / fs * t
+        a = np.column_stack([np.sin(e), np.cos(e)]) * w[:, None]
+        coef, *_ = np.linalg.lstsq(a.T @ a, a.T @ (x * w), rcond=None)
+        amplitude = float(np.hypot(*coef))
+        phase = float(np.arctan2(coef[1], coef[0]))
+        return Process(amplitude=amplitude, frequency=float(f), phase=phase), amplitude * np.sin(e + phase)
+
+    def doubt(self, data, process, level) -> str | None:
+        """Why the line is not one steady sinusoid, or None: power left beside it, or an amplitude that changes."""
+        size = fast.padded(data.n)
+        i = int(round(process.frequency * size / data.fs))
+        z2 = np.abs(data.z) ** 2 / data.fs
+        reach = 40
+        lo, hi = max(1, i - reach), min(len(z2), i + reach + 1)
+        ratio = z2[lo:hi] / level[lo:hi]
+        near = np.abs(np.arange(lo, hi) - i) <= 6
+        if ratio.max() > 16 or ratio[near].sum() > near.sum() + 6 * np.sqrt(near.sum()):
+            return f"power spectral density beside {process.frequency:.5g} Hz: what is left is no steady sinusoid"
+        return None
+
+    def find(self, data, *, most: int = 6, threshold: float = THRESHOLD):
+        """All lines, strongest first: list of (Finding, signal) and the data without them."""
+        found = []
+        level = local_level(np.abs(data.z) ** 2 / data.fs, data.layout)
+        for _ in range(most):
+            f, ratio = self.strongest(data, level)
+            if ratio < 0.6 * threshold:
+                break
+            process, signal = self.refine(data, f)
+            size = fast.padded(data.n)
+            i = min(int(round(f * size / data.fs)), len(level) - 1)
+            clean = data.minus(signal)
+            density = level[i]
+            gain = process.amplitude**2 * data.n / (2 * data.fs * density)
+            if gain < threshold:
+                break
+            decibel = 10 * np.log10(ratio)
+            sd_a = np.sqrt(density * data.fs / data.n)
+            snr = process.amplitude / sd_a
+            sd_f = np.sqrt(6) / (np.pi * data.duration * snr)
+            item = Finding(self, process, float(gain), f"power spectral density at {process.frequency:.6g} Hz, {decibel:.0f} dB above the simulated level",
+                           {"amplitude": [process.amplitude - 1.96 * sd_a, process.amplitude + 1.96 * sd_a],
+                            "frequency": [process.frequency - 1.96 * sd_f, process.frequency + 1.96 * sd_f],
+                            "phase": [process.phase - 3.92 / snr, process.phase + 3.92 / snr]})
+            item.doubt = self.doubt(clean, process, level)
+            near = any(abs(other.process.frequency - process.frequency) < 20 * data.fs / size for other, _ in found)
+            if near:
+                for other, _ in found:
+                    if abs(other.process.frequency - process.frequency) < 20 * data.fs / size:
+                        other.doubt = other.doubt or f"power spectral density around {process.frequency:.5g} Hz: several lines beside one another"
+                data = clean
+                continue
+            found.append((item, signal))
+            data = clean
+        _harmonics(found)
+        return found, data
+
+
+def _harmonics(found):
+    """Lines at whole multiples of one frequency are one periodic signal that is not a sinusoid."""
+    for item, _ in found:
+        for other, _ in found:
+            if other is item:
+                continue
+            ratio = other.process.frequency / item.process.frequency
+            whole = round(ratio)
+            if 2 <= whole <= 12 and abs(ratio - whole) * item.process.frequency < 3e-3:
+                text = f"power spectral density at {item.process.frequency:.5g} Hz and {whole} times that: a periodic signal that is no sinusoid"
+                item.doubt = item.doubt or text
+                other.doubt = other.doubt or text

@@ -1,0 +1,98 @@
+"""Single samples thrown off."""
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import ndtr
+from scipy.stats import kstest
+
+from imu_lib.processes import Spikes as Stage
+
+from .base import Effect, Finding
+
+#: From here on a surprise is looked at as a spike of its own, standard deviations.
+OUTLIER = 5.0
+
+
+def mixture(y):
+    """(gain, probability, scale, curvature) of the best mixture of N(0, 1) and N(0, 1 + scale^2) for the surprises `y`."""
+    s = 1.4826 * np.median(np.abs(y[::7]))
+    y2 = np.sort((y / s) ** 2)
+    n = len(y2)
+    cut = max(n - n // 20, 0)
+    far, near = y2[cut:], y2[:cut:max(1, cut // 4000)]
+    weight = cut / max(len(near), 1)
+
+    def loss(v):
+        p, a = 1 / (1 + np.exp(-v[0])), np.exp(2 * v[1])
+        def ll(z):
+            return np.logaddexp(np.log1p(-p), np.log(p) - 0.5 * np.log1p(a) + 0.5 * z * a / (1 + a))
+        return -(ll(far).sum() + weight * ll(near).sum())
+    best = None
+    outliers = far[far > OUTLIER**2]
+    k = max(len(outliers), 1)
+    scale = np.sqrt(np.mean(outliers)) if len(outliers) else 5.0
+    for p0, s0 in ((k / n * 1.5, scale), (0.02, 2.0)):
+        r = minimize(loss, [np.log(p0 / (1 - p0)), np.log(max(s0, 1.0))], method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-2, "maxiter": 200})
+        if best is None or r.fun < best.fun:
+            best = r
+    return -best.fun, 1 / (1 + np.exp(-best.x[0])), float(np.exp(best.x[1])), s
+
+
+class Spikes(Effect):
+    name = "spikes"
+    cause = "Transmission errors, electrostatic discharges or shocks throw single samples off."
+    domain = "distribution"
+
+    def detect(self, y, smooth, held) -> Finding | None:
+        """`y` are the surprises of the samples, in standard deviations."""
+        if np.abs(y).max() < OUTLIER:
+            return None
+        gain, p, scale, s = mixture(y)
+        hit = np.flatnonzero(np.abs(y) > OUTLIER * s)
+        if gain < 14 or len(hit) < 2:
+            return None
+        sd = s * np.sqrt(smooth.conditional_variance)
+        rate, height = p * smooth.fs, scale * sd
+        if held is not None and abs(rate / held.rate - 1) < 0.3 and abs(height / held.scale - 1) < 0.3:
+            return None
+        count = max(p * len(y), 1.0)
+        a, b = 1.96 / np.sqrt(count), 1.96 / np.sqrt(2 * count)
+        found = Finding(self, Stage(rate=rate, scale=height), gain,
+                        f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard deviations, the furthest at {np.abs(y).max() / s:.3g}",
+                        {"rate": [rate * np.exp(-a), rate * np.exp(a)], "scale": [height * np.exp(-b), height * np.exp(b)]})
+        # a sample is a spike where the mixture says so with more than even odds
+        z2 = (y / s) ** 2
+        odds = np.log(p / (1 - p)) - 0.5 * np.log1p(scale**2) + 0.5 * z2 * scale**2 / (1 + scale**2)
+        found.mask = odds > 0
+        found.doubt = self.doubt(y / s, p, scale, smooth.fs)
+        return found
+
+    @staticmethod
+    def doubt(y, p, scale, fs) -> str | None:
+        """Why these outliers are no spikes of normal height at random times, or None."""
+        hit = np.flatnonzero(np.abs(y) > OUTLIER)
+        k = len(hit)
+        if k < 12:
+            return None
+        wide = np.sqrt(1 + scale**2)
+        # heights beyond the threshold against the two normals of the mixture
+        def tail(a):
+            return (1 - p) * 2 * ndtr(-a) + p * 2 * ndtr(-a / wide)
+        if kstest(1 - tail(np.abs(y[hit])) / tail(OUTLIER), "uniform").pvalue < 1e-4:
+            return "distribution of the innovations: the heights of the outliers are not normal"
+        positive = np.count_nonzero(y[hit] > 0)
+        if abs(positive - k / 2) > 4 * np.sqrt(k / 4):
+            return "distribution of the innovations: the outliers have mostly one sign"
+        # the odds within the bulk: heavy tails fill the shoulder between 3 and 5 standard deviations
+        want = len(y) * (tail(3.2) - tail(OUTLIER))
+        got = np.count_nonzero((np.abs(y) > 3.2) & (np.abs(y) <= OUTLIER))
+        if abs(got - want) > 5 * np.sqrt(want) + 0.08 * want:
+            return "distribution of the innovations: the shoulders are not those of spikes on normal noise"
+        if kstest(hit / len(y), "uniform").pvalue < 1e-4:
+            return "distribution of the innovations: the outliers crowd at certain times"
+        step = np.diff(hit)
+        q = -np.expm1(-(step - 0.5) * k / len(y))
+        if kstest(q, "uniform").pvalue < 1e-4 and len(step) > 20:
+            return "distribution of the innovations: the outliers come in groups or in a rhythm"
+        return None

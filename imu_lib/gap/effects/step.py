@@ -1,0 +1,49 @@
+"""A jump of the bias."""
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.processes import Step as Process
+
+from .base import Drift
+
+
+class Step(Drift):
+    name = "step"
+    cause = "Stress that is released, a connector, a change of range: the bias jumps once and stays."
+    shape = "time"
+    sharp = True
+
+    def candidates(self, data):
+        return [Process(amplitude=1.0, time=float(t)) for t in (np.arange(1, data.k + 1) * data.m / data.fs)[1:-1]]
+
+    def columns(self, processes, data):
+        edge = np.array([p.time for p in processes]) * data.fs / data.m
+        return np.clip(np.arange(1, data.k + 2)[:, None] - edge[None, :], 0.0, 1.0)
+
+    def penalty(self, data, snr):
+        # the edge is found to about a (8 / snr^2)th of the record
+        return float(np.log(min(1.0, 16.0 / max(snr, 1.0) ** 2)) - np.log(2.0))
+
+
+def sharpen(x, fs, time: float, block: float, amplitude: float, density: float):
+    """(time, low, high) of an edge near `time`, found to the sample by least squares of two levels in a local window.
+
+    `density` is N^2 of the white noise around it. The edge stays where it is if the jump does not stand out locally.
+    """
+    reach = int(round(2 * block * fs))
+    i = int(round(time * fs))
+    half = int(min(max(16 * density / max(amplitude**2, 1e-300), block) * fs, 8 * block * fs))
+    lo, hi = max(0, i - reach - half), min(len(x), i + reach + half)
+    if amplitude**2 * min(half, reach) / fs / density < 12 or hi - lo < 20:
+        return None
+    y = x[lo:hi] - x[lo:hi].mean()
+    c = np.cumsum(y)
+    k = np.arange(1, len(y))
+    n = len(y)
+    gain = 0.5 * c[:-1] ** 2 * n / (k * (n - k)) / (density * fs)
+    inside = (k + lo >= i - reach) & (k + lo <= i + reach)
+    gain = np.where(inside, gain, -np.inf)
+    j = int(np.argmax(gain))
+    near = k[gain > gain[j] - 3.0] + lo
+    return float((k[j] + lo) / fs), float((near.min() - 1) / fs), float((near.max() + 1) / fs)

@@ -1,0 +1,53 @@
+"""Samples that repeat a frozen value."""
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.processes import Stuck as Stage
+
+from .base import Effect, Finding
+
+
+def runs(x) -> tuple[np.ndarray, np.ndarray]:
+    """Start and number of repeats of every run of equal neighbours."""
+    same = np.diff(x) == 0
+    edge = np.diff(np.concatenate([[False], same, [False]]).astype(np.int8))
+    start, stop = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
+    return start, stop - start
+
+
+class Stuck(Effect):
+    name = "stuck"
+    cause = "The read-out returns an old value again: a bus that is too slow, a register that is not refreshed."
+    domain = "distribution"
+
+    def detect(self, x, clipped, twin, held) -> Finding | None:
+        """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the noise (None where the
+        output is continuous, so that no two neighbours agree by chance)."""
+        start, length = runs(x)
+        keep = ~clipped[start]
+        start, length = start[keep], length[keep]
+        least = 1
+        if twin is not None:
+            chance = runs(twin)[1]
+            if len(chance):
+                # chance runs are geometric: the length that not one in a hundred such records would reach
+                p = min(max(1 - 1 / (1 + chance.mean()), 1e-6), 0.999)
+                least = max(int(chance.max()) + 2, int(np.ceil(np.log(0.01 / max(len(chance), 1)) / np.log(p))) + 1)
+        hit = length >= least
+        start, length = start[hit], length[hit]
+        repeats = int(length.sum())
+        if repeats < 2 or len(start) < 1:
+            return None
+        if held is not None and abs(repeats / len(x) / held.fraction - 1) < 0.5:
+            return None
+        typical = int(np.median(length))
+        mask = np.zeros(len(x), bool)
+        for s, k in zip(start, length):
+            mask[s + 1:s + 1 + k] = True
+        fraction = repeats / len(x)
+        spread = 1.96 / np.sqrt(len(start))
+        return Finding(self, Stage(fraction=fraction, length=typical), 10.0 * repeats,
+                       f"distribution of the samples: {len(start)} runs of equal values, the longest {int(length.max()) + 1} samples",
+                       {"fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],
+                        "length": [float(np.quantile(length, 0.025)), float(np.quantile(length, 0.975))]}, mask=mask)

@@ -1,0 +1,17 @@
+"""White noise, where the base model has none."""
+from __future__ import annotations
+
+from imu_lib.processes import WhiteNoise as Process
+
+from .base import Spectral
+
+
+class WhiteNoise(Spectral):
+    name = "white_noise"
+    cause = "Thermal and electronic noise of the sensing element."
+    domain = "psd"
+    process = Process
+    amplitude = "N"
+
+    def grid(self, fs, duration):
+        return [Process(N=1.0)]

@@ -1,0 +1,187 @@
+"""What the electronics did to a channel, found first and undone: rounding, clipping, frozen samples, spikes, missing samples.
+
+Everything else assumes a Gaussian signal, so that these come first; the samples they touch are drawn
+anew given the others under the spectrum of the record itself, not of the base model, which may be wrong.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.gap import engine, fast
+from imu_lib.gap.effects.resolution import Resolution, grid_of
+from imu_lib.gap.effects.saturation import Saturation
+from imu_lib.gap.effects.sinusoid import Sinusoid
+from imu_lib.gap.effects.spikes import Spikes
+from imu_lib.gap.effects.step import sharpen
+from imu_lib.gap.effects.stuck import Stuck
+from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises, trend
+
+
+@dataclass
+class Clean:
+    """A channel with the electronics undone.
+
+    `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside meanwhile, `findings` what was
+    found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x - coarse`, `step` the grid.
+    """
+
+    x: np.ndarray
+    coarse: np.ndarray
+    findings: list
+    white: float
+    smooth: Smooth
+    step: float | None
+    touched: float
+    extra: np.ndarray | None = None
+
+
+def gross_jumps(x, fs) -> np.ndarray:
+    """The jumps that stand out of a channel by eye, as a signal to set aside, shape (n,)."""
+    q = max(1, int(round(0.5 * fs)))
+    k = len(x) // q
+    out = np.zeros(len(x))
+    if k < 60:
+        return out
+    y = x[:k * q].reshape(k, q).mean(axis=1)
+    c = np.concatenate([[0.0], np.cumsum(y)])
+    w = 6
+    i = np.arange(w, k - w + 1)
+    jump = (c[i + w] - 2 * c[i] + c[i - w]) / w
+    sd = 1.4826 * np.median(np.abs(jump - np.median(jump)))
+    fast_sd = np.median(np.abs(np.diff(x[::3]))) / 0.954
+    strong = np.abs(jump)
+    for _ in range(400):
+        j = int(np.argmax(strong))
+        if strong[j] < 9 * sd or strong[j] < 0.3 * fast_sd:
+            break
+        density = fast_sd**2 / fs
+        edge = sharpen(x, fs, i[j] * q / fs, 1.0, jump[j], density)
+        at = int(round((edge[0] if edge else i[j] * q / fs) * fs))
+        a = x[max(0, at - w * q):at].mean() if at > 0 else x[0]
+        b = x[at:at + w * q].mean()
+        out[at:] += b - a
+        strong[max(0, j - w):j + w + 1] = 0.0
+    return out
+
+
+def undo(raw, fs: float, base, rng) -> Clean:
+    """Find and undo what the electronics did to `raw` (NaN where a sample is missing); `base` is the channel's model (`Sum`)."""
+    missing = np.isnan(raw)
+    held = {s.name: s for s in base.stages} if base is not None else {}
+    good = raw[~missing]
+    findings = []
+    fast_sd = float(np.median(np.abs(np.diff(good))) / 0.954)
+    grid = grid_of(good)
+    step = grid[0] if grid else None
+    if step is not None and fast_sd < step:
+        fast_sd = float(np.std(np.diff(good)) / np.sqrt(2))
+    rounded = Resolution().detect(good, max(fast_sd, 1e-300), held["resolution"].lsb if "resolution" in held else None)
+    if step is not None and rounded is None and "resolution" not in held:
+        step = None                                       # a number format, too fine to matter
+    if rounded is not None:
+        findings.append(rounded)
+    clipped = Saturation().detect(good, step, held.get("saturation"))
+    side = np.zeros(len(raw), np.int8)
+    if clipped is not None:
+        findings.append(clipped)
+        side[~missing] = clipped.mask
+    elif "saturation" in held:
+        limit, low = held["saturation"].limit, held["saturation"].low
+        low = -limit if low is None else low
+        half = 0.5 * (step or 0.0) + 1e-9 * abs(limit)
+        side[~missing] = np.where(good >= limit - half, 1, np.where(good <= low + half, -1, 0))
+    x = first_fill(raw, missing)
+    coarse = gross_jumps(x, fs)
+    lines, _ = Sinusoid().find(engine.Data(x - coarse, fs))
+    for _, signal in lines:
+        coarse = coarse + signal
+    smooth = Smooth(x - coarse, fs)
+    stuck = Stuck().detect(x, side != 0, None if step is None else _twin(x, smooth, step, rng), held.get("stuck"))
+    bad = missing.copy()
+    if stuck is not None:
+        findings.append(stuck)
+        bad |= stuck.mask
+    above = (side > 0, raw[side > 0].min() if (side > 0).any() else 0.0)
+    below = (side < 0, raw[side < 0].max() if (side < 0).any() else 0.0)
+    hidden = bad | (side != 0)
+    rest = x - coarse
+    spikes, spiked = None, np.zeros(len(x), bool)
+    for _ in range(3):
+        if (hidden | spiked).any():
+            clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng)
+            smooth = Smooth(clean, fs)
+        else:
+            clean = rest
+        probe = np.where(hidden, clean, rest)             # spikes are looked for in what was measured
+        y = surprises(probe, smooth)
+        if step is not None and step > 1.5 * np.sqrt(smooth.conditional_variance):
+            y = y * np.sqrt(smooth.conditional_variance) / (step / 1.5)
+        y[hidden] = 0.0
+        y[:64] = y[-64:] = 0.0                          # a filter that starts up is no spike
+        new = Spikes().detect(y[~hidden], smooth, held.get("spikes"))
+        if new is None and "spikes" not in held:
+            spikes = None
+            break
+        before = spiked.sum()
+        spiked = np.zeros(len(x), bool)
+        if new is not None:
+            spiked[np.flatnonzero(~hidden)[new.mask]] = True
+            spikes = new
+        else:
+            spiked[np.abs(y) > 5] = True
+        if abs(int(spiked.sum()) - int(before)) <= 0.01 * before:
+            break
+    if spikes is not None:
+        findings.append(spikes)
+    if (hidden | spiked).any():
+        clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng)
+        smooth = Smooth(clean, fs)
+    white, extra = 0.0 if step is None else step**2 / 12.0, None
+    if step is not None and step > 0.9 * np.sqrt(smooth.sample_variance):
+        extra = _coarse_rounding(clean + coarse, smooth, step, rng)
+        k = smooth.layout.slow
+        white = float(np.mean(extra[k:k + 12]) * fs / 2)
+    return Clean(clean + coarse, coarse, findings, white, smooth, step, float((hidden | spiked).mean()), extra)
+
+
+def _coarse_rounding(x, smooth, step, rng, *, draws: int = 3) -> np.ndarray:
+    """What rounding to a step as wide as the noise does to the spectrum in the bins, by simulation: it is neither white nor
+    independent of the signal then."""
+    base, k, fs = trend(x, smooth.m), smooth.layout.slow, smooth.fs
+    size = len(x) + len(x) % 2
+    extra = np.full(len(smooth.layout.f), step**2 / 6.0 / fs)
+    for _ in range(3):
+        level = np.maximum(smooth.level - extra, 0.02 * smooth.level)
+        f = np.arange(size // 2 + 1) * fs / size
+        density = np.exp(np.interp(np.log(np.maximum(f, smooth.layout.f[0])), np.log(smooth.layout.f), np.log(level)))
+        new = np.zeros_like(extra)
+        for _ in range(draws):
+            noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(density * fs / 2), size)[:len(x)]
+            smooth_part = base + noise
+            out = np.rint(smooth_part / step) * step
+            new += fast.average(np.abs(fast.transform(out)) ** 2 - np.abs(fast.transform(smooth_part)) ** 2, smooth.layout) / fs / draws
+        # rounding changes a spectrum smoothly: average over neighbours, leave the slow end to its own level
+        kernel = np.ones(15) / 15
+        new = np.convolve(np.pad(new, 7, mode="edge"), kernel, "valid")
+        new[:k] = np.mean(new[k:k + 12])
+        extra = new
+    return extra
+
+
+def _fill(rest, bad, above, below, coarse, smooth, rng):
+    if not (above[0].any() or below[0].any()):
+        return impute(rest, bad, smooth, rng)
+    # the limits hold for the whole signal: for the rest of it they move with what was set aside
+    whole = impute(rest, bad | above[0] | below[0], smooth, rng)
+    out = impute(rest, bad, smooth, rng, above=(above[0], above[1] - float(np.median(coarse[above[0]]))) if above[0].any() else None,
+                 below=(below[0], below[1] - float(np.median(coarse[below[0]]))) if below[0].any() else None)
+    return np.where(bad & ~above[0] & ~below[0], whole, out)
+
+
+def _twin(x, smooth, step, rng):
+    """A rounded simulation of the channel: its own trend with noise of its own spectrum."""
+    size = len(x) + len(x) % 2
+    noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(smooth.on(size) * smooth.fs / 2), size)[:len(x)]
+    return np.rint((trend(x, smooth.m) + noise) / step)

@@ -1,0 +1,243 @@
+"""One likelihood for slow and fast together, its maximum, and the evidence of what was fitted.
+
+log L = exact Gaussian of the differenced block means + gamma likelihood of the binned spectrum
+above their Nyquist frequency. Drifts are columns of a regression in the slow part, their
+amplitudes profiled out by generalised least squares.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from imu_lib.gap import fast, slow
+
+#: Widths of the log-uniform priors: three decades of amplitude, four of time.
+AMPLITUDE_WIDTH, TIME_WIDTH = np.log(1e3), np.log(1e4)
+
+
+class Data:
+    """A clean, evenly sampled channel and what the likelihood needs of it.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    fs : float, Hz
+    white : float
+        Variance that the electronics add to every sample (rounding), unit^2.
+    extra : ndarray, optional
+        One-sided density that the electronics add in the bins of the spectrum, where it is not 2 white / fs.
+    """
+
+    def __init__(self, x, fs: float, *, white: float = 0.0, temperature=None, extra=None):
+        self.x, self.fs, self.white = x, float(fs), white
+        self.n = len(x)
+        self.m = slow.block_length(self.n, fs)
+        self.layout = fast.bins(self.n, self.fs, self.m)
+        self.means = slow.block_means(x, self.m)
+        self.d = np.diff(self.means)
+        self.k = len(self.d)
+        self.block_time = (np.arange(self.k + 1) + 0.5) * self.m / fs
+        self.duration = self.n / fs
+        self.temperature = temperature
+        self.block_temperature = None if temperature is None else slow.block_means(temperature, self.m)
+        self.extra = np.full(len(self.layout.f), 2.0 * white / fs) if extra is None else extra
+        self._z = None
+        self._p = None
+
+    @property
+    def z(self):
+        """Transform of the tapered record."""
+        if self._z is None:
+            self._z = fast.transform(self.x)
+        return self._z
+
+    @property
+    def power(self):
+        """Binned periodogram, one-sided, unit^2/Hz."""
+        if self._p is None:
+            self._p = fast.average(np.abs(self.z) ** 2, self.layout) / self.fs
+        return self._p
+
+    def minus(self, signal) -> Data:
+        """The channel without a deterministic signal."""
+        return Data(self.x - signal, self.fs, white=self.white, temperature=self.temperature, extra=self.extra)
+
+    def column(self, values_at_blocks) -> np.ndarray:
+        """A drift given at the block means as a column of the regression."""
+        return np.diff(values_at_blocks)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A maximum of the likelihood.
+
+    `terms` are all noise terms, `vector` and `cov` the free parameters (log scale) with their covariance, `beta` and
+    `beta_cov` the amplitudes of the regression columns, `evidence` the log marginal likelihood by Laplace's method.
+    """
+
+    ll: float
+    terms: tuple
+    low_pass: object
+    vector: np.ndarray
+    cov: np.ndarray
+    beta: np.ndarray
+    beta_cov: np.ndarray
+    evidence: float
+    slots: tuple = field(default=())
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A process some of whose parameters are free: `index` in the terms (-1: the low-pass filter), names, prior widths, bounds."""
+
+    index: int
+    names: tuple
+    low: tuple
+    high: tuple
+    widths: tuple
+
+    def read(self, process):
+        return [np.log(getattr(process, name)) for name in self.names]
+
+    def write(self, process, vector):
+        return process.with_(**{name: float(np.exp(v)) for name, v in zip(self.names, vector)})
+
+
+class Likelihood:
+    """The likelihood of a `Data` as a function of the free slots of a list of terms."""
+
+    def __init__(self, data: Data, terms, slots=(), *, low_pass=None, columns=None, power=None):
+        self.data, self.terms, self.slots, self.low_pass = data, list(terms), tuple(slots), low_pass
+        self.columns = None if columns is None or columns.shape[1] == 0 else columns
+        self.power_full = data.power if power is None else power
+        self.power = self.power_full[data.layout.slow:]
+        self.nu = data.layout.nu[data.layout.slow:]
+        self.free_index = {s.index for s in self.slots}
+        held = [t for i, t in enumerate(self.terms) if i not in self.free_index]
+        self.held_c = sum((slow.covariance(t, data.k, data.m, data.fs) for t in held), np.zeros(data.k))
+        self.held_c = self.held_c + self._white_c()
+        self.filter_free = -1 in self.free_index
+        self.held_s = None if self.low_pass is not None else (fast.spectrum(held, None, data.layout, data.fs) + data.extra)[data.layout.slow:]
+
+    def _white_c(self):
+        c = np.zeros(self.data.k)
+        v = self.data.white / self.data.m
+        c[0] = 2 * v
+        if len(c) > 1:
+            c[1] = -v
+        return c
+
+    def start(self):
+        return np.concatenate([[*s.read(self.low_pass if s.index == -1 else self.terms[s.index])] for s in self.slots]) if self.slots else np.zeros(0)
+
+    def unpack(self, vector):
+        """(terms, low_pass) at a vector of the free parameters."""
+        terms, low_pass, at = list(self.terms), self.low_pass, 0
+        for s in self.slots:
+            part = vector[at:at + len(s.names)]
+            at += len(s.names)
+            if s.index == -1:
+                low_pass = s.write(low_pass, part)
+            else:
+                terms[s.index] = s.write(terms[s.index], part)
+        return terms, low_pass
+
+    def shapes(self, vector):
+        """Spectrum in the fast bins and covariance of the block differences."""
+        data = self.data
+        terms, low_pass = self.unpack(vector)
+        free = [terms[i] for i in sorted(self.free_index) if i >= 0]
+        c = self.held_c.copy()
+        for t in free:
+            c += slow.covariance(t, data.k, data.m, data.fs)
+        if self.low_pass is not None:
+            s = (fast.spectrum(terms, low_pass, data.layout, data.fs) + data.extra)[data.layout.slow:]
+        else:
+            s = self.held_s + fast.spectrum(free, None, data.layout, data.fs)[data.layout.slow:] if free else self.held_s
+        return s, c
+
+    def value(self, vector, shapes=None):
+        """log L up to a constant of the data, with the regression profiled out: (ll, beta, beta_cov)."""
+        s, c = self.shapes(vector) if shapes is None else shapes
+        ll = -0.5 * float(np.sum(self.nu * (np.log(s) + self.power / s)))
+        y = self.data.d[:, None] if self.columns is None else np.column_stack([self.data.d, self.columns])
+        logdet, e = slow.whiten(c, y)
+        if not np.isfinite(logdet):
+            return -np.inf, np.zeros(0), np.zeros((0, 0))
+        r = e[:, 0]
+        if self.columns is None:
+            return ll - 0.5 * (logdet + r @ r), np.zeros(0), np.zeros((0, 0))
+        a = e[:, 1:]
+        cov = np.linalg.pinv(a.T @ a)
+        beta = cov @ (a.T @ r)
+        r = r - a @ beta
+        return ll - 0.5 * (logdet + r @ r), beta, cov
+
+    def _bounds(self):
+        return (np.concatenate([np.asarray(s.low, float) for s in self.slots]), np.concatenate([np.asarray(s.high, float) for s in self.slots]))
+
+    def maximise(self, start=None, *, iterations: int = 14, tolerance: float = 0.02) -> Fit:
+        """Fisher scoring with a damped step, from `start` or the slots' own values."""
+        x = self.start() if start is None else np.array(start, float)
+        k = len(x)
+        shapes = self.shapes(x)
+        best, beta, beta_cov = self.value(x, shapes)
+        information = np.zeros((k, k))
+        if k:
+            low, high = self._bounds()
+            x = np.clip(x, low, high)
+            shapes = self.shapes(x)
+            best, beta, beta_cov = self.value(x, shapes)
+            damping = 1e-3
+            for _ in range(iterations):
+                gradient, information = self._derivatives(x, shapes)
+                moved = False
+                for _ in range(6):
+                    step = np.linalg.solve(information + damping * np.diag(np.diag(information) + 1e-6), gradient)
+                    trial = np.clip(x + np.clip(step, -1.0, 1.0), low, high)
+                    new_shapes = self.shapes(trial)
+                    value, b, bc = self.value(trial, new_shapes)
+                    if value > best:
+                        gain, x, best, beta, beta_cov, shapes = value - best, trial, value, b, bc, new_shapes
+                        damping, moved = max(damping / 10, 1e-6), True
+                        break
+                    damping = max(10 * damping, 1e-2)
+                if not moved or gain < tolerance:
+                    break
+            _, information = self._derivatives(x, shapes, gradient=False)
+        cov = np.linalg.pinv(information) if k else np.zeros((0, 0))
+        terms, low_pass = self.unpack(x)
+        return Fit(best, tuple(terms), low_pass, x, cov, beta, beta_cov, best + self._occam(information, beta, beta_cov), self.slots)
+
+    def _occam(self, information, beta, beta_cov):
+        out = 0.0
+        if self.slots:
+            widths = np.concatenate([np.asarray(s.widths, float) for s in self.slots])
+            sd = 1.0 / np.sqrt(np.maximum(np.linalg.eigvalsh(information), 1e-12))
+            out += float(np.sum(np.minimum(np.log(np.maximum(sd, 1e-6) * np.sqrt(2 * np.pi)), np.log(widths.max()))) - np.sum(np.log(widths)))
+        for b, v in zip(beta, np.diag(beta_cov) if len(beta) else ()):
+            out += amplitude_occam(abs(b) / np.sqrt(max(v, 1e-300)))
+        return out
+
+    def _derivatives(self, x, shapes, *, gradient: bool = True):
+        k, h = len(x), 2e-3
+        g = np.zeros(k)
+        fast_d, slow_d = [], []
+        two_sided = slow.spectrum(shapes[1])
+        for i in range(k):
+            up, down = x.copy(), x.copy()
+            up[i] += h
+            down[i] -= h
+            su, sd = self.shapes(up), self.shapes(down)
+            if gradient:
+                g[i] = (self.value(up, su)[0] - self.value(down, sd)[0]) / (2 * h)
+            fast_d.append((su[0] - sd[0]) / (2 * h) / shapes[0])
+            slow_d.append(slow.spectrum_difference(su[1] - sd[1]) / (2 * h) / two_sided)
+        a, b = np.array(fast_d), np.array(slow_d)
+        return g, 0.5 * (a * self.nu) @ a.T + 0.5 * b @ b.T
+
+
+def amplitude_occam(snr: float) -> float:
+    """Log ratio of posterior to prior width of an amplitude of either sign, uniform in its logarithm over three decades."""
+    return float(np.log(np.sqrt(2 * np.pi) / (2 * AMPLITUDE_WIDTH * max(snr, 1.0))))

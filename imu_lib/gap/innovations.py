@@ -1,0 +1,179 @@
+"""What a smooth spectrum does not foresee: whitening, and filling samples in under the fitted coloured noise."""
+from __future__ import annotations
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
+from scipy.special import ndtr, ndtri
+
+from imu_lib.gap import fast, slow
+
+
+def trend(x, m: int) -> np.ndarray:
+    """The slow part of a record: straight lines between the means of blocks of `m` samples."""
+    means = slow.block_means(x, m)
+    centre = (np.arange(len(means)) + 0.5) * m - 0.5
+    t = np.arange(len(x))
+    out = np.interp(t, centre, means)
+    if len(means) > 1:                                    # beyond the outer centres the line goes on
+        for part, i, j in ((t < centre[0], 0, 1), (t > centre[-1], -1, -2)):
+            out[part] = means[i] + (means[i] - means[j]) / (centre[i] - centre[j]) * (t[part] - centre[i])
+    return out
+
+
+class Smooth:
+    """A smooth spectrum of the samples, read off the record itself with lines cut down.
+
+    Above one cycle per two blocks it is the binned periodogram; below it the lowest of these bins.
+    """
+
+    def __init__(self, x, fs: float, *, floor: float = 0.0):
+        self.fs, self.n = fs, len(x)
+        m = slow.block_length(self.n, fs)
+        self.m = m
+        self.layout = fast.bins(self.n, fs, m)
+        power = np.abs(fast.transform(x)) ** 2 / fs
+        mean = fast.average(power, self.layout)
+        # a line lifts a few ordinates of its bin: cap the ordinates at what their bin's quiet mean allows
+        size = np.diff(self.layout.edge)
+        cap = np.repeat(12.0 * np.minimum(mean, _neighbours(mean)), size)
+        mean = fast.average(np.minimum(power[:self.layout.edge[-1]][self.layout.edge[0]:], cap), _shifted(self.layout))
+        k = self.layout.slow
+        quiet = np.median(mean[k:k + 10]) if len(mean) > k + 10 else mean[k:].mean()
+        self.level = np.concatenate([np.full(k, quiet), mean[k:]]) + floor
+        self._cache = {}
+
+    def on(self, size: int) -> np.ndarray:
+        """The spectrum, unit^2/Hz, at the ordinates of a real transform of `size` points."""
+        if size not in self._cache:
+            f = np.arange(size // 2 + 1) * self.fs / size
+            s = np.exp(np.interp(np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(self.level)))
+            # below a thousandth of the mean there is nothing but the arithmetic of a filter's stop band
+            self._cache[size] = np.maximum(s, 1e-3 * np.mean(s))
+        return self._cache[size]
+
+    @property
+    def sample_variance(self) -> float:
+        """Variance of a sample of the fast part."""
+        return float(self.on(2048).mean() * self.fs / 2)
+
+    @property
+    def conditional_variance(self) -> float:
+        """Variance of a sample when all others are known."""
+        return float(self.fs / 2 / np.mean(1.0 / self.on(2048)))
+
+
+def _neighbours(mean):
+    wide = np.pad(mean, 4, mode="edge")
+    return np.median(np.lib.stride_tricks.sliding_window_view(wide, 9), axis=1)
+
+
+def _shifted(layout):
+    from dataclasses import replace
+    return replace(layout, edge=layout.edge - layout.edge[0])
+
+
+def _size(n):
+    size = next_fast_len(n + min(n, 4096), real=True)
+    while size % 2:
+        size = next_fast_len(size + 1, real=True)
+    return size
+
+
+def _filter(x, gain, size):
+    n = len(x)
+    tail = np.linspace(x[-1], x[0], size - n + 2)[1:-1]      # a bridge back to the start instead of a jump
+    return irfft(rfft(np.concatenate([x, tail])) * gain, size)[:n]
+
+
+def whitened(x, smooth: Smooth) -> np.ndarray:
+    """The fast part of a record as white noise of variance 1 (zero phase)."""
+    size = _size(len(x))
+    return _filter(x - trend(x, smooth.m), 1.0 / np.sqrt(smooth.on(size) * smooth.fs / 2), size)
+
+
+def surprises(x, smooth: Smooth) -> np.ndarray:
+    """How far each sample lies from what all the others foretell, in standard deviations."""
+    size = _size(len(x))
+    inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)
+    return _filter(x - trend(x, smooth.m), inverse, size) / np.sqrt(np.mean(inverse))
+
+
+def first_fill(x, bad) -> np.ndarray:
+    """Bad samples replaced by the straight line between good ones plus what good samples deviate from it elsewhere."""
+    out = np.array(x, float)
+    good = np.flatnonzero(~bad)
+    wrong = np.flatnonzero(bad)
+    if len(wrong) == 0:
+        return out
+    m = max(8, len(x) // 2000)
+    line = np.interp(np.arange(len(x)), good, x[good])
+    k = len(line) // m
+    level = np.interp(np.arange(len(x)), (np.arange(k) + 0.5) * m, np.median(line[:k * m].reshape(k, m), axis=1))
+    source = good[np.searchsorted(good, (wrong + len(x) // 3) % len(x)) % len(good)]
+    out[wrong] = level[wrong] + x[source] - level[source]
+    return out
+
+
+def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 25) -> np.ndarray:
+    """Bad samples drawn from their distribution given the good ones under the spectrum (conditional simulation).
+
+    `above` and `below` are (mask, limit): samples known only to lie beyond a limit.
+    """
+    bad = bad.copy()
+    for side in (above, below):
+        if side is not None:
+            bad |= side[0]
+    wrong = np.flatnonzero(bad)
+    out = np.array(x, float)
+    if len(wrong) == 0:
+        return out
+    out[wrong] = first_fill(x, bad)[wrong]
+    base = trend(out, smooth.m)
+    size = _size(len(x))
+    density = smooth.on(size) * smooth.fs / 2
+    inverse = 1.0 / density
+    draw = irfft(rfft(rng.standard_normal(size)) * np.sqrt(density), size)[:len(x)]
+    residual = out - base - draw
+    residual[wrong] = 0.0
+
+    def apply(v):
+        full = np.zeros(size)
+        full[wrong] = v
+        return irfft(rfft(full) * inverse, size)[wrong]
+    full = np.zeros(size)
+    full[:len(x)] = residual
+    b = -irfft(rfft(full) * inverse, size)[wrong]
+    v, r = np.zeros(len(wrong)), b.copy()
+    p, rr = r.copy(), r @ r
+    stop = 1e-8 * rr
+    for _ in range(iterations):
+        if rr <= stop:
+            break
+        ap = apply(p)
+        alpha = rr / (p @ ap)
+        v += alpha * p
+        r -= alpha * ap
+        new = r @ r
+        p, rr = r + new / rr * p, new
+    out[wrong] = base[wrong] + draw[wrong] + v
+    sd = np.sqrt(smooth.conditional_variance)
+    for side, sign in ((above, 1.0), (below, -1.0)):
+        if side is None or not side[0].any():
+            continue
+        at = np.flatnonzero(side[0])
+        # given its neighbours a clipped sample is normal around their forecast, cut at the limit
+        middle = base[at] + v[np.searchsorted(wrong, at)] + draw[at] - _own(draw, smooth, size, at)
+        a = sign * (side[1] - middle) / sd
+        u = rng.random(len(at))
+        tail = ndtr(-a)
+        z = np.where(tail > 1e-12, -ndtri(np.maximum(u * tail, 1e-300)), a)
+        out[at] = np.where(sign * (middle + sign * sd * z - side[1]) < 0, side[1], middle + sign * sd * z)
+    return out
+
+
+def _own(draw, smooth, size, at):
+    """What each drawn sample adds to the forecast from its neighbours."""
+    full = np.zeros(size)
+    full[:len(draw)] = draw
+    inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)
+    return irfft(rfft(full) * inverse, size)[at] / np.mean(inverse)

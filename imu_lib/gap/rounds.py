@@ -1,0 +1,180 @@
+"""One effect at a time: rounds of candidates, the backward pass, the swaps, and how sure each name is."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.gap import effects, slow
+from imu_lib.gap.engine import amplitude_occam
+from imu_lib.gap.search import Item, State, change_candidates, drift_candidates, filter_candidates, spectral_candidates
+
+#: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records, benchmarks/gap_null.py).
+EVIDENCE, GAIN = 3.0, 9.0
+#: Alternatives within this log evidence of the winner cannot be told from it.
+NEAR = 3.0
+#: Evidences are divided by this before they become weights: no catalogue is complete and no record exactly of its model.
+TEMPER = 1.5
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A candidate with its state and what it adds to the evidence and log-likelihood of the state it was added to."""
+
+    item: Item
+    state: State
+    evidence: float
+    gain: float
+
+
+def weigh(state: State, *, exclude=()) -> list[Weighed]:
+    """All candidates that could be added to `state`, the best first."""
+    items = spectral_candidates(state, exclude) + change_candidates(state) + filter_candidates(state) + drift_candidates(state)
+    items = _worth_fitting([i for i in items if i.name not in exclude], state)
+    out = []
+    for item in items:
+        trial = state.plus(item)
+        out.append(Weighed(item, trial, trial.evidence - state.evidence, trial.ll - state.ll))
+    out.sort(key=lambda w: -w.evidence)
+    if "telegraph" not in exclude:
+        out += telegraphs(state, out)
+    out.sort(key=lambda w: -w.evidence)
+    return out
+
+
+def _worth_fitting(items, state):
+    """Without those that the screening has left far behind; a resonance only where it beats every simpler noise."""
+    if not items:
+        return items
+    best = max(i.note["screen"] for i in items)
+    simple = max([i.note["screen"] for i in items if i.name not in ("autoregressive", "low_pass")], default=0.0)
+    resonant = any(i.name == "autoregressive" for i in state.items)
+    return [i for i in items if i.note["screen"] >= 0.35 * best - 15
+            and not (i.name == "autoregressive" and (resonant or i.note["screen"] < simple + 3))]
+
+
+def telegraphs(state: State, weighed) -> list[Weighed]:
+    """Two levels instead of the noises that would otherwise explain a red spectrum."""
+    starts = []
+    data = state.cleaned
+    for w in weighed:
+        if w.gain < 8 or w.item.name not in ("gauss_markov", "flicker", "random_walk", "step", "warm_up", "ramp", "gauss_markov_2", "parameter_change"):
+            continue
+        if w.item.name == "gauss_markov":
+            process = w.state.fit.terms[len(state.fit.terms)]
+            rate = 0.5 / process.correlation_time
+            starts += [(2 * process.sigma, rate), (2 * process.sigma, 0.4 * rate)]
+        elif len(starts) < 4:
+            sd = np.std(data.means)
+            starts += [(2 * sd, 10 / data.duration), (2 * sd, 60 / data.duration)]
+    if not starts:
+        return []
+    effect = effects.CATALOGUE["telegraph"]
+    s, _ = state.likelihood.shapes(state.fit.vector)
+    density = float(np.median(s[:40])) / 2
+    if state.fit.low_pass is None:
+        density = min(density, float(np.median(s)) / 2 * 2)
+    quick = {"white_noise", "quantization"}
+    drift = [t for t in state.fit.terms if t.name not in quick]
+
+    def gain(size, rate):
+        if not drift:
+            return np.zeros(size // 2 + 1)
+        f = np.maximum(np.arange(size // 2 + 1), 0.5) * rate / size
+        d = sum(t.psd(f) for t in drift if t.name != "autoregressive")
+        return d / (d + 2 * density)
+    best = None
+    x = data.x
+    if len(state.fit.beta):
+        t = np.arange(data.n) / data.fs
+        x = x - sum(b * i.process.mean(t, data.temperature) for b, i in zip(state.fit.beta, state.column_items))
+    for amplitude, rate in starts[:6]:
+        found = effect.decode(x, data.fs, effect.process(amplitude=float(amplitude), rate=float(np.clip(rate, 2 / data.duration, data.fs / 8))), density, gain if drift else None)
+        if found is None:
+            continue
+        process, signal, flips, path, _ = found
+        if flips < 2.5 or process.amplitude <= 0:
+            continue
+        occam = amplitude_occam(process.amplitude / np.sqrt(density * 4 / data.duration)) + np.log(np.sqrt(2 * np.pi / max(flips, 1)) / np.log(1e4))
+        item = Item("telegraph", process, signal=signal, bonus=float(path + occam), note={"ll": float(path), "flips": flips, "density": density})
+        trial = state.plus(item)
+        w = Weighed(item, trial, trial.evidence - state.evidence, trial.ll - state.ll)
+        if best is None or w.evidence > best.evidence:
+            best = w
+    return [best] if best is not None else []
+
+
+def grow(state: State, *, most: int = 5, exclude=(), progress=None) -> tuple[State, list]:
+    """Rounds until nothing is worth adding: the grown state and [(winner, all candidates of that round)]."""
+    history = []
+    for _ in range(most):
+        weighed = weigh(state, exclude=exclude)
+        best = next((w for w in weighed if w.evidence > EVIDENCE and w.gain > GAIN), None)
+        if best is None:
+            break
+        state = best.state.settled()
+        history.append((best, weighed))
+        if progress:
+            progress(best.item.name)
+    return state, history
+
+
+def prune(state: State) -> State:
+    """Drop the items that the others have made superfluous."""
+    while state.items:
+        worth = []
+        for i in range(len(state.items)):
+            without = state.with_items(state.items[:i] + state.items[i + 1:])
+            worth.append((state.evidence - without.evidence, i, without))
+        least = min(worth, key=lambda w: w[0])
+        if least[0] > EVIDENCE:
+            break
+        state = least[2].settled()
+    return state
+
+
+def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
+    """Put every item to the test against all others in its place; returns the best state and for each item its rivals.
+
+    The rivals are a list of (name, log evidence relative to the item) for each item of the final state.
+    """
+    for _ in range(passes):
+        changed = False
+        rivals = []
+        for i, item in enumerate(state.items):
+            without = state.with_items(state.items[:i] + state.items[i + 1:])
+            weighed = weigh(without, exclude=exclude)
+            own = state.evidence - without.evidence
+            better = [w for w in weighed if w.item.key != item.key and w.evidence > own + 0.5]
+            if better:
+                state, changed = better[0].state.settled(), True
+                break
+            others = {}
+            for w in weighed:
+                if w.item.key != item.key:
+                    others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
+            others[""] = -own                              # nothing at all in its place
+            rivals.append(others)
+        if not changed:
+            return state, rivals
+    return state, [{} for _ in state.items] if changed else rivals
+
+
+def confidence(rivals: dict) -> tuple[float, dict]:
+    """Posterior weight of the item and of each rival."""
+    keys = [k for k in rivals]
+    values = np.array([0.0] + [rivals[k] for k in keys]) / TEMPER
+    weight = np.exp(values - values.max())
+    weight /= weight.sum()
+    return float(weight[0]), {k: float(w) for k, w in zip(keys, weight[1:])}
+
+
+def explains_as_telegraph(state: State, item: Item) -> bool:
+    """Whether a telegraph of the same spectrum would look the same, its dwells being lost in the noise."""
+    if item.name != "gauss_markov":
+        return False
+    at = len(state.base) + [i for i in state.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"].index(item)
+    process = state.fit.terms[at]
+    s, _ = state.likelihood.shapes(state.fit.vector)
+    density = float(np.median(s[:40])) / 2
+    return bool(4 * process.sigma**2 * process.correlation_time * 2 / (4 * density) < 3.0)

@@ -1,0 +1,143 @@
+"""Is anything left? Tests of the residual against the fitted model, each with a p-value and a sentence of where."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2, norm
+
+from imu_lib.gap import slow
+from imu_lib.gap.effects.noise_level_change import unsteady
+
+#: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests, benchmarks/gap_null.py).
+LIMIT = -4.5
+
+
+@dataclass(frozen=True)
+class Check:
+    """One test: the domain, log10 of its p-value (already corrected for the places it looked at), where it disagrees."""
+
+    domain: str
+    log_p: float
+    where: str
+
+
+def _log10_chi2(value, dof):
+    """log10 of the two-sided p-value of chi-square values, far into the tails."""
+    upper, lower = chi2.logsf(value, dof), chi2.logcdf(value, dof)
+    return (np.minimum(upper, lower) + np.log(2)) / np.log(10)
+
+
+def _log10_normal(z):
+    return (norm.logsf(np.abs(z)) + np.log(2)) / np.log(10)
+
+
+def spectrum(state) -> Check:
+    """Bins of the spectrum, singly and in runs of 3, 9 and 27, against the model; the model's own fit error is allowed for."""
+    s, _ = state.likelihood.shapes(state.fit.vector)
+    layout = state.data.layout
+    nu, ratio = state.likelihood.nu, state.likelihood.power / s
+    f = layout.f[layout.slow:]
+    worst = Check("psd", 0.0, "")
+    for width in (1, 3, 9, 27):
+        kernel = np.ones(width)
+        dof = np.convolve(nu, kernel, "valid")
+        excess = np.convolve(nu * ratio, kernel, "valid")
+        # rounding, sampling and windows limit any model spectrum to about a percent
+        z = (excess / dof - 1.0) / np.sqrt(2.0 / dof + MODEL**2)
+        wilson = dof * (1.0 + z * np.sqrt(2.0 / dof)).clip(1e-6)
+        p = _log10_chi2(wilson, dof)
+        i = int(np.argmin(p))
+        corrected = p[i] + np.log10(len(nu))
+        if corrected < worst.log_p:
+            decibel = 10 * np.log10(excess[i] / dof[i])
+            worst = Check("psd", float(corrected), f"power spectral density between {f[i]:.3g} and {f[min(i + width, len(f)) - 1]:.3g} Hz, {decibel:+.2g} dB from the fitted model")
+    return worst
+
+
+#: Relative accuracy that is asked of a model spectrum.
+MODEL = 0.004
+
+
+def bias(state) -> list[Check]:
+    """The whitened block differences: size, colour, outliers."""
+    data = state.cleaned
+    _, c = state.likelihood.shapes(state.fit.vector)
+    columns = state.likelihood.columns
+    y = data.d[:, None] if columns is None else np.column_stack([data.d, columns])
+    _, e = slow.whiten(c, y)
+    r = e[:, 0]
+    if columns is not None:
+        r = r - e[:, 1:] @ state.fit.beta
+    n = len(r)
+    out = [Check("allan", float(_log10_chi2(r @ r, n)), "bias over the whole record: its innovations are larger or smaller than the model's")]
+    p = np.abs(np.fft.rfft(r))[1:] ** 2 / n
+    for width in (1, 5, 20, 60):
+        if width > len(p) // 2:
+            continue
+        total = np.convolve(2 * p, np.ones(width), "valid")
+        lp = _log10_chi2(total, 2 * width)
+        i = int(np.argmin(lp))
+        f = np.array([i + 1, i + width]) / n * data.fs / data.m
+        out.append(Check("allan", float(lp[i] + np.log10(len(p))), f"slow variation with periods of {1 / f[1]:.4g} to {1 / f[0]:.4g} s, {10 * np.log10(total[i] / (2 * width)):+.2g} dB from the fitted model"))
+    j = int(np.argmax(np.abs(r)))
+    out.append(Check("mean", float(_log10_normal(r[j]) + np.log10(n)), f"mean of the signal: an unforeseen jump near {data.block_time[j + 1]:.0f} s"))
+    k4 = np.mean((r / r.std()) ** 4) - 3
+    out.append(Check("mean", float(_log10_normal(max(k4, 0) / np.sqrt(24 / n) * 0.7)), "mean of the signal: its jumps from block to block are not normally distributed"))
+    return out
+
+
+def distribution(y) -> list[Check]:
+    """Skewness and excess of the whitened fast noise."""
+    n = len(y)
+    u = (y - y.mean()) / y.std()
+    skew, excess = np.mean(u**3), np.mean(u**4) - 3
+    return [Check("distribution", float(_log10_normal(skew / np.sqrt(6 / n))), f"distribution of the innovations: skewness {skew:+.3g}"),
+            Check("distribution", float(_log10_normal(excess / np.sqrt(24 / n))), f"distribution of the innovations: excess kurtosis {excess:+.3g}")]
+
+
+def stationarity(y, fs) -> list[Check]:
+    """Variance at several scales, as a whole and in bands of frequency."""
+    out = []
+    found = unsteady(y, fs)
+    if found is not None:
+        out.append(Check("stationarity", float(found[0] + np.log10(8)), found[1]))
+    m = 256
+    k = len(y) // m
+    if k >= 32:
+        window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
+        power = np.abs(np.fft.rfft(y[:k * m].reshape(k, m) * window, axis=1)) ** 2
+        edges = np.unique(np.round(np.geomspace(3, m // 2, 9)).astype(int))
+        for a, b in zip(edges[:-1], edges[1:]):
+            band = power[:, a:b].sum(axis=1)
+            for join in (4, 32):
+                g = k // join
+                if g < 8:
+                    continue
+                e = band[:g * join].reshape(g, join).mean(axis=1)
+                # neighbouring ordinates of a sine window overlap: their share of independent ones is about 0.6
+                free = 2.0 * (b - a) * join * (1.0 if b - a == 1 else 0.62)
+                z2 = free / 2 * (e / e.mean() - 1) ** 2
+                lp = chi2.logsf(z2.sum(), g - 1) / np.log(10) + np.log10(2 * (len(edges) - 1))
+                out.append(Check("stationarity", float(lp), f"spectrum between {a * fs / m:.3g} and {b * fs / m:.3g} Hz: its level changes over {join * m / fs:.3g} s"))
+    return out
+
+
+def echoes(y, fs) -> Check:
+    """Autocorrelation of the whitened noise at long lags."""
+    n = len(y)
+    size = 1 << int(np.ceil(np.log2(n + 4096)))
+    z = np.fft.irfft(np.abs(np.fft.rfft(y - y.mean(), size)) ** 2, size)
+    lags = np.arange(24, min(4000, n // 8))
+    r = z[lags] / z[0] * np.sqrt(n)
+    j = int(np.argmax(np.abs(r)))
+    return Check("autocorrelation", float(_log10_normal(r[j]) + np.log10(len(lags))), f"autocorrelation of the innovations at a lag of {lags[j] / fs:.3g} s: {r[j] / np.sqrt(n):+.3g}")
+
+
+def checks(state, y, *, coarse_steps: bool = False) -> list[Check]:
+    """All tests; `y` is the whitened fast noise of what the state was fitted to. `coarse_steps`: the output is rounded so
+    coarsely that its distribution is no longer normal."""
+    out = [spectrum(state)] + bias(state) + stationarity(y, state.data.fs) + [echoes(y, state.data.fs)]
+    if not coarse_steps:
+        out += distribution(y)
+    return out

@@ -1,0 +1,355 @@
+"""Hides effects in synthetic static records, for the blind tests and benchmarks of `imu_lib.gap`.
+
+Plain numpy on purpose: nothing here comes from imu_lib, so that an error in the package's own
+simulators cannot hide itself. Every case carries the expected log-likelihood gain of each hidden
+effect at its true parameters (`gain`), worked out here from closed forms of its own, so that
+what no method could see is not counted as a miss.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+SPECTRAL = ("quantization", "flicker", "random_walk", "gauss_markov", "gauss_markov_2", "autoregressive")
+DRIFTS = ("ramp", "warm_up", "temperature", "step", "sinusoid", "telegraph")
+STAGES = ("low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck")
+CHANGES = ("change_N", "change_sigma")
+RECORD = ("common_mode", "time_gaps", "jitter")
+KNOWN = SPECTRAL + DRIFTS + STAGES + CHANGES + RECORD
+UNKNOWN = ("modulated_noise", "chirp", "heavy_tails", "bursts", "fading_tone", "bent", "missing_codes",
+           "square_wave", "delayed_coupling", "clicks")
+
+
+@dataclass
+class Case:
+    """A record, its base model and what is hidden in it."""
+
+    seed: int
+    fs: float
+    channels: dict
+    base: dict
+    truths: list = field(default_factory=list)
+    time: np.ndarray | None = None
+    temperature: np.ndarray | None = None
+
+    def save(self, path):
+        """The record as the contract's npz."""
+        keys = dict(self.channels)
+        keys["time"] = np.arange(len(next(iter(keys.values())))) / self.fs if self.time is None else self.time
+        if self.temperature is not None:
+            keys["temperature"] = self.temperature
+        np.savez(path, **keys)
+
+
+# -- spectra of samples, one-sided ---------------------------------------------------------------------------
+
+def _spectrum(entry, f, fs):
+    kind = entry["process"]
+    w = 2 * np.sin(np.pi * f / fs) * fs
+    if kind == "white_noise":
+        return np.full(f.shape, 2 * entry["N"] ** 2)
+    if kind == "random_walk":
+        return 2 * entry["K"] ** 2 / w**2
+    if kind == "quantization":
+        return 2 * entry["Q"] ** 2 * w**2 / fs
+    if kind == "flicker":
+        return entry["B"] ** 2 / (np.pi * f)
+    if kind == "gauss_markov":
+        a = np.exp(-1 / (fs * entry["correlation_time"]))
+        return 2 * entry["sigma"] ** 2 * (1 - a * a) / fs / np.abs(1 - a * np.exp(-2j * np.pi * f / fs)) ** 2
+    if kind == "gauss_markov_2":
+        b = 2.146193220620583 / entry["correlation_time"]
+        return 8 * entry["sigma"] ** 2 * b**3 / (w**2 + b * b) ** 2
+    if kind == "telegraph":
+        tc = 0.5 / entry["rate"]
+        return _spectrum({"process": "gauss_markov", "sigma": entry["amplitude"] / 2, "correlation_time": tc}, f, fs)
+    if kind == "autoregressive":
+        z = np.exp(-2j * np.pi * f / fs)
+        den = 1 - sum(p * z ** (i + 1) for i, p in enumerate(entry["phi"]))
+        return 2 * entry["sigma"] ** 2 / fs / np.abs(den) ** 2
+    raise KeyError(kind)
+
+
+def _noise(entry, n, fs, rng):
+    """A realisation, by filtering step by step or through the spectrum of a record twice as long."""
+    kind = entry["process"]
+    w = rng.standard_normal(n)
+    if kind == "white_noise":
+        return entry["N"] * np.sqrt(fs) * w
+    if kind == "random_walk":
+        return np.cumsum(w) * entry["K"] / np.sqrt(fs)
+    if kind == "quantization":
+        u = rng.uniform(-0.5, 0.5, n + 1) * np.sqrt(12) * entry["Q"]
+        return np.diff(u) * fs
+    if kind == "telegraph":
+        flips = np.cumsum(rng.random(n) < -np.expm1(-entry["rate"] / fs)) + rng.integers(2)
+        return entry["amplitude"] * (flips % 2 - 0.5)
+    m = 2 * n
+    f = np.arange(1, m // 2 + 1) * fs / m
+    z = (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f))) * np.sqrt(_spectrum(entry, f, fs) * m * fs / 4)
+    return np.fft.irfft(np.concatenate([[0], z]), m)[:n]
+
+
+def _base_psd(entries, f, fs):
+    return sum(_spectrum(e, f, fs) for e in entries if e["process"] != "constant")
+
+
+def _gain_spectral(s0, s1):
+    r = s1 / s0
+    return float(np.sum(r - np.log1p(r)))
+
+
+def _gain_drift(d, base, fs):
+    """Half the squared signal-to-noise ratio of a drift, from differenced block means and their dense covariance."""
+    m = max(1, len(d) // 450)
+    k = len(d) // m
+    f = (np.arange(4096 * 16) + 0.5) / (4096 * 16) * fs / 2 / np.sqrt(m)      # beyond this the blocks see nothing
+    f = f if m > 1 else f * np.sqrt(m)
+    y = np.diff(d[:k * m].reshape(k, m).mean(axis=1))
+    h = (np.sin(np.pi * f * m / fs) / (m * np.sin(np.pi * f / fs))) ** 2 * 4 * np.sin(np.pi * f * m / fs) ** 2
+    density = _base_psd(base, f, fs) * h * (f[1] - f[0])
+    step = np.exp(2j * np.pi * f * m / fs)
+    turn, c = np.ones_like(step), np.empty(k - 1)
+    for j in range(k - 1):
+        c[j] = np.sum(density * turn.real)
+        turn = turn * step
+    lag = np.abs(np.subtract.outer(np.arange(k - 1), np.arange(k - 1)))
+    return float(0.5 * y @ np.linalg.solve(c[lag], y))
+
+
+def _gain_line(d, s0, fs):
+    p = np.abs(np.fft.rfft(d))[1:] ** 2 * 2 / (fs * len(d))
+    return float(np.sum(p / s0))
+
+
+# -- base models -----------------------------------------------------------------------------------------------
+
+def _base(channel, rng, kind):
+    N = 10 ** rng.uniform(-4.3, -3.2) * (1 if channel.startswith("gyro") else 5)
+    out = [{"process": "white_noise", "N": N}]
+    if "gm" in kind:
+        tc = 10 ** rng.uniform(1.5, 2.8)
+        out.append({"process": "gauss_markov", "sigma": N / np.sqrt(tc) * rng.uniform(0.7, 3), "correlation_time": tc})
+    if "walk" in kind:
+        out.append({"process": "random_walk", "K": N / 10 ** rng.uniform(2, 2.8)})
+    if "flicker" in kind:
+        out.append({"process": "flicker", "B": N * 10 ** rng.uniform(-1.3, -0.6)})
+    return out
+
+
+def _strength(gain_of, target):
+    """The strength at which `gain_of` reaches the target (it grows with strength)."""
+    low, high = 1e-9, 1e9
+    for _ in range(80):
+        mid = np.sqrt(low * high)
+        low, high = (low, mid) if gain_of(mid) > target else (mid, high)
+    return np.sqrt(low * high)
+
+
+def _hide(effect, x, base, fs, rng, temperature, gain=None):
+    """Adds `effect` to the samples; returns (samples, truth)."""
+    n = len(x)
+    f = np.arange(1, n // 2 + 1) * fs / n
+    s0 = _base_psd(base, f, fs)
+    t = np.arange(n) / fs
+    white = base[0]["N"] * np.sqrt(fs)
+    target = gain or 10 ** rng.uniform(np.log10(15), 3)
+    duration = n / fs
+    truth = {"effect": effect, "gain": target}
+    if effect in ("change_N", "change_sigma"):
+        i = 0 if effect == "change_N" else next((i for i, e in enumerate(base) if e["process"] == "gauss_markov"), 0)
+        name = "N" if base[i]["process"] == "white_noise" else "sigma"
+        entry = base[i]
+        own = _spectrum(entry, f, fs)
+        c = _strength(lambda c: _gain_spectral(s0, own * c), target)
+        truth.update(effect="parameter_change", parameters={"process": entry["process"], "name": name, "from": entry[name], "to": entry[name] * np.sqrt(1 + c)})
+        return x + _noise({**entry, name: entry[name] * np.sqrt(c)}, n, fs, rng), truth
+    if effect in SPECTRAL:
+        entry = {"process": effect}
+        if effect in ("gauss_markov", "gauss_markov_2"):
+            entry["correlation_time"] = 10 ** rng.uniform(-0.5, np.log10(duration / 12))
+        if effect == "autoregressive":
+            r, w = rng.uniform(0.85, 0.97), rng.uniform(0.1, 0.8) * np.pi
+            entry["phi"] = [2 * r * np.cos(w), -r * r]
+            entry["rate"] = fs
+        name = {"quantization": "Q", "flicker": "B", "random_walk": "K"}.get(effect, "sigma")
+        shape = _spectrum({**entry, name: 1.0}, f, fs)
+        entry[name] = _strength(lambda a: _gain_spectral(s0, a * a * shape), target)
+        truth["parameters"] = entry
+        return x + _noise(entry, n, fs, rng), truth
+    if effect == "telegraph":
+        entry = {"process": "telegraph", "rate": 10 ** rng.uniform(np.log10(8 / duration), -0.7)}
+        shape = _spectrum({**entry, "amplitude": 1.0}, f, fs)
+        entry["amplitude"] = _strength(lambda a: _gain_spectral(s0, a * a * shape), 3 * target)
+        truth["parameters"] = entry
+        return x + _noise(entry, n, fs, rng), truth
+    if effect in DRIFTS:
+        p = {}
+        if effect == "ramp":
+            d, name = t, "R"
+        elif effect == "warm_up":
+            p["time_constant"] = duration * 10 ** rng.uniform(-1.7, -0.7)
+            d, name = np.exp(-t / p["time_constant"]), "amplitude"
+        elif effect == "temperature":
+            d, name = temperature - 25.0, "slope"
+            p["reference"] = 25.0
+        elif effect == "step":
+            p["time"] = duration * rng.uniform(0.1, 0.9)
+            d, name = (t >= p["time"]).astype(float), "amplitude"
+        else:
+            p["frequency"] = 10 ** rng.uniform(-1.5, np.log10(0.47 * fs))
+            d, name = np.sin(2 * np.pi * p["frequency"] * t + rng.uniform(0, 2 * np.pi)), "amplitude"
+        one = _gain_line(d, s0, fs) if effect == "sinusoid" else _gain_drift(d, base, fs)
+        a = np.sqrt(target / one)
+        sign = -1 if effect != "sinusoid" and rng.random() < 0.5 else 1
+        p[name] = a * sign
+        truth["parameters"] = p
+        return x + a * sign * d, truth
+    return _stage(effect, x, fs, rng, truth, white, target)
+
+
+def _stage(effect, x, fs, rng, truth, white, target):
+    n, mean = len(x), x.mean()
+    duration = n / fs
+    truth["gain"] = 1e3
+    if effect == "low_pass":
+        if rng.random() < 0.5:
+            taps = int(rng.integers(2, 9))
+            y = np.convolve(np.concatenate([np.full(taps - 1, x[0]), x]), np.full(taps, 1 / taps), "valid")
+            truth["parameters"] = {"taps": taps}
+        else:
+            cutoff = fs * rng.uniform(0.08, 0.4)
+            h = 1 / np.sqrt(1 + (np.tan(np.pi * np.arange(n // 2 + 1) / n) / np.tan(np.pi * cutoff / fs)) ** 4)
+            y = np.fft.irfft(np.fft.rfft(x - mean) * h, n) + mean
+            truth["parameters"] = {"order": 2, "cutoff": cutoff}
+        return y, truth
+    if effect == "noise_level_change":
+        t0 = duration * rng.uniform(0.15, 0.85)
+        m = int((duration - t0) * fs)
+        ratio = np.exp(np.sign(rng.random() - 0.5) * np.sqrt(2 * target / min(m, n - m)))
+        y = x.copy()
+        w = rng.standard_normal(n) * white
+        noise = np.where(np.arange(n) < n - m, 0.0, np.sqrt(max(ratio**2 - 1, 0)) * w)
+        if ratio < 1:       # the base's white part is shrunk: keep the slow part, scale the rest
+            k = int(fs)
+            slow = np.convolve(np.pad(x, k, mode="edge"), np.full(2 * k + 1, 1 / (2 * k + 1)), "valid")
+            y[n - m:] = slow[n - m:] + ratio * (x - slow)[n - m:]
+        truth.update(gain=target, parameters={"ratio": ratio, "time": (n - m) / fs})
+        return y + noise, truth
+    if effect == "spikes":
+        rate, scale = 10 ** rng.uniform(-2.3, 0), white * rng.uniform(6, 30)
+        hit = rng.random(n) < rate / fs
+        truth["parameters"] = {"rate": rate, "scale": scale}
+        truth["gain"] = float(hit.sum()) * 5
+        return x + hit * rng.standard_normal(n) * scale, truth
+    if effect == "saturation":
+        limit = np.quantile(np.abs(x), 1 - 10 ** rng.uniform(-4, -1.3))
+        truth["parameters"] = {"limit": limit}
+        return np.clip(x, -limit, limit), truth
+    if effect == "resolution":
+        lsb = white * 10 ** rng.uniform(-0.7, 0.5)
+        truth["parameters"] = {"lsb": lsb}
+        return np.round(x / lsb) * lsb, truth
+    fraction, length = 10 ** rng.uniform(-3, -1.5), int(rng.integers(5, 60))
+    y = x.copy()
+    for start in np.flatnonzero(rng.random(n) < fraction / length):
+        y[start:start + length + 1] = y[start]
+    truth["parameters"] = {"fraction": fraction, "length": length}
+    return y, truth
+
+
+def _unknown(effect, x, fs, rng, white):
+    n, mean = len(x), x.mean()
+    t = np.arange(n) / fs
+    T = n / fs
+    if effect == "modulated_noise":
+        depth, period = rng.uniform(0.2, 0.6), T / rng.uniform(3, 40)
+        return mean + (x - mean) * (1 + depth * np.sin(2 * np.pi * t / period + rng.uniform(0, 6)))
+    if effect == "chirp":
+        f0, f1 = rng.uniform(1, 0.2 * fs), rng.uniform(0.25 * fs, 0.45 * fs)
+        return x + white * rng.uniform(0.3, 1) * np.sin(2 * np.pi * (f0 * t + (f1 - f0) * t * t / (2 * T)))
+    if effect == "heavy_tails":
+        return x + white * rng.standard_t(3, n) * rng.uniform(0.5, 1)
+    if effect == "bursts":
+        period, width = rng.uniform(20, 120), rng.uniform(0.5, 5)
+        return x + white * rng.uniform(0.7, 2) * rng.standard_normal(n) * ((t % period) < width)
+    if effect == "fading_tone":
+        return x + white * rng.uniform(0.2, 0.6) * np.sin(2 * np.pi * rng.uniform(2, 0.45 * fs) * t) * np.sin(np.pi * t / T * rng.integers(2, 9))
+    if effect == "bent":
+        u = (x - mean) / x.std()
+        return x + x.std() * rng.uniform(0.08, 0.25) * (u * u - 1)
+    if effect == "missing_codes":
+        lsb = white * rng.uniform(0.2, 0.5)
+        k = np.round(x / lsb)
+        return np.where(k % 8 == 3, k + 1, k) * lsb
+    if effect == "square_wave":
+        return x + white * rng.uniform(0.2, 0.6) * np.sign(np.sin(2 * np.pi * rng.uniform(0.5, 4) * t))
+    if effect == "delayed_coupling":
+        return x + np.roll(x - mean, int(fs * rng.uniform(0.05, 0.5))) * rng.uniform(0.1, 0.4)
+    return x + (rng.random(n) < 1 / (fs * rng.uniform(1, 10))) * white * rng.uniform(5, 9)     # clicks: one sign, one height
+
+
+def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base=None, gain=None, with_temperature=None):
+    """A case: `effects` hidden one after the other in random channels (two in one case share a channel half the time)."""
+    rng = np.random.default_rng(seed)
+    n = int(duration * fs)
+    t = np.arange(n) / fs
+    temperature = None
+    if with_temperature or "temperature" in effects or rng.random() < 0.3:
+        temperature = 25 + rng.uniform(2, 10) * (1 - np.exp(-t / rng.uniform(300, 1500))) + rng.uniform(0.2, 2) * np.sin(2 * np.pi * t / rng.uniform(900, 3000)) \
+            + 0.02 * rng.standard_normal(n)
+    x, model = {}, {}
+    for c in channels:
+        kind = base or rng.choice(["gm", "gm", "walk", "gm+walk", "flicker", "white"])
+        model[c] = _base(c, rng, kind)
+        x[c] = sum(_noise(e, n, fs, rng) for e in model[c]) + (-9.8 if c == "accel_z" else rng.normal() * 0.01)
+    case = Case(seed, fs, x, model, temperature=temperature)
+    # stages of the output come after what happens before them, as in an instrument
+    order = sorted(effects, key=lambda e: STAGES.index(e) + 1 if e in STAGES else 0)
+    channel = rng.choice(list(x))
+    for e in order:
+        if rng.random() < 0.5:
+            channel = rng.choice(list(x))
+        white = model[channel][0]["N"] * np.sqrt(fs)
+        if e in UNKNOWN:
+            x[channel] = _unknown(e, x[channel], fs, rng, white)
+            case.truths.append({"effect": "unknown", "kind": e, "channel": str(channel), "gain": 1e3})
+        elif e in RECORD:
+            _hide_record(e, case, rng, gain)
+        else:
+            x[channel], truth = _hide(e, x[channel], model[channel], fs, rng, temperature, gain)
+            case.truths.append({**truth, "channel": str(channel)})
+    return case
+
+
+def _hide_record(effect, case, rng, gain):
+    x, fs = case.channels, case.fs
+    n = len(next(iter(x.values())))
+    if effect == "common_mode":
+        k = int(rng.integers(2, len(x) + 1)) if len(x) > 2 else 2
+        names = sorted(rng.choice(list(x), k, replace=False), key=list(x).index)
+        N = np.sqrt(np.prod([case.base[c][0]["N"] for c in names]) ** (1 / k)) ** 2 * rng.uniform(0.15, 0.6)
+        w = rng.standard_normal(n) * N * np.sqrt(fs)
+        for c in names:
+            x[c] = x[c] + w
+        rho = [N**2 / (N**2 + case.base[c][0]["N"] ** 2) for c in names]
+        case.truths.append({"effect": effect, "channel": "record", "parameters": {"N": N, "channels": [str(c) for c in names]}, "gain": n / 2 * rho[0] * rho[1]})
+    elif effect == "time_gaps":
+        fraction = 10 ** rng.uniform(-3, -1.5)
+        keep = np.ones(n, bool)
+        while keep.mean() > 1 - fraction:
+            start = rng.integers(1, n - 500)
+            keep[start:start + rng.integers(1, 400)] = False
+        case.time = np.flatnonzero(keep) / fs
+        for c in x:
+            x[c] = x[c][keep]
+        if case.temperature is not None:
+            case.temperature = case.temperature[keep]
+        case.truths.append({"effect": effect, "channel": "record", "parameters": {"fraction": 1 - keep.mean()}, "gain": 1e3})
+    else:
+        sd = 10 ** rng.uniform(-2, -0.9) / fs
+        time = np.arange(n) / fs + np.clip(rng.standard_normal(n), -4, 4) * sd
+        case.time = time - time[0]
+        case.truths.append({"effect": effect, "channel": "record", "parameters": {"sd": sd}, "gain": 1e3})
