@@ -52,7 +52,8 @@ def test_universal_threshold_equals_pywavelets_by_hand(series):
 
 
 @pytest.mark.parametrize("threshold", ["sure", "hybrid", "universal", "approximation"])
-@pytest.mark.parametrize(("level", "window", "name"), [(3, 256, "db4"), (4, 301, "db4"), (5, 700, "sym5"), (2, 40, "haar")])
+@pytest.mark.parametrize(("level", "window", "name"), [
+    (3, 256, "db4"), (4, 301, "db4"), (5, 700, "sym5"), (2, 40, "haar")])
 def test_sliding_form_is_the_last_sample_of_the_window_denoised_alone(series, threshold, level, window, name):
     fast = wavelet.denoise(series, level, wavelet=name, threshold=threshold, causal=True, window=window, refresh=1)
     for k in (window - 1, window, 1500, 5999):
@@ -122,7 +123,7 @@ def test_choice_of_level_stops_before_the_band_that_moves():
     rng = np.random.default_rng(6)
     n, fs = 60_000, 100.0
     static, noise = rng.standard_normal((2, n))
-    # A sine in the middle of D6, D4, D2 with twice the band's noise; db4's skirts leave a tenth of it in the band above.
+    # A sine in the middle of D6, D4, D2 with twice the band's noise; db4 leaves a tenth of it in the band above.
     for f, level in ((1.1, 5), (4.4, 3), (17.6, 1)):
         amplitude = np.sqrt(4 * 2.0 ** -(level + 1))
         choice = wavelet.choose_level(noise + amplitude * np.sin(2 * np.pi * f * np.arange(n) / fs), static, fs)
@@ -160,7 +161,8 @@ def test_summary_of_thresholds(series):
 
 
 @pytest.mark.parametrize(("options", "word"), [
-    ({"level": 12}, "level"), ({"level": -1}, "level"), ({"level": 2.5}, "level"), ({"threshold": "magic"}, "threshold"),
+    ({"level": 12}, "level"), ({"level": -1}, "level"), ({"level": 2.5}, "level"),
+    ({"threshold": "magic"}, "threshold"),
     ({"noise": "x"}, "noise"), ({"mode": "x"}, "mode"), ({"causal": "x"}, "causal"),
     ({"causal": True, "window": 20, "level": 3}, "window")])
 def test_bad_arguments_are_named(series, options, word):

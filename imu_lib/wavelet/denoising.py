@@ -115,7 +115,8 @@ def thresholds(x, level, *, wavelet="db4", threshold="sure", noise="per_level", 
 
 def _check(x, level, threshold, noise, mode, causal):
     for value, allowed, name in ((threshold, RULES, "threshold"), (noise, SCALES, "noise"),
-                                 (mode, ("soft", "hard"), "mode"), (causal, (False, True, "sliding", "block"), "causal")):
+                                 (mode, ("soft", "hard"), "mode"),
+                                 (causal, (False, True, "sliding", "block"), "causal")):
         if value not in allowed:
             raise ValueError(f"`{name}` must be one of {', '.join(map(str, allowed))}, not {value!r}")
     if int(level) != level or level < 0:
