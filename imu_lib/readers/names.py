@@ -24,66 +24,26 @@ UNITS = {
 }
 COUNTS = ("counts", "count", "lsb", "raw", "adc")
 
-_SPELLINGS = {
-    "rad/s": "rad/s",
-    "rad/sec": "rad/s",
-    "rads": "rad/s",
-    "radps": "rad/s",
-    "rad*s^-1": "rad/s",
-    "rads^-1": "rad/s",
-    "rads-1": "rad/s",
-    "r/s": "rad/s",
-    "deg/s": "deg/s",
-    "deg/sec": "deg/s",
-    "dps": "deg/s",
-    "degps": "deg/s",
-    "degs^-1": "deg/s",
-    "degs-1": "deg/s",
-    "degrees/s": "deg/s",
-    "d/s": "deg/s",
-    "deg/h": "deg/h",
-    "deg/hr": "deg/h",
-    "deg/hour": "deg/h",
-    "dph": "deg/h",
-    "m/s^2": "m/s^2",
-    "m/s2": "m/s^2",
-    "m/s/s": "m/s^2",
-    "mps2": "m/s^2",
-    "mps^2": "m/s^2",
-    "ms^-2": "m/s^2",
-    "ms-2": "m/s^2",
-    "m/sec^2": "m/s^2",
-    "m/s**2": "m/s^2",
-    "ms2": "m/s^2",
-    "m*s^-2": "m/s^2",
-    "g": "g",
-    "g0": "g",
-    "gn": "g",
-    "mg": "mg",
-    "milli-g": "mg",
-    "millig": "mg",
-    "s": "s",
-    "sec": "s",
-    "secs": "s",
-    "second": "s",
-    "seconds": "s",
-    "ms": "ms",
-    "msec": "ms",
-    "us": "us",
-    "usec": "us",
-    "ns": "ns",
-    "nsec": "ns",
+_SPELLED = {
+    "rad/s": "rad/s rad/sec rads radps rad*s^-1 rads^-1 rads-1 r/s rad_s",
+    "deg/s": "deg/s deg/sec dps degps degs^-1 degs-1 degrees/s d/s deg_s",
+    "deg/h": "deg/h deg/hr deg/hour dph deg_h",
+    "m/s^2": "m/s^2 m/s2 m/s/s mps2 mps^2 ms^-2 ms-2 m/sec^2 m/s**2 ms2 m*s^-2 m_s2",
+    "g": "g g0 gn",
+    "mg": "mg milli-g millig",
+    "s": "s sec secs second seconds",
+    "ms": "ms msec",
+    "us": "us usec",
+    "ns": "ns nsec",
     "min": "min",
     "h": "h",
     "rad": "rad",
     "deg": "deg",
-    "m/s": "m/s",
-    "mps": "m/s",
-    "degc": "degC",
-    "c": "degC",
-    "celsius": "degC",
+    "m/s": "m/s mps",
+    "degC": "degc c celsius",
+    "counts": " ".join(COUNTS),
 }
-_SPELLINGS.update({c: "counts" for c in COUNTS})
+_SPELLINGS = {spelling: unit for unit, spellings in _SPELLED.items() for spelling in spellings.split()}
 
 _SIGNAL = [
     ("dtheta", r"(?:d(?:elta)?_?theta|d(?:elta)?_?ang(?:le)?|dtheta|dang|da|dt(?=[_ .]?[xyz]$))"),
@@ -98,15 +58,14 @@ _SIGNAL = [
 _PREFIX = r"(?:(?:imu|raw|meas|body|sensor|field|data|msg|calibrated|cal|uncalibrated|s)_?\d*[_. ])*"
 _AXES = {"x": "x", "y": "y", "z": "z", "1": "x", "2": "y", "3": "z"}
 _TIME = re.compile(
-    r"^"
-    + _PREFIX
-    + r"(?:time|times|timestamps?|time_?stamp|t|stamp|tow|sow"
+    r"^" + _PREFIX + r"(?:time|times|timestamps?|time_?stamp|t|stamp|tow|sow"
     r"|rostime|epoch|gps_?time|(?:header_)?stamp_(?:secs?|nsecs?)|elapsed|elapsed_time"
     r"|host_?time|utc_?time|unix_?time|system_?time|seconds?|secs?|datetime|date_?time)$"
 )
 _TEMPERATURE = re.compile(r"^" + _PREFIX + r"(?:(?:imu|chip|gyro|sensor|die)_?)?temp(?:erature)?$")
 _TRAILING = re.compile(
-    r"^(.*?)[_ .](rad_s|rads|radps|rad_per_s|dps|deg_s|degps|deg_per_s|deg_h|dph|mps2|m_s2|ms2|m_per_s2|g|mg|counts?|lsb|raw|s|sec|ms|us|ns|degc|c)$"
+    r"^(.*?)[_ .](rad_s|rads|radps|rad_per_s|dps|deg_s|degps|deg_per_s|deg_h|dph"
+    r"|mps2|m_s2|ms2|m_per_s2|g|mg|counts?|lsb|raw|s|sec|ms|us|ns|degc|c)$"
 )
 
 
@@ -126,7 +85,7 @@ def unit_of(text: str) -> str | None:
     if plain in ("G", "g"):
         return "g"
     plain = re.sub(r"\s+", "", plain.lower())
-    return _SPELLINGS.get(plain) or _SPELLINGS.get({"rad_s": "rad/s", "deg_s": "deg/s", "deg_h": "deg/h", "m_s2": "m/s^2"}.get(plain, ""))
+    return _SPELLINGS.get(plain)
 
 
 def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | None]:
