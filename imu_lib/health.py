@@ -271,7 +271,8 @@ def _findings(record, clock, channels, motion, temperature):
     if clock.gap_count:
         longest = clock.gaps[0]
         yield (
-            f"{clock.gap_count} gap{'s' if clock.gap_count > 1 else ''} in the time stamps, {clock.missing:,} samples missing; the longest lasts {longest[1]:.4g} "
+            f"{clock.gap_count} gap{'s' if clock.gap_count > 1 else ''} in the time stamps, {clock.missing:,} samples missing; "
+            f"the longest lasts {longest[1]:.4g} "
             f"s from {longest[0]:.6g} s on."
         )
     if nan:

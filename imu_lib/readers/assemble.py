@@ -51,7 +51,8 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
     gaps = record.gaps()
     if gaps:
         record = record.with_note(
-            f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''} in the time stamps, {sum(g.missing for g in gaps):,} samples missing; the longest lasts "
+            f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''} in the time stamps, {sum(g.missing for g in gaps):,} samples missing; "
+            "the longest lasts "
             f"{max(g.duration for g in gaps):.4g} s."
         )
     return record
