@@ -39,9 +39,15 @@ class Images:
         at = np.mod(grid + fs * np.arange(ratio)[:, None], self.rate)
         self.at = np.minimum(at, self.rate - at)
         self.gain = low_pass.gain(self.at.ravel(), fs).reshape(self.at.shape)
+        self.cutoff = low_pass.cutoff or fs / 4
 
     def psd(self, term):
-        """One-sided density of the term behind the filter, (g,)."""
+        """One-sided density of the term behind the filter, (g,).
+
+        The images of a process that is slow against the filter lie below a millionth of it and are left out.
+        """
+        if term.name in ("random_walk", "flicker") or getattr(term, "correlation_time", 0.0) * self.cutoff > 20:
+            return self.gain[0] * term.psd(self.at[0], self.rate)
         return np.einsum("kg,kg->g", self.gain, term.psd(self.at, self.rate))
 
 

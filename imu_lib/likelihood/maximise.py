@@ -113,10 +113,6 @@ def maximise(problem, given=(), *, grid=True, refine=3):
     candidates = list(given)
     if grid:
         candidates += sorted(starts(problem), key=problem.loglike, reverse=True)[:refine]
-    best = None
-    for theta in candidates:
-        result = climb(problem, theta)
-        result = climb(problem, result[0])  # bounds follow the new level
-        if best is None or result[1] > best[1]:
-            best = result
-    return best
+    rough = [climb(problem, theta, steps=40, tolerance=1e-3) for theta in candidates]
+    theta, value, _ = max(rough, key=lambda result: result[1])
+    return climb(problem, theta)  # to the end, with bounds that follow the new level
