@@ -88,7 +88,9 @@ def degrees_of_freedom(m, windows, slope):
 def local_slope(tau, variance, *, decades=0.5):
     """Exponent of tau in the Allan variance around each averaging time, by a straight line in log-log.
 
-    The line covers `decades` of tau and weighs each point by tau^-1, its variance for white noise.
+    The line covers `decades` of tau and weighs each point by tau^-1, its variance for white noise. Quantization comes
+    before every other noise: once the curve has turned to a slope above -1.3, a steeper stretch is scatter and counts
+    as white.
     """
     x, y = np.log(tau), np.log(variance)
     good = np.isfinite(y)
@@ -103,7 +105,8 @@ def local_slope(tau, variance, *, decades=0.5):
         weight = 1 / tau[near]
         dx = x[near] - np.average(x[near], weights=weight)
         out[j] = np.sum(weight * dx * y[near]) / np.sum(weight * dx * dx)
-    return out
+    turned = np.cumsum(out > -1.3) > 0
+    return np.where(turned, np.maximum(out, -1.0), out)
 
 
 def interval(deviation, edf, *, level=0.95):

@@ -52,8 +52,9 @@ class AllanFit:
         return self.parameters[label]
 
 
-def choose(curve, *, ratio=2**0.5, shortest=0.0, longest=np.inf):
-    """Indices of the averaging times that a fit uses: about two an octave, which loses next to nothing."""
+def choose(curve, *, ratio=2.0, shortest=0.0, longest=np.inf):
+    """Indices of the averaging times that a fit uses: one an octave, beyond which
+    more change the parameters' standard errors by less than a per cent."""
     ok = np.flatnonzero((curve.tau >= shortest) & (curve.tau <= longest) & (curve.adev > 0))
     if ok.size == 0:
         return ok

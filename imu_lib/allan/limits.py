@@ -95,23 +95,34 @@ def _log_step(z, power):
 
 
 def _upper(problem, shape, squares, i):
-    """95 % upper limit of an amplitude that is out of the fit; infinite where the record sets none."""
+    """95 % upper limit of an amplitude that is out of the fit; infinite where the record sets none.
+
+    With c the squared amplitude, its estimate scatters like a chi-square of mean c + a with relative error r, a being
+    what the other terms put in its place: standard error r (c + a). The limit is where the estimate that the term would
+    have had (zero or too small to count) lies 1.645 standard errors down on the cube-root scale.
+    """
     basis, _ = problem.design(shape)
     moving = problem.moving()
+    white = problem.whitener(problem.covariance(shape, squares))
     problem.active[i] = True
-    c = 1e-4 * np.min(problem.predict(shape, squares) / basis[:, i])
-    for _ in range(60):
+    seen = problem.solve(shape, white)[0][i]
+
+    def sd(c):
         trial = squares.copy()
         trial[i] = c
-        sd = np.sqrt(problem.information(shape, trial, moving)[i, i])
-        new = ONE_SIDED * 2 * c * sd
-        if not np.isfinite(new) or new > 1e6 * np.max(problem.v) / np.min(basis[:, i]):
-            c = np.inf
-            break
-        if abs(new - c) < 0.01 * c:
+        return 2 * c * np.sqrt(problem.information(shape, trial, moving)[i, i])
+
+    tiny = 1e-4 * np.min(problem.predict(shape, squares) / basis[:, i])
+    floor = sd(tiny)
+    c = seen + ONE_SIDED * floor
+    for _ in range(25):
+        r = max((sd(c) - floor) / c, 1e-3)
+        shrink = 1 - ONE_SIDED * r / 3
+        new = (seen + floor / r) * shrink**-3 - floor / r if shrink > 0.02 else np.inf
+        if not np.isfinite(new) or abs(new - c) < 0.02 * c:
             c = new
             break
-        c = np.sqrt(c * new) if new < 30 * c else new
+        c = np.sqrt(c * new)
     problem.active[i] = False
     return float(np.sqrt(c))
 
