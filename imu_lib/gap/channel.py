@@ -1,7 +1,7 @@
 """The workflow on one channel: electronics, noise level, lines, then the competition, then whether anything is left."""
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -35,6 +35,8 @@ class ChannelResult:
     unexplained: str | None
     checks: list = field(default_factory=list)
     mean: float = 0.0
+    between: list = field(default_factory=list)
+    refit: Sum | None = None
 
 
 def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, seed: int = 0, shared: float = 0.0, progress=None) -> ChannelResult:
@@ -118,9 +120,12 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     if unexplained is not None:
         steps = [s.capped(DOUBTED) for s in steps]
     base_sum = given if given is not None else Sum(tuple(state.base[:n_base]))
-    model = _grown(base_sum, state, findings, n_base, shared)
+    held_terms = 1 if shared > 0 else 0
+    model = _grown(base_sum, state, findings, n_base - held_terms, held_terms)
+    between = _between(base_sum, model, findings, state)
+    refit = _refit(base_sum, state, findings, n_base - held_terms, held_terms) if steps else None
     absorbed = [] if given is not None else _absorbed(state)
-    return ChannelResult(name, base_sum, model, steps, absorbed, unexplained, tests, mean)
+    return ChannelResult(name, base_sum, model, steps, absorbed, unexplained, tests, mean, between, refit)
 
 
 def _levelled(x, ratio, time, fs, base):
@@ -159,14 +164,18 @@ def _deterministic(state):
 
 
 def _grown(base, state, findings, n_base, shared):
-    """The base with what was found: changed parameters, added processes, drifts with their amplitudes, stages."""
+    """The base with what was found: changed parameters, added processes, drifts with their amplitudes, stages.
+
+    `shared` terms after the base's own stand for noise that the record accounts for; they are left out.
+    """
     fit = state.fit
     terms = [t for t in base.terms]
     noise = [i for i, t in enumerate(terms) if not t.deterministic]
     fitted = list(fit.terms)
+    own = fitted[shared:n_base + shared] if not base.terms or state.base_slots else fitted[:n_base]
     for place, index in enumerate(noise):
-        terms[index] = fitted[place]
-    terms += fitted[n_base:]
+        terms[index] = own[place]
+    terms += fitted[n_base + shared:]
     stages = {s.name: s for s in base.stages}
     for b, item in zip(fit.beta, state.column_items):
         amplitude = item.effect.amplitude
@@ -182,6 +191,51 @@ def _grown(base, state, findings, n_base, shared):
         else:
             stages[f.process.name] = f.process
     return Sum(tuple(terms), tuple(stages.values()))
+
+
+def _between(base, model, findings, state):
+    """The models after each step but the last: the base with the first effects only."""
+    count = len(findings) + len(state.items)
+    out = []
+    for k in range(1, count):
+        few = findings[:k]
+        items = list(state.items[:max(0, k - len(findings))])
+        part = state.with_items(items)
+        held = len(state.fit.terms) - len([i for i in state.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"])
+        noise = [t for t in base.terms if not t.deterministic]
+        out.append(_grown(base, part, few, len(noise), held - len(noise)))
+    return out
+
+
+def _refit(base, state, findings, n_base, shared, part: float = 0.6):
+    """The grown model with its free parameters fitted to the first part of the record alone; None where an effect
+    happens only in the rest."""
+    data = state.data
+    n = int(part * data.n)
+    late = [i for i in state.items if i.name == "step" and i.process.time > 0.95 * n / data.fs]
+    late += [f for f in findings if f.process.name == "noise_level_change" and f.process.time > 0.95 * n / data.fs]
+    if late:
+        return None
+    x = data.x
+    first = Data(x[:n], data.fs, white=data.white, temperature=None if data.temperature is None else data.temperature[:n])
+    items = []
+    for item in state.items:
+        if item.column is not None:
+            column = np.diff(item.effect.columns([item.process], first)[:, 0])
+            if not np.any(column):
+                return None
+            items.append(replace(item, column=column))
+        elif item.signal is not None:
+            items.append(replace(item, signal=item.signal[:n]))
+        else:
+            items.append(item)
+    again = State(first, state.base, items, low_pass=state.base_low_pass, base_slots=state.base_slots)
+    return _grown(base, again, findings, n_base, shared)
+
+
+def refitted(result: ChannelResult, part: float) -> Sum | None:
+    """The model fitted to the first part of the record, or None where that part does not show every effect."""
+    return result.refit
 
 
 def _absorbed(state):

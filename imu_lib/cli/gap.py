@@ -1,0 +1,66 @@
+"""`imu-lib gap FILE [--model MODEL]`: where simulation and measurement disagree, and what is missing."""
+from __future__ import annotations
+
+import os
+import sys
+
+NAME = "gap"
+HELP = "Where simulation and measurement disagree, what is missing, and how far the gap shrinks when it is added."
+
+
+def add_arguments(parser):
+    from imu_lib.cli.common import add_json_argument, add_record_arguments
+
+    add_record_arguments(parser)
+    parser.add_argument("--model", metavar="MODEL", help="the model to compare with, a file or preset:NAME; without it one is fitted first")
+    parser.add_argument("--out", metavar="DIR", help="write model.json and report.html there")
+    parser.add_argument("--seed", type=int, default=0, help="of the simulations (default 0)")
+    parser.add_argument("--simulations", type=int, default=100, metavar="K", help="size of the ensembles (default 100; 0 leaves the gap index out)")
+    parser.add_argument("--jobs", type=int, default=None, metavar="J", help="processes (default: 2 where there are two cores)")
+    add_json_argument(parser)
+
+
+def run(args) -> int:
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    from imu_lib.cli import common
+    from imu_lib.errors import InputError
+    from imu_lib.gap import close
+    from imu_lib.model import Model
+
+    common.check_writable(args.json)
+    if args.simulations and args.simulations < 20:
+        raise InputError(f"--simulations {args.simulations} is too few for a scatter; give 20 or more, or 0.")
+    if args.jobs is not None and args.jobs < 1:
+        raise InputError(f"--jobs {args.jobs} is not above 0.")
+    model = Model.load(args.model) if args.model else None
+    record = common.open_record(args)
+    if record.n < 2000:
+        raise InputError(f"{args.file or args.gyro}: {record.n} samples are too few; the gap workflow needs 2000 or more.")
+    if model is not None:
+        absent = [c for c in record.channel_names if c not in model]
+        if len(absent) == len(record.channel_names):
+            raise InputError(f"{args.model} has none of the channels of the record ({', '.join(record.channel_names)}).")
+        if absent:
+            print(f"note: {args.model} has no {', '.join(absent)}; their base is fitted.", file=sys.stderr)
+        for name, channel in model.channels.items():
+            if any(t.name == "temperature" for t in channel.terms) and record.temperature is None and name in record:
+                raise InputError(f"{args.model} has a temperature term for {name}, but the record has no temperature.")
+    found = close(record, model, seed=args.seed, simulations=args.simulations, jobs=args.jobs, progress=_progress)
+    print(file=sys.stderr)
+    if args.json:
+        common.write_json(found.to_json(), args.json)
+    if args.out:
+        with common.atomic_folder(args.out) as folder:
+            from imu_lib.gap.report import write
+            found.model.save(folder / "model.json")
+            write(found, folder / "report.html")
+    from imu_lib.gap.table import table
+    print(table(found))
+    return 0
+
+
+def _progress(done, total, text):
+    width = 24
+    bar = "#" * int(width * min(done, total) / total)
+    print(f"\r[{bar:<{width}}] {text[:70]:<70}", end="", file=sys.stderr, flush=True)

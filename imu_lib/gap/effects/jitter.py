@@ -1,0 +1,37 @@
+"""Jitter of the time stamps."""
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import norm
+
+from imu_lib.processes import Jitter as Process
+
+from .base import Effect, Finding
+
+
+class Jitter(Effect):
+    name = "jitter"
+    cause = "The host stamps the samples when it gets to them, not when they were taken."
+    domain = "timing"
+
+    def detect(self, record) -> Finding | None:
+        if record.time is None:
+            return None
+        slots = record.slots().astype(float)
+        fit = np.polyfit(slots, record.time, 1)
+        late = record.time - np.polyval(fit, slots)
+        sd = float(np.std(late))
+        unit = np.diff(np.unique(np.round(np.diff(record.time[:20000]), 9)))
+        grain = float(unit.min()) if len(unit) and unit.min() > 1e-9 else 0.0
+        # stamps printed with few digits are off by up to half a digit, which is no jitter
+        if sd < 2e-4 / record.rate or sd < 0.5 * grain:
+            return None
+        n = len(late)
+        low = 1.4826 * float(np.median(np.abs(late - np.median(late))))
+        found = Finding(self, Process(sd=sd), 50.0, f"timing: the stamps scatter by {1e3 * sd:.3g} ms around an even clock",
+                        {"sd": [sd * (1 - 1.96 / np.sqrt(2 * n)), sd * (1 + 1.96 / np.sqrt(2 * n))]})
+        rho = float(np.corrcoef(late[:-1], late[1:])[0, 1])
+        excess = float(np.mean((late / sd) ** 4) - 3)
+        if abs(rho) > 0.1 + 5 / np.sqrt(n) and norm.sf(abs(rho) * np.sqrt(n)) < 1e-6 and sd < 0.2 / record.rate or abs(low / sd - 1) > 0.3 or excess > 3:
+            found.doubt = "timing: the stamps wander or come in bursts; that is no independent normal jitter"
+        return found

@@ -1,0 +1,31 @@
+"""Missing samples."""
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.processes import TimeGaps as Process
+
+from .base import Effect, Finding
+
+
+class TimeGaps(Effect):
+    name = "time_gaps"
+    cause = "Samples are lost between the sensor and the file: a full buffer, a busy host, a broken transmission."
+    domain = "timing"
+
+    def detect(self, record) -> Finding | None:
+        slots = record.slots()
+        holes = np.diff(slots) - 1
+        holes = holes[holes > 0]
+        empty = np.all([np.isnan(x) for x in record.channels.values()], axis=0)
+        edge = np.diff(np.concatenate([[False], empty, [False]]).astype(np.int8))
+        holes = np.concatenate([holes, np.flatnonzero(edge == -1) - np.flatnonzero(edge == 1)])
+        missing = int(holes.sum())
+        if missing == 0:
+            return None
+        total = int(slots[-1]) + 1
+        fraction = missing / total
+        spread = 1.96 * np.sqrt(np.sum(holes.astype(float) ** 2)) / missing
+        return Finding(self, Process(fraction=fraction, length=int(max(1, np.median(holes)))), 20.0 * len(holes),
+                       f"timing: {len(holes)} gaps, {missing} of {total} samples missing, the longest gap {int(holes.max())} samples",
+                       {"fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)], "length": [float(holes.min()), float(holes.max())]})

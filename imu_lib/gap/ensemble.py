@@ -1,0 +1,108 @@
+"""Simulations of a model against the measurement: the gap index.
+
+All channels and all models of a step share the white draws of a simulation, so that before and after
+differ by the model and not by luck; within one model's ensemble the simulations are independent.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.gap.battery import battery, stack
+from imu_lib.processes import Constant, Sum
+
+#: Simulations in an ensemble.
+SIZE = 100
+
+
+class Replay:
+    """A random generator that hands out the same normal draws again for the next model."""
+
+    def __init__(self, seed):
+        self._normal, self._cache, self._at = np.random.default_rng(seed), [], 0
+        self._other = np.random.default_rng([*np.atleast_1d(seed), 1])
+
+    def rewind(self):
+        self._at = 0
+        return self
+
+    def standard_normal(self, size=None):
+        if size is None or np.ndim(size) or not isinstance(size, (int, np.integer)):
+            return self._other.standard_normal(size)
+        if self._at == len(self._cache):
+            self._cache.append(self._normal.standard_normal(size))
+        draw = self._cache[self._at]
+        if len(draw) < size:
+            draw = self._cache[self._at] = np.concatenate([draw, self._normal.standard_normal(size - len(draw))])
+        self._at += 1
+        return draw[:size].copy()
+
+    def __getattr__(self, name):
+        return getattr(self._other, name)
+
+
+def centred(model: Sum, level: float, t, temperature) -> Sum:
+    """The model with the constant that gives its simulations the record's mean before the electronics."""
+    drifts = Sum(tuple(p for p in model.drifts.terms if p.name != "constant"))
+    offset = level - float(np.mean(drifts.mean(t, temperature)))
+    return Sum(tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),), model.stages)
+
+
+def simulate(jobs, n: int, fs: float, seeds, temperature, levels) -> list[list[dict]]:
+    """Batteries of simulations: for each job (model, start, stop in samples, shared N or 0, lost mask or None) one list over the seeds."""
+    t = np.arange(n) / fs
+    ready = [centred(model, level, t, temperature) for (model, *_), level in zip(jobs, levels)]
+    out = [[] for _ in jobs]
+    for seed in seeds:
+        rng = Replay(seed)
+        made = {}
+        for k, (model, (_, start, stop, shared, lost)) in enumerate(zip(ready, jobs)):
+            key = (id(jobs[k][0]), shared)
+            if key not in made:
+                made = {key: model.simulate(n, fs, rng.rewind(), temperature=temperature,
+                                            common=None if not shared else rng._other.standard_normal(n) * shared * np.sqrt(fs))}
+            x = made[key]
+            if lost is not None:
+                x = filled(np.where(lost, np.nan, x))
+            part = x[start:stop]
+            out[k].append(battery(part, fs, None if temperature is None else temperature[start:stop]))
+    return out
+
+
+def filled(x):
+    """Missing samples replaced by straight lines, on the measurement and on the simulations alike."""
+    bad = np.isnan(x)
+    if not bad.any():
+        return x
+    at = np.flatnonzero(~bad)
+    return np.interp(np.arange(len(x)), at, x[at])
+
+
+@dataclass(frozen=True)
+class Index:
+    """The gap index, whole and by domain."""
+
+    value: float
+    domains: dict
+    spread: float
+
+
+def index(measured: dict, rows: list[dict]) -> Index:
+    """Distance of the measurement from the ensemble over the median distance of one simulation from the others."""
+    many = stack(rows)
+    count = len(rows)
+    near, far = {}, {}
+    for d, s in many.items():
+        if s.shape[1] == 0:
+            continue
+        mean, sd = s.mean(axis=0), s.std(axis=0, ddof=1)
+        sd = np.maximum(sd, 1e-9 + 1e-6 * np.abs(mean))
+        z = (measured[d] - mean) / sd / np.sqrt(1 + 1 / count)
+        each = (s - mean) / sd * np.sqrt(count / (count - 1))
+        near[d] = np.sqrt(np.mean(each**2, axis=1))
+        far[d] = np.sqrt(np.mean(np.minimum(np.abs(z), 1e3) ** 2))
+    whole = np.sqrt(np.mean([v**2 for v in far.values()]))
+    each = np.sqrt(np.mean([v**2 for v in near.values()], axis=0))
+    median = float(np.median(each))
+    return Index(float(whole / median), {d: float(far[d] / np.median(near[d])) for d in far}, float(np.quantile(each, 0.95) / median))

@@ -1,0 +1,209 @@
+"""The workflow on a record: every channel, then what acts on all, then the gap before and after."""
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from imu_lib.gap import ensemble, record_level
+from imu_lib.gap.battery import battery
+from imu_lib.gap.channel import ChannelResult, analyse, refitted
+from imu_lib.gap.steps import Step
+from imu_lib.model import Model
+from imu_lib.record import Record
+
+#: Part of the record, from its beginning, that the held-out comparison is fitted on.
+FITTED = 0.6
+
+
+@dataclass
+class ChannelReport:
+    """A channel's result with its gap: whole, held out, by domain."""
+
+    result: ChannelResult
+    before: ensemble.Index | None = None
+    after: ensemble.Index | None = None
+    held_out: dict | None = None
+    batteries: dict = field(default_factory=dict)
+
+    def to_json(self) -> dict:
+        r = self.result
+        by_domain = {}
+        if self.before is not None:
+            by_domain = {d: {"before": round(v, 3), "after": round(self.after.domains[d], 3)} for d, v in self.before.domains.items()}
+        return {"gap_before": None if self.before is None else round(self.before.value, 4), "gap_after": None if self.after is None else round(self.after.value, 4),
+                "gap_held_out": self.held_out, "gap_by_domain": by_domain, "steps": [s.to_json() for s in r.steps], "absorbed": list(r.absorbed),
+                "unexplained": r.unexplained}
+
+
+@dataclass
+class Report:
+    """What the workflow found: a report for each channel, the record's own steps, the model it started from and the grown one."""
+
+    channels: dict[str, ChannelReport]
+    record_steps: list[Step]
+    record_unexplained: str | None
+    base: Model
+    model: Model
+    record: Record
+    seconds: float
+    given: bool
+
+    def to_json(self) -> dict:
+        """The contract's object."""
+        return {"channels": {name: c.to_json() for name, c in self.channels.items()},
+                "record": {"steps": [s.to_json() for s in self.record_steps], "unexplained": self.record_unexplained},
+                "seconds": round(self.seconds, 2)}
+
+    @property
+    def steps(self) -> list[tuple[str, Step]]:
+        """(channel or "record", step) of everything found."""
+        return [(name, s) for name, c in self.channels.items() for s in c.result.steps] + [("record", s) for s in self.record_steps]
+
+
+def close(record: Record, model: Model | None = None, *, channels=None, seed: int = 0, simulations: int = ensemble.SIZE, jobs: int | None = None, progress=None) -> Report:
+    """Find where simulations of `model` and `record` disagree, name what is missing, add it, and measure the gap again.
+
+    Parameters
+    ----------
+    record : Record
+        A static record.
+    model : Model, optional
+        What the record is compared with, its parameters held. None: a model is fitted first.
+    channels : sequence of str, optional
+        Which channels; all of the record where not given. One that the model does not have is started from a fit of its own.
+    seed : int
+    simulations : int
+        Size of the ensembles; 0 leaves the gap index out.
+    jobs : int, optional
+        Processes; 2 where there are two cores.
+    progress : callable, optional
+        Called with (done, total, text).
+
+    Raises
+    ------
+    ValueError
+        If `channels` names one that the record lacks, or the record is shorter than 2000 samples.
+    """
+    started = time.perf_counter()
+    names = list(record.channel_names if channels is None else channels)
+    for name in names:
+        if name not in record:
+            raise ValueError(f"`channels` has {name!r}, which the record lacks")
+    if record.n < 2000:
+        raise ValueError(f"`record` has {record.n} samples; the workflow needs 2000 or more")
+    jobs = jobs or min(2, os.cpu_count() or 1)
+    tell = progress or (lambda done, total, text: None)
+    timing, time_left = record_level.timing(record, model)
+    even = record.uniform()
+    fs = even.rate
+    raw = {name: np.asarray(even.channels[name]) for name in names}
+    temperature = None if even.temperature is None else np.array(even.temperature)
+    if temperature is not None and np.isnan(temperature).any():
+        temperature = ensemble.filled(temperature)
+    total = len(names) + 1 + (4 if simulations else 0)
+    held = tuple(p for p in model.record if p.name == "common_mode") if model is not None else ()
+    shared, note, coherence_left = record_level.shared_noise(raw, fs, held)
+    tell(1, total, "coherence")
+    noise = {name: 0.0 for name in names}
+    for process in (*held, *([shared] if shared is not None else [])):
+        for name in process.channels:
+            if name in noise:
+                noise[name] = float(np.hypot(noise[name], process.N))
+    # -- the channels ------------------------------------------------------------------------------------------
+    work = [(name, raw[name], fs, model[name] if model is not None and name in model else None, temperature, seed, noise[name]) for name in names]
+    results, done = {}, 1
+    for name, result in _each(_channel, work, jobs):
+        results[name] = result
+        done += 1
+        found = ", ".join(s.effect for s in result.steps) or "nothing"
+        tell(done, total, f"{name}: {found}")
+    results = {name: results[name] for name in names}
+    base = Model(channels={n: r.base for n, r in results.items()}, record=model.record if model is not None else (), rate=fs)
+    record_steps = list(timing)
+    extra = []
+    if shared is not None:
+        record_steps.append(record_level.common_step(shared, note))
+        extra.append(shared)
+    for s in timing:
+        from imu_lib.processes import OF_RECORD
+        extra.append(OF_RECORD[s.effect](**s.parameters))
+    grown = Model(channels={n: r.model for n, r in results.items()}, record=base.record + tuple(extra), rate=fs,
+                  name=(model.name if model is not None else "") or record.name, source="imu-lib gap")
+    reports = {name: ChannelReport(r) for name, r in results.items()}
+    if simulations:
+        _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs, lambda i: tell(done + i, total, "simulations"))
+    return Report(reports, record_steps, time_left or coherence_left, base, grown, record, time.perf_counter() - started, model is not None)
+
+
+def _channel(name, x, fs, base, temperature, seed, shared):
+    return name, analyse(name, x, fs, base, temperature=temperature, seed=seed, shared=shared)
+
+
+def _each(function, work, jobs):
+    if jobs == 1 or len(work) == 1:
+        for args in work:
+            yield function(*args)
+        return
+    yield from Parallel(n_jobs=jobs, return_as="generator_unordered", max_nbytes="2M")(delayed(function)(*args) for args in work)
+
+
+def _stages_of_model(result: ChannelResult) -> list:
+    """Models between the base and the grown one, one more effect in each."""
+    return [result.base, *result.between, result.model]
+
+
+def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs, tick):
+    """Gap indices of every channel: before, after each step, after all, and on the held-out part."""
+    n = len(next(iter(raw.values())))
+    cut = int(FITTED * n)
+    held_noise = {c: float(np.sqrt(sum(p.N**2 for p in held if c in p.channels))) for c in raw}
+    work, keys, levels = [], [], []
+    for name, report in reports.items():
+        r = report.result
+        lost = np.isnan(raw[name])
+        lost = lost if lost.any() else None
+        chain = _stages_of_model(r) if r.steps else [r.base]
+        if noise[name] != held_noise[name]:
+            chain = [r.base] + chain
+        for i, m in enumerate(chain):
+            own = held_noise[name] if i == 0 else noise[name]
+            work.append((m, 0, n, own, lost))
+            keys.append((name, i))
+            levels.append(r.mean)
+            if i == 0 and r.steps:
+                work.append((m, cut, n, own, lost))
+                keys.append((name, "held before"))
+                levels.append(r.mean)
+        if r.steps:
+            again = refitted(r, FITTED)
+            if again is not None:
+                work.append((again, cut, n, noise[name], lost))
+                keys.append((name, "held after"))
+                levels.append(r.mean)
+    seeds = [[seed, 7919, i] for i in range(simulations)]
+    share = max(1, simulations // (2 * jobs))
+    parts = [seeds[i:i + share] for i in range(0, simulations, share)]
+    rows = {k: [] for k in keys}
+    tasks = [(work, n, fs, part, temperature, levels) for part in parts]
+    for i, made in enumerate(_each(ensemble.simulate, tasks, jobs)):
+        for key, batteries in zip(keys, made):
+            rows[key] += batteries
+        tick(i + 1)
+    for name, report in reports.items():
+        x = ensemble.filled(raw[name])
+        whole = battery(x, fs, temperature)
+        chain = [ensemble.index(whole, rows[key]) for key in keys if key[0] == name and not isinstance(key[1], str)]
+        report.before, report.after = chain[0], chain[-1]
+        report.batteries = {"measured": whole, "before": rows[(name, 0)], "after": rows[[k for k in keys if k[0] == name and not isinstance(k[1], str)][-1]]}
+        r = report.result
+        if r.steps:
+            values = [c.value for c in chain]
+            values = values[len(values) - len(r.steps) - 1:]
+            r.steps = [replace(s, gap_before=a, gap_after=b) for s, a, b in zip(r.steps, values[:-1], values[1:])]
+        if (name, "held after") in rows:
+            part = battery(x[cut:], fs, None if temperature is None else temperature[cut:])
+            report.held_out = {"before": round(ensemble.index(part, rows[(name, "held before")]).value, 4), "after": round(ensemble.index(part, rows[(name, "held after")]).value, 4)}

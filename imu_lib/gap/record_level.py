@@ -1,0 +1,165 @@
+"""What acts on the whole record: noise that channels share, missing samples, jitter of the time stamps."""
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.stats import chi2
+
+from imu_lib.gap.effects.common_mode import CommonMode
+from imu_lib.gap.effects.jitter import Jitter
+from imu_lib.gap.effects.time_gaps import TimeGaps
+from imu_lib.gap.innovations import first_fill, trend
+from imu_lib.gap.steps import Step
+from imu_lib.processes import CommonMode as SharedNoise
+
+#: Gain in log-likelihood that noise in common has to bring.
+COMMON_GAIN = 16.0
+#: log10 p below which what is left of the coherence is reported.
+LEFT = -6.0
+
+
+def timing(record, model) -> tuple[list[Step], str | None]:
+    """Missing samples and jitter, and a sentence where the time stamps do something else."""
+    held = {p.name for p in model.record} if model is not None else set()
+    steps = []
+    for effect in (TimeGaps(), Jitter()):
+        if effect.name in held:
+            continue
+        found = effect.detect(record)
+        if found is not None:
+            steps.append(Step(effect.name, {k: v for k, v in found.process.to_json().items() if k != "process"}, found.intervals, found.where,
+                              0.5 if found.doubt else 0.999, {"effect": "none", "confidence": 0.0}, [], gain=found.gain, cause=effect.cause))
+            if found.doubt:
+                return steps, found.doubt
+    return steps, None
+
+
+def cross_spectra(channels: dict, fs: float, *, segments: int = 512):
+    """Averaged cross-spectra between channels in the fast band: (names, matrix (bands, k, k) complex, ordinates per band, Hz).
+
+    Ordinates at which any channel has a line are left out.
+    """
+    names = list(channels)
+    n = len(next(iter(channels.values())))
+    z = []
+    for name in names:
+        x = first_fill(channels[name], np.isnan(channels[name]))
+        x = x - trend(x, max(2, int(2 * fs)))
+        sd = 1.4826 * np.median(np.abs(x[::5]))
+        x = np.clip(x, -6 * sd, 6 * sd) if sd > 0 else x
+        z.append(np.fft.rfft(x) * np.sqrt(2.0 / (n * fs)))
+    z = np.array(z)
+    f = np.arange(z.shape[1]) * fs / n
+    lo, hi = np.searchsorted(f, 0.02 * fs), np.searchsorted(f, 0.49 * fs)
+    z, f = z[:, lo:hi], f[lo:hi]
+    bands = 24
+    edge = np.linspace(0, z.shape[1], bands + 1).astype(int)
+    power = np.abs(z) ** 2
+    keep = np.ones(z.shape[1], bool)
+    for a, b in zip(edge[:-1], edge[1:]):
+        level = np.median(power[:, a:b], axis=1, keepdims=True) / np.log(2)
+        keep[a:b] = ~(power[:, a:b] > 16 * level).any(axis=0)
+    matrix, count, centre = [], [], []
+    for a, b in zip(edge[:-1], edge[1:]):
+        part = z[:, a:b][:, keep[a:b]]
+        matrix.append(part @ part.conj().T / part.shape[1])
+        count.append(part.shape[1])
+        centre.append(f[a:b].mean())
+    return names, np.array(matrix), np.array(count), np.array(centre)
+
+
+def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None, dict, str | None]:
+    """Noise in common: the process or None, what was found on the way, and a sentence where another coherence is left.
+
+    `held` are the base model's own processes in common.
+    """
+    if len(channels) < 2:
+        return None, {}, None
+    names, matrix, count, f = cross_spectra(channels, fs)
+    k = len(names)
+    for process in held:
+        member = np.array([c in process.channels for c in names], float)
+        off = np.outer(member, member) * (1 - np.eye(k))
+        matrix = matrix - 2 * process.N**2 * off
+    best, plain = None, 0.0
+    total = count.sum()
+    weight = count / total
+    mean = np.einsum("b,bij->ij", weight, matrix).real
+    sd = np.sqrt(np.diag(mean))
+
+    def gain(members, density):
+        """Log-likelihood gained by a density in common, each band with its own levels."""
+        out = 0.0
+        for m, c in zip(matrix, count):
+            d = np.sqrt(np.diag(m).real)
+            r = (m / np.outer(d, d)).real
+            model = np.eye(k)
+            share = density / d**2
+            if np.any(share[members] >= 0.999):
+                return -np.inf
+            for i, j in combinations(members, 2):
+                model[i, j] = model[j, i] = np.sqrt(share[i] * share[j])
+            sign, logdet = np.linalg.slogdet(model)
+            if sign <= 0:
+                return -np.inf
+            out -= c * (logdet + np.trace(np.linalg.solve(model, r)) - k)
+        return out
+    r = mean / np.outer(sd, sd)
+    strength = r * np.sqrt(2 * total)
+    linked = [i for i in range(k) if any(strength[i, j] > 3.5 for j in range(k) if j != i)]
+    for size in range(2, len(linked) + 1):
+        for members in combinations(linked, size):
+            members = list(members)
+            guess = np.median([mean[i, j] for i, j in combinations(members, 2)])
+            if guess <= 0:
+                continue
+            fit = minimize_scalar(lambda v: -gain(members, np.exp(v)), bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
+            if best is None or -fit.fun > best[0]:
+                best = (-fit.fun, members, float(np.exp(fit.x)))
+    found, note = None, {}
+    rest = matrix
+    if best is not None and best[0] > COMMON_GAIN:
+        value, members, density = best
+        h = 1e-2
+        curve = -(gain(members, density * np.exp(h)) - 2 * value + gain(members, density * np.exp(-h))) / h**2
+        spread = 0.5 / np.sqrt(max(curve, 1e-9))
+        N = np.sqrt(density / 2)
+        found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members))
+        note = {"gain": value, "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
+                "coherence": float(np.mean([r[i, j] ** 2 for i, j in combinations(members, 2)])), "z_before": _size(matrix, count)}
+        member = np.zeros(k)
+        member[members] = 1.0
+        rest = matrix - density * np.outer(member, member) * (1 - np.eye(k))
+        note["z_after"] = _size(rest, count)
+    return found, note, _left(names, rest, matrix, count, f)
+
+
+def _size(matrix, count):
+    k = matrix.shape[1]
+    d = np.sqrt(np.einsum("bii->bi", matrix).real)
+    z = [m / np.outer(e, e) * np.sqrt(c) for m, e, c in zip(matrix, d, count)]
+    return float(np.sqrt(np.mean([np.abs(a[i, j]) ** 2 for a in z for i, j in combinations(range(k), 2)])))
+
+
+def _left(names, rest, matrix, count, f):
+    worst = (0.0, None)
+    pairs = list(combinations(range(len(names)), 2))
+    for i, j in pairs:
+        g = np.abs(rest[:, i, j]) ** 2 / (matrix[:, i, i].real * matrix[:, j, j].real) * count * 2
+        # the fitted density takes no more than its own accuracy; allow a percent of the coherence
+        for value, dof, text in ((g.sum(), 2 * len(g), f"coherence between {names[i]} and {names[j]} over the whole band"),
+                                 (g.max(), 2, f"coherence between {names[i]} and {names[j]} near {f[int(np.argmax(g))]:.3g} Hz")):
+            p = chi2.logsf(value, dof) / np.log(10) + np.log10(len(pairs) * (len(g) if dof == 2 else 1))
+            if p < worst[0]:
+                worst = (p, text)
+    return worst[1] if worst[0] < LEFT else None
+
+
+def common_step(process, note) -> Step:
+    """Noise in common as a step of the record."""
+    names = ", ".join(process.channels)
+    return Step("common_mode", {"N": process.N, "channels": list(process.channels)}, {"N": note["interval"]},
+                f"coherence between {names}: {note['coherence']:.2g} where independent channels have none", float(1 / (1 + np.exp(-(min(note["gain"], 300) - 12)))),
+                {"effect": "none", "confidence": 0.0}, [], gain=note["gain"], gap_before=note["z_before"], gap_after=note["z_after"], cause=CommonMode.cause)

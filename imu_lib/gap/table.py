@@ -1,0 +1,62 @@
+"""The result as text for the terminal, in datasheet units where there are any."""
+from __future__ import annotations
+
+from imu_lib import units
+
+
+def value(symbol: str, x, channel: str) -> str:
+    """A parameter with its unit."""
+    if isinstance(x, (str, list, tuple)) or x is None:
+        return str(x)
+    try:
+        factor, unit = units.datasheet(symbol, channel)
+        return f"{x / factor:.4g} {unit}"
+    except (KeyError, ValueError):
+        pass
+    second = {"correlation_time": "s", "time_constant": "s", "time": "s", "frequency": "Hz", "cutoff": "Hz", "rate": "/s", "sd": "s"}
+    if symbol in second:
+        return f"{x:.5g} {second[symbol]}"
+    signal = "rad/s" if channel.startswith("gyro") else "m/s^2"
+    own = {"amplitude": signal, "limit": signal, "low": signal, "lsb": signal, "scale": signal, "slope": f"{signal}/degC"}
+    return f"{x:.4g}{' ' + own[symbol] if symbol in own and channel != 'record' else ''}"
+
+
+def describe(step, channel: str) -> str:
+    """Name and parameters of a step."""
+    p = step.parameters
+    if step.effect == "parameter_change":
+        return f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> {value(p['name'], p['to'], channel)}"
+    return step.effect + "  " + ", ".join(f"{k} {value(k, v, channel)}" for k, v in p.items() if v is not None and k != "phase")
+
+
+def table(found) -> str:
+    """The whole result."""
+    lines = [f"{'channel':<9}{'gap before':>11}{'after':>7}{'held out':>15}  found"]
+    for name, c in found.channels.items():
+        r = c.result
+        before = "" if c.before is None else f"{c.before.value:.2f}"
+        after = "" if c.after is None else f"{c.after.value:.2f}"
+        held = "" if not c.held_out else f"{c.held_out['before']:.2f} -> {c.held_out['after']:.2f}"
+        lines.append(f"{name:<9}{before:>11}{after:>7}{held:>15}  {'' if r.steps or r.unexplained else 'nothing: simulation and measurement agree'}")
+        lines += _steps(r.steps, name)
+        if r.absorbed:
+            lines.append(f"{'':<11}fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: {', '.join(r.absorbed)}")
+        if r.unexplained:
+            lines.append(f"{'':<11}UNEXPLAINED: {r.unexplained}")
+    if found.record_steps or found.record_unexplained:
+        lines.append("record")
+        lines += _steps(found.record_steps, "record")
+        if found.record_unexplained:
+            lines.append(f"{'':<11}UNEXPLAINED: {found.record_unexplained}")
+    lines.append(f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from simulations as they do among themselves.")
+    return "\n".join(lines)
+
+
+def _steps(steps, name):
+    out = []
+    for s in steps:
+        out.append(f"{'':<11}{describe(s, name)}   (confidence {s.confidence:.3g})")
+        out.append(f"{'':<13}where: {s.where}")
+        if s.indistinguishable:
+            out.append(f"{'':<13}this record cannot tell it from: {', '.join(s.indistinguishable)}")
+    return out
