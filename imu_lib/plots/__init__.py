@@ -65,6 +65,20 @@ _HOME = {
     "coefficient_comparison": "wavelet",
     "process_portrait": "processes",
     "allan_family": "processes",
+    "allan": "allan",
+    "allan_curves": "allan",
+    "allan_lines": "allan",
+    "allan_panels": "allan",
+    "allan_terms": "allan",
+    "allan_errors": "allan",
+    "allan_deviations": "allan",
+    "coefficients": "allan",
+    "papers_error_map": "allan",
+    "spectrum": "spectrum",
+    "spectra": "spectrum",
+    "spectrum_lines": "spectrum",
+    "spectrum_terms": "spectrum",
+    "roll_off": "spectrum",
 }
 __all__ = sorted(_HOME)
 
