@@ -6,6 +6,7 @@ tables, from any error model, or from a static record of the sensor at hand.
 import numpy as np
 from statsmodels.regression.linear_model import burg
 
+from imu_lib import allan
 from imu_lib.errors import InputError
 from imu_lib.model import Model
 from imu_lib.presets import preset
@@ -107,6 +108,28 @@ def five(model: Model | None = None, *, static=None, rate=100.0, names=NAMES, ca
             if n in orders:
                 made[n] = FilterModel(n, fit_autoregressive(record, rate, orders[n], white), turn_on_sd=turn_on_sd)
     return {n: made[n] for n in names}
+
+
+def read_off(record, rate) -> Model:
+    """White noise, Gauss-Markov process and random walk of a static record, read off its Allan curves as the 2013 paper does.
+
+    N and K from their slopes, sigma = 0.664 B and the correlation time from the flat part (section 5.5, Eq. 29). Where no flat part is
+    found its place is taken by the lowest point of the curve; a walk without a slope of its own is left out.
+    """
+    still = record.continuous()
+    channels = {}
+    for c in CHANNELS:
+        if c not in still:
+            raise InputError(f"{record.name or 'the static record'} has no channel {c}; the filter needs all six")
+        curve = allan.deviation(still[c], still.rate)
+        reading = allan.read_off(curve)
+        low = int(np.argmin(np.where(curve.adev > 0.0, curve.adev, np.inf)))
+        white, flat, time, walk = reading["N"].value, reading.flat.value, reading.correlation_time.value, reading["K"].value
+        white = white if white is not None else float(curve.adev[curve.adev > 0.0][0] * np.sqrt(curve.tau[curve.adev > 0.0][0]))
+        flat, time = (flat, time) if flat is not None and time is not None else (float(curve.adev[low]), float(curve.tau[low]))
+        terms = (WhiteNoise(N=white), GaussMarkov(sigma=flat, correlation_time=time))
+        channels[c] = Sum(terms + (() if walk is None else (RandomWalk(K=walk),)))
+    return Model(channels, rate=rate, name="read off", source=f"Allan curves of {record.name or 'a static record'}")
 
 
 def _plain(model: Model) -> Model:

@@ -155,7 +155,8 @@ def measure(drive: Drive, window):
     return Window(window.start, window.duration, float(speed[inside].mean()), turn)
 
 
-def compare(drive: Drive, models, windows, *, gnss: Gnss | None = None, heading=None, progress=False, **options) -> OutageStudy:
+def compare(drive: Drive, models, windows, *, gnss: Gnss | None = None, heading=None, strict=True, progress=False,
+            **options) -> OutageStudy:
     """Compare error models over outages of one drive.
 
     Parameters
@@ -164,6 +165,7 @@ def compare(drive: Drive, models, windows, *, gnss: Gnss | None = None, heading=
     models : mapping of name to FilterModel or Model
     windows : sequence of Window, or of (start s, duration s)
     gnss, heading, options : passed to `LooselyCoupled`
+    strict : refuse a window that a model cannot start; False leaves it out for all models, and says so
     progress : show a bar on standard error
 
     Raises
@@ -180,26 +182,34 @@ def compare(drive: Drive, models, windows, *, gnss: Gnss | None = None, heading=
             raise InputError(f"the outage from {w.start:g} s for {w.duration:g} s ends after the drive, which lasts {drive.time[-1]:.1f} s")
         if broken(drive, w):
             raise InputError(f"the outage from {w.start:g} s for {w.duration:g} s has a hole in the IMU data, or no fix before it; choose another")
-    done, notes = {}, []
+    engines, solutions, notes = {}, {}, []
     bar = tqdm(models.items(), desc="models", disable=not progress, leave=False)
     for name, model in bar:
         bar.set_postfix_str(name)
-        done[name], told = _one(drive, model, windows, gnss or Gnss(), heading, options)
-        notes += [n for n in told if n not in notes]
-    return OutageStudy(windows, done, tuple(notes))
+        engines[name] = LooselyCoupled(drive, model, gnss=gnss, heading=heading, **options)
+        solutions[name] = engines[name].solve(moments=sorted({w.start for w in windows}))
+        about = [f"{name}: {n}" if "innovation" in n or "widened" in n else n for n in solutions[name].notes]
+        notes += [n for n in about if n not in notes]
+    ready = [w for w in windows if all(_moment(solutions[n], w, engines[n]) for n in models)]
+    if len(ready) < len(windows):
+        first = next(w for w in windows if w not in ready)
+        if strict or not ready:
+            raise InputError(f"the filter has not started at {first.start:g} s, where an outage begins; choose a later one")
+        notes.append(f"{len(windows) - len(ready)} windows left out: the filter had not started, the first at {first.start:g} s.")
+    done = {n: _coasted(drive, engines[n], solutions[n], ready) for n in models}
+    return OutageStudy(tuple(ready), done, tuple(notes))
 
 
-def _one(drive, model, windows, gnss, heading, options):
-    engine = LooselyCoupled(drive, model, gnss=gnss, heading=heading, **options)
-    solution = engine.solve(moments=sorted({w.start for w in windows}))
+def _moment(solution, window, engine):
+    return next(((m, i) for m in solution.moments for i in np.flatnonzero(np.abs(m.time - window.start) < 1.5 / engine.prepared.rate)), None)
+
+
+def _coasted(drive, engine, solution, windows):
     times, sigmas, paths, errors = [], [], [], {"full_gnss": []}
     if drive.has_reference:
         errors["reference"] = []
     for w in windows:
-        found = [(m, i) for m in solution.moments for i in np.flatnonzero(np.abs(m.time - w.start) < 1.5 / engine.prepared.rate)]
-        if not found:
-            raise InputError(f"the filter has not started at {w.start:g} s, where an outage begins; choose a later one")
-        time, position, sd, _ = engine.coast(*found[0], w.duration)
+        time, position, sd, _ = engine.coast(*_moment(solution, w, engine), w.duration)
         times.append(time - w.start)
         paths.append(position)
         sigmas.append(np.hypot(sd[:, 0], sd[:, 1]))
@@ -207,4 +217,4 @@ def _one(drive, model, windows, gnss, heading, options):
         if drive.has_reference:
             truth = np.column_stack([np.interp(time, drive.reference_time, c) for c in np.asarray(drive.reference_position).T])
             errors["reference"].append(earth.horizontal(position, truth))
-    return ModelOutages(engine.states, tuple(times), {a: tuple(e) for a, e in errors.items()}, tuple(sigmas), tuple(paths), solution), solution.notes
+    return ModelOutages(engine.states, tuple(times), {a: tuple(e) for a, e in errors.items()}, tuple(sigmas), tuple(paths), solution)

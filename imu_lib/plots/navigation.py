@@ -1,0 +1,177 @@
+"""Figures of drives, filters and outages."""
+import numpy as np
+from scipy.stats import chi2
+
+from imu_lib.navigation import consistency, earth
+
+from . import style
+
+
+def _colour(study, name):
+    return style.CYCLE[list(study.models).index(name) % len(style.CYCLE)]
+
+
+@style.styled
+def outage_map(study, drive, *, model=None, ax=None):
+    """The drive from above, its outages in colour and, dashed, where one model would have gone (2013 paper, Figs. 18, 20, 23)."""
+    ax = style.axes(ax, x="east, m", y="north, m", size=(6.4, 5.6))
+    model = model or next(iter(study.models))
+    solution = study.models[model].solution
+    ned = earth.meters(solution.position[::20], solution.position[0])
+    ax.plot(ned[:, 1], ned[:, 0], color=style.GREY, lw=1.0, label="with GNSS")
+    for i, (w, path) in enumerate(zip(study.windows, study.models[model].path)):
+        inside = (solution.time >= w.start) & (solution.time <= w.start + w.duration)
+        real = earth.meters(solution.position[inside], solution.position[0])
+        free = earth.meters(path, solution.position[0])
+        ax.plot(real[:, 1], real[:, 0], color=style.BLUE, lw=3.0, label="outages" if i == 0 else None)
+        ax.plot(free[:, 1], free[:, 0], color=style.VERMILION, lw=1.2, ls="--", label=f"{model} without GNSS" if i == 0 else None)
+        if len(study.windows) <= 12:
+            ax.annotate(str(i + 1), (real[0, 1], real[0, 0]), textcoords="offset points", xytext=(5, 5))
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.legend()
+    return ax
+
+
+@style.styled
+def outage_tracks(study, index, *, names=None, ax=None):
+    """One outage in the north-east plane: the way with GNSS and each model's way without (2013 paper, Figs. 21a, 22a, 24a, 25a)."""
+    ax = style.axes(ax, x="east, m", y="north, m", size=(5.0, 4.4))
+    w = study.windows[index]
+    names = names or list(study.models)
+    solution = study.models[names[0]].solution
+    inside = (solution.time >= w.start) & (solution.time <= w.start + w.duration)
+    origin = solution.position[inside][0]
+    real = earth.meters(solution.position[inside], origin)
+    ax.plot(real[:, 1], real[:, 0], color=style.BLACK, lw=2.5, label="with GNSS")
+    for name in names:
+        free = earth.meters(study.models[name].path[index], origin)
+        ax.plot(free[:, 1], free[:, 0], color=_colour(study, name), label=name)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.legend()
+    return ax
+
+
+@style.styled
+def outage_growth(study, index, *, names=None, against=None, sigma=True, ax=None):
+    """Horizontal error of each model over one outage, with the filter's own standard deviation dotted (2013 paper, Figs. 21b to 25b)."""
+    against = against or ("reference" if "reference" in study.against else "full_gnss")
+    ax = style.axes(ax, x="time since the last fix, s", y="horizontal error, m", size=(5.0, 4.0))
+    for name in names or study.models:
+        m = study.models[name]
+        ax.plot(m.time[index], m.error[against][index], color=_colour(study, name), label=name)
+        if sigma:
+            ax.plot(m.time[index], m.sigma[index], color=_colour(study, name), ls=":", lw=0.9)
+    ax.set_ylim(0.0, 1.15 * max(m.error[against][index].max() for m in study.models.values()))
+    ax.legend()
+    return ax
+
+
+@style.styled
+def outage_fan(study, *, name=None, against=None, ax=None):
+    """All outages of one model laid over each other, with the radius that the filter expects to hold 95 % of them.
+
+    For a horizontal error of unequal and correlated components, the 95 % radius lies between 1.73 (one round cloud) and 1.96 (a line) times
+    the horizontal standard deviation; the round one is drawn.
+    """
+    name = name or next(iter(study.models))
+    against = against or ("reference" if "reference" in study.against else "full_gnss")
+    m = study.models[name]
+    ax = style.axes(ax, x="time since the last fix, s", y="horizontal error, m")
+    longest = max(m.time, key=len)
+    for time, error in zip(m.time, m.error[against]):
+        ax.plot(time, error, color=style.BLUE, lw=0.7, alpha=0.35)
+    grid = np.linspace(0.0, longest[-1], 61)[1:]
+    at = np.array([[np.interp(g, t, e) if g <= t[-1] else np.nan for g in grid] for t, e in zip(m.time, m.error[against])])
+    expected = np.array([[np.interp(g, t, s) if g <= t[-1] else np.nan for g in grid] for t, s in zip(m.time, m.sigma)])
+    ax.plot(grid, np.nanquantile(at, 0.95, axis=0), color=style.BLACK, lw=2.0, label="95 % of the outages")
+    ax.plot(grid, np.nanmedian(expected, axis=0) * np.sqrt(chi2.ppf(0.95, 2) / 2.0), color=style.VERMILION, lw=2.0, label="95 % as the filter expects")
+    ax.plot([], [], color=style.BLUE, lw=0.7, label=f"{name}, {len(m.time)} outages")
+    ax.legend()
+    return ax
+
+
+@style.styled
+def outage_errors(study, *, what="max", against=None, published=None, ax=None):
+    """Errors of all models side by side: bars for few outages (2013 paper, Fig. 26), boxes over many.
+
+    published : mapping of model to the paper's errors of the same outages, drawn as points
+    """
+    against = against or ("reference" if "reference" in study.against else "full_gnss")
+    word = "maximum" if what == "max" else "mean"
+    names = list(study.models)
+    values = {n: study.errors(n, what=what, against=against) for n in names}
+    if len(study.windows) > 12:
+        ax = style.axes(ax, y=f"{word} horizontal error, m")
+        ax.boxplot([values[n] for n in names], tick_labels=names, whis=(5, 95), showfliers=False, medianprops={"color": style.VERMILION})
+        ax.set_yscale("log")
+        return ax
+    ax = style.axes(ax, x="outage", y=f"{word} horizontal error, m")
+    place, width = np.arange(len(study.windows)), 0.8 / len(names)
+    for i, n in enumerate(names):
+        at = place + (i - 0.5 * (len(names) - 1)) * width
+        ax.bar(at, values[n], width, color=_colour(study, n), label=n)
+        if published and n in published:
+            ax.plot(at, published[n], ls="none", marker="_", ms=9, mew=2, color=style.BLACK, label="paper" if i == 0 else None)
+    ax.set_xticks(place, [str(i + 1) for i in place])
+    ax.legend(ncols=3)
+    return ax
+
+
+@style.styled
+def solution_errors(solution, drive, *, ax=None):
+    """Errors of a solution against the truth of a simulated drive, with the filter's two-sigma bands: position, velocity, attitude."""
+    time, error, p = consistency.errors(solution, drive)
+    sd = np.sqrt(np.diagonal(p, axis1=1, axis2=2))
+    axes = style.grid(3, 3, size=(9.0, 6.0), sharex=True)
+    for k, (unit, scale) in enumerate((("m", 1.0), ("m/s", 1.0), ("deg", 180.0 / np.pi))):
+        for j in range(3):
+            a, i = axes[k, j], 3 * k + j
+            style.band(a, time, -2.0 * scale * sd[:, i], 2.0 * scale * sd[:, i])
+            a.plot(time, scale * error[:, i], lw=0.8)
+            a.set_title(f"{('position', 'velocity', 'attitude')[k]} {('north', 'east', 'down')[j]}, {unit}")
+    for a in axes[2]:
+        a.set_xlabel("time, s")
+    return axes[0, 0]
+
+
+@style.styled
+def nees_over_time(time, values, *, freedom=9, ax=None):
+    """Mean NEES over runs with the 99.7 % band in which it lies where the filter is honest.
+
+    time : (k,) s; values : ndarray, shape (runs, k)
+    """
+    ax = style.axes(ax, x="time, s", y=f"mean NEES of {len(values)} drives")
+    band = consistency.band(values[:, 0], freedom)
+    style.band(ax, time, np.full(len(time), band.low), np.full(len(time), band.high), label="99.7 % band")
+    ax.plot(time, np.mean(values, axis=0))
+    ax.axhline(freedom, color=style.BLACK, lw=0.8)
+    ax.legend()
+    return ax
+
+
+@style.styled
+def free_inertial(error_time, errors, *, labels, ax=None):
+    """Horizontal error of free inertial runs on a log-log scale: errors, sequence of (k,) m."""
+    ax = style.axes(ax, x="time, s", y="horizontal error, m", log=True)
+    for e, label in zip(errors, labels):
+        ax.plot(error_time, e, label=label)
+    ax.legend()
+    return ax
+
+
+@style.styled
+def paired_intervals(rows, *, ax=None):
+    """Ratios of errors with their 95 % intervals, one per line; left of 1 the first model is better.
+
+    rows : sequence of (label, ratio, low, high)
+    """
+    ax = style.axes(ax, x="ratio of maximum errors (geometric mean, 95 % interval)", size=(7.0, 0.4 * len(rows) + 1.2))
+    for i, (_, ratio, low, high) in enumerate(rows):
+        decided = high < 1.0 or low > 1.0
+        ax.plot([low, high], [i, i], color=style.BLUE if decided else style.GREY, lw=2.0)
+        ax.plot(ratio, i, "o", color=style.BLUE if decided else style.GREY)
+    ax.axvline(1.0, color=style.BLACK, lw=0.8)
+    ax.set_yticks(range(len(rows)), [r[0] for r in rows])
+    ax.set_xscale("log")
+    ax.invert_yaxis()
+    return ax
