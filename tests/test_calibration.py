@@ -44,13 +44,7 @@ def covered(found, truth):
 def test_accelerometer_intervals_cover():
     """9 parameters x 60 records; a proportion of 540 has a standard deviation of 1 % at 95 % (more where the nine are
     correlated): 92 to 98 % is three of them."""
-    hits = []
-    for seed in range(60):
-        accel, _, truth, _ = hand_record(seed)
-        rests = cal.rest_windows(accel, 50.0)
-        assert len(rests) == 24
-        hits += covered(cal.from_gravity(rests.means(accel)), truth)
-    assert 0.92 < np.mean(hits) < 0.98
+    assert 0.92 < simulated.coverage(60).mean() < 0.98
 
 
 def test_gyroscope_intervals_cover():

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..units import DEG_PER_S, G
-from .table import CALGARY, steps
+from .table import CALGARY, averages, line, rotation, steps
 from .triad import Triad, triad
 
 
@@ -96,3 +96,41 @@ def hand_held(
     a = (accelerometers or triad()).distort(force) + (accel_noise(len(rate)) if accel_noise else 0.0)
     w = (gyroscopes or triad()).distort(rate) + (gyro_noise(len(rate)) if gyro_noise else 0.0)
     return a, w
+
+
+def panel_runs(bias, scale_factor, fs: float, rng: np.random.Generator, *, noise=None, rate_sd: float = 0.05 * DEG_PER_S):
+    """Repeated panel tests: a sensor with `bias` (r, 3) m/s^2 and `scale_factor` (r, 3) in run r, the panel's rate off by
+    `rate_sd` rad/s. Returns the fits of x and y, (r, 2) lists of `Line`, and the last run's time and readings."""
+    fits = []
+    for b, s in zip(bias, scale_factor):
+        time, reading = panel(triad(s, b), fs, rate=6 * DEG_PER_S + rng.normal(0, rate_sd), noise=noise)
+        fits.append([rotation(time, reading[:, axis]) for axis in (0, 1)])
+    return fits, time, reading
+
+
+def table_runs(bias, scale_factor, fs: float, *, noise=None):
+    """Repeated stepped rate-table tests of a yaw gyroscope with `bias` (r,) rad/s and `scale_factor` (r,). Returns the fits,
+    (r,) list of `Line`, and the last run's readings (n,) rad/s."""
+    fits = []
+    for b, s in zip(bias, scale_factor):
+        rates, reading = stepped_table(triad((0, 0, s), (0, 0, b)), fs, noise=noise)
+        fits.append(line(rates, averages(reading[:, 2], fs)))
+    return fits, reading[:, 2]
+
+
+def coverage(records: int, *, poses: int = 24, fs: float = 50.0, noise: float = 0.02) -> np.ndarray:
+    """Which 95 % intervals of `from_gravity` hold the truth, ndarray of bool, shape (records, 9), over simulated hand-held
+    records of different sensors (seeds 0, 1, ...)."""
+    from .poses import from_gravity
+    from .rest import rest_windows
+
+    out = np.zeros((records, 9), bool)
+    for seed in range(records):
+        rng = np.random.default_rng(seed)
+        cross = {k: rng.normal(0, 0.005) for k in ("xy", "xz", "yz")}
+        truth = triad(rng.normal(0, 0.005, 3), rng.normal(0, 0.1, 3), cross)
+        accel, _ = hand_held(poses, fs, rng, accelerometers=truth, rest=3.0, accel_noise=white(noise, rng))
+        found = from_gravity(rest_windows(accel, fs).means(accel))
+        estimates = (*found.biases, *found.scale_factors, *(found.cross_coupling[k] for k in cross))
+        out[seed] = [e.covers(v) for e, v in zip(estimates, (*truth.bias, *(np.diag(truth.matrix) - 1), *cross.values()))]
+    return out

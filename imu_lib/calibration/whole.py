@@ -23,7 +23,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..record import Record
-from ..units import DEG, G
+from ..units import DEG, MILLI_G, G
 from .gyro import from_turns
 from .poses import from_gravity, from_reference
 from .rest import RestWindows, rest_windows
@@ -61,6 +61,19 @@ class Calibration:
     magnitude: np.ndarray | None = None
     rests: RestWindows | None = None
     notes: tuple[str, ...] = ()
+
+    def summary(self) -> dict[str, float]:
+        """Biases and scale factors in datasheet units by name, for tables."""
+        out = {}
+        for name, triad, unit, label in (
+            ("accel", self.accelerometers, MILLI_G, "mg"),
+            ("gyro", self.gyroscopes, DEG, "deg/s"),
+        ):
+            for what, factor in (("biases", 1 / unit), ("scale_factors", 100)) if triad is not None else ():
+                text = f"bias, {label}" if what == "biases" else "scale, %"
+                estimates = zip(AXES, getattr(triad, what))
+                out |= {f"{name} {axis} {text}": e.value * factor for axis, e in estimates if e is not None}
+        return out
 
     def to_json(self) -> dict:
         """The whole result; SI units (`bias`, `offset`, `residual_sd`), scale factors and cross-coupling relative."""

@@ -20,7 +20,8 @@ def rest_windows(accel, fs, rests, *, ax=None):
     ax.axhline(rests.threshold, color=style.THEORY, label="threshold found")
     for k, (a, b) in enumerate(zip(rests.start, rests.stop)):
         ax.axvspan(t[a], t[b - 1], color=style.GREEN, alpha=0.2, lw=0, label="at rest" if k == 0 else None)
-    ax.legend(loc="upper right")
+    ax.set_ylim(top=8 * rests.deviation.max())
+    ax.legend(loc="upper right", ncols=3)
     return ax
 
 

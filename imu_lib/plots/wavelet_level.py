@@ -33,7 +33,7 @@ def band_energy(choices, *, fs=100.0, units=None, size=(9.0, 3.6)):
         for (label, choice), color in zip(rows.items(), style.CYCLE):
             levels = np.arange(1, len(choice.noise_variance) + 1)
             middle = fs / 2**levels / np.sqrt(2)
-            motion = np.maximum(choice.motion_variance, 1e-6 * choice.noise_variance)
+            motion = np.where(choice.p_value < 0.001, choice.motion_variance, np.nan)  # what noise alone may do is not drawn
             ax.loglog(middle, np.sqrt(motion) / factor, "o-", color=color, label=f"{label}: motion")
             ax.loglog(middle, np.sqrt(choice.noise_variance) / factor, "x--", color=color, label=f"{label}: at rest")
         ax.set(title=style.channel_label(channel), xlabel="middle of the band, Hz", ylabel=f"standard deviation, {unit}")
@@ -43,7 +43,7 @@ def band_energy(choices, *, fs=100.0, units=None, size=(9.0, 3.6)):
 
 @style.styled
 def denoised_detail(time, curves, *, unit="", ax=None):
-    """A stretch of one signal before and after de-noising; `curves` {label: (n,)}, the first in grey, the last in black."""
+    """A stretch of one signal, or of its error, in several forms; `curves` {label: (n,)}, the first in grey, the last in black."""
     ax = style.axes(ax, x="time, s", y=unit)
     names = list(curves)
     for k, name in enumerate(names):
