@@ -20,9 +20,7 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
     n = len(next(iter(raw.columns.values())))
     # what is missing is asked for all at once, before anything is computed
     scale = {
-        kind: _scale(raw, kind, flag)
-        for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit))
-        if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds()
+        kind: _scale(raw, kind, flag) for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)) if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds()
     }
     time, rate, keep = stamps.settle(raw, rate, lenient=lenient)
     channels = {}
@@ -39,9 +37,7 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
             x.setflags(write=False)
             channels[f"{kind}_{axis}"] = x
         if source != kind:
-            raw.notes += (
-                f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",
-            )
+            raw.notes += (f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",)
     record = _record(raw, channels, rate, time, _temperature(raw, keep))
     if not (trust or raw.simulated):
         check_units(record, {k: s[2] for k, s in scale.items()}, {k: s[0] for k, s in scale.items()}, strict=not raw.contract)
@@ -71,14 +67,8 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
     unit = raw.unit(_INCREMENT[kind] if increments else kind)
     if flag:
         factor, zero, stated = names.stated(flag, kind)
-        if (
-            unit not in (None, "counts", stated)
-            and not raw.contract
-            and not (increments and {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2"}[unit] == stated)
-        ):
-            raise InputError(
-                f"{raw.source} states {unit} for its {kind} columns, --{kind}-unit {flag}; drop the flag or correct the header."
-            )
+        if unit not in (None, "counts", stated) and not raw.contract and not (increments and {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2"}[unit] == stated):
+            raise InputError(f"{raw.source} states {unit} for its {kind} columns, --{kind}-unit {flag}; drop the flag or correct the header.")
         return factor, zero, stated
     if unit == "counts":
         raise InputError(
@@ -87,8 +77,7 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
         )
     if unit is None:
         raise InputError(
-            f"{raw.source} does not state the unit of its {'gyro' if kind == 'gyro' else 'accelerometer'} columns; give "
-            f"--{kind}-unit {_OTHER[kind]}."
+            f"{raw.source} does not state the unit of its {'gyro' if kind == 'gyro' else 'accelerometer'} columns; give --{kind}-unit {_OTHER[kind]}."
         )
     return names.UNITS[_INCREMENT[kind] if increments else kind][unit], 0.0, unit
 
@@ -108,9 +97,7 @@ def _values(raw: Raw, canonical: str) -> np.ndarray:
                 "leave the field empty (NaN) where a sample is missing."
             )
         if np.isnan(x).all():
-            raise InputError(
-                f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -."
-            )
+            raise InputError(f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -.")
     return x
 
 

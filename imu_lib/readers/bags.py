@@ -54,9 +54,7 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
     except Exception as error:  # a damaged bag fails deep inside sqlite, mcap, lz4 or the message parser, each in its own way
         if isinstance(error, OSError) and error.errno is not None:
             raise
-        raise InputError(
-            f"{path} is damaged ({type(error).__name__}: {(str(error).splitlines() or [''])[0][:70]}); record or copy it again."
-        ) from None
+        raise InputError(f"{path} is damaged ({type(error).__name__}: {(str(error).splitlines() or [''])[0][:70]}); record or copy it again.") from None
     if len(rows) < 2:
         raise InputError(f"{path}: its IMU topic has {len(rows)} messages; at least two are needed.")
     order = np.argsort(np.asarray(stamp, dtype=np.int64), kind="stable")  # a bag is in order of receipt

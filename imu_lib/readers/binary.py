@@ -52,8 +52,7 @@ def read_mat(path, *, columns=None, signal=None) -> Raw:
             MemoryError,
         ) as error:
             raise InputError(
-                f"{path} is not a whole MATLAB file ({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); "
-                "save it again with save -v7."
+                f"{path} is not a whole MATLAB file ({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); save it again with save -v7."
             ) from None
         flat: dict[str, np.ndarray] = {}
         for key, value in arrays.items():
@@ -85,8 +84,7 @@ def _hdf5(path) -> dict[str, np.ndarray]:
                     return
                 if item.size > 1000 and item.id.get_storage_size() * 20_000 < item.size * item.dtype.itemsize or item.size > MOST_VALUES:
                     raise InputError(
-                        f"{path}, `{name}`: announces {item.size:,} values but stores {item.id.get_storage_size():,} bytes; it "
-                        f"is damaged: save it again."
+                        f"{path}, `{name}`: announces {item.size:,} values but stores {item.id.get_storage_size():,} bytes; it is damaged: save it again."
                     )
                 value = item[()]
                 out[name.replace("/", ".")] = value.T if value.ndim == 2 else value  # MATLAB stores columns first
@@ -124,9 +122,7 @@ def read_parquet(path, *, columns=None, signal=None) -> Raw:
             continue
         else:
             raise InputError(f"{path}, column `{name}`: holds {column.type} instead of numbers; write it as float.")
-        arrays[name] = (
-            column.to_numpy() if not (column.null_count and pa.types.is_integer(column.type)) else column.cast(pa.float64()).to_numpy()
-        )
+        arrays[name] = column.to_numpy() if not (column.null_count and pa.types.is_integer(column.type)) else column.cast(pa.float64()).to_numpy()
     return _from_arrays(str(path), arrays, columns, signal, contract=False)
 
 
@@ -168,8 +164,7 @@ def _from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
     if not raw.kinds() and not (signal == "temperature" and "temperature" in raw.columns):
         found = ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
         raise InputError(
-            f"{source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or give --columns "
-            f"for the columns of one matrix."
+            f"{source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or give --columns for the columns of one matrix."
         )
     return _checked(raw)
 
@@ -187,8 +182,7 @@ def _matrix(source, arrays):
     if flat and len(flat) == len(found) and len({len(v) for v in flat}) == 1:
         return np.column_stack(flat)
     raise InputError(
-        f"{source} holds {len(wide)} matrices ({', '.join(list(found)[:8]) or 'no numbers'}); --columns needs one matrix, or "
-        f"columns of one length."
+        f"{source} holds {len(wide)} matrices ({', '.join(list(found)[:8]) or 'no numbers'}); --columns needs one matrix, or columns of one length."
     )
 
 
@@ -196,8 +190,7 @@ def _checked(raw: Raw) -> Raw:
     lengths = {h: len(raw.columns[c]) for c, h in raw.headings.items() if c in raw.columns}
     if len(set(lengths.values())) > 1:
         raise InputError(
-            f"{raw.source}: its arrays differ in length ({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); "
-            f"every one needs a value per sample."
+            f"{raw.source}: its arrays differ in length ({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); every one needs a value per sample."
         )
     if next(iter(lengths.values())) < 2:
         raise InputError(f"{raw.source} has only {next(iter(lengths.values()))} sample; at least two are needed.")

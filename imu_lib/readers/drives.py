@@ -42,9 +42,7 @@ def read_drive(
         if not archive and Path(path).suffix.lower() != ".npz":
             if Path(path).is_file() and gnss_files.is_gnss(path):
                 raise InputError(f"{path} is a GNSS solution; give the IMU's file first and this one as --gnss.")
-            raise InputError(
-                f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA)."
-            )
+            raise InputError(f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA).")
         drive = Drive.load(path)
         if not trust_units:
             check_units(drive.imu(), {"gyro": "rad/s", "accel": "m/s^2"}, {"gyro": 1.0, "accel": 1.0}, strict=False)
@@ -62,10 +60,7 @@ def read_drive(
         arrays = gnss_files.read_gnss(gnss)
         zero = arrays["gnss_time"][0] - gnss_offset if gnss_offset is not None else raw.epoch
         if zero is None:
-            raise InputError(
-                f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time "
-                f"of the first fix."
-            )
+            raise InputError(f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time of the first fix.")
         arrays["gnss_time"] = arrays["gnss_time"] - zero
         if arrays["gnss_time"][0] > record.duration or arrays["gnss_time"][-1] < 0:
             raise InputError(
@@ -80,7 +75,5 @@ def read_drive(
         try:
             drive = drive.slice(start, stop)
         except ValueError as error:
-            raise InputError(
-                f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')})."
-            ) from None
+            raise InputError(f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')}).") from None
     return drive

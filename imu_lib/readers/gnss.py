@@ -58,14 +58,9 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
             if len(row) < 3 or not np.isfinite([t, *row[:3]]).all() or abs(row[0]) > 90 or abs(row[1]) > 360:
                 raise ValueError
         except (ValueError, IndexError, OverflowError):
-            raise InputError(
-                f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, longitude, height); correct or remove it."
-            ) from None
+            raise InputError(f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, longitude, height); correct or remove it.") from None
         if values and len(row) != len(values[0]):
-            raise InputError(
-                f"{path}, line {number}: {len(row) + 2} columns where the first position has {len(values[0]) + 2}; the file is "
-                f"cut off there."
-            )
+            raise InputError(f"{path}, line {number}: {len(row) + 2} columns where the first position has {len(values[0]) + 2}; the file is cut off there.")
         time.append(t - (LEAP_SECONDS if gpst else 0))
         values.append(row)
     if len(values) < 2:

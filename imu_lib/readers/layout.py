@@ -15,9 +15,7 @@ _COMMA_NUMBER = re.compile(r"^[+-]?\d+,\d+(?:[eE][+-]?\d+)?$")
 _DATE = re.compile(r"^\d{4}[-/.]\d{1,2}[-/.]\d{1,2}$|^\d{1,2}[-/.]\d{1,2}[-/.]\d{4}$")
 _CLOCK = re.compile(r"^\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d+)?)?$")
 _MOMENT = re.compile(r"^\d{4}[-/]\d{1,2}[-/]\d{1,2}[T ]\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d+)?)?\s*(?:Z|[+-]\d{2}:?\d{2})?$")
-_RATE = re.compile(
-    r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate)$", re.IGNORECASE
-)
+_RATE = re.compile(r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate)$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -75,9 +73,7 @@ def sniff(path) -> Layout:
         raise InputError(f"{path} is empty; a table with a row per sample is expected.")
     encoding = "utf-16" if head[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     if encoding == "utf-8-sig" and (b"\0" in head or sum(c < 9 or 13 < c < 32 for c in head[:4096]) > 0.01 * len(head[:4096])):
-        raise InputError(
-            f"{path} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag."
-        )
+        raise InputError(f"{path} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag.")
     try:
         text = head.decode(encoding, errors="strict" if len(head) < HEAD else "ignore")
     except UnicodeDecodeError:
@@ -96,11 +92,7 @@ def sniff(path) -> Layout:
         width = max(set(widths), key=widths.count)
         # the first run of equally wide rows; `key,3` lines above it are preamble
         start = next(
-            (
-                j
-                for j, r in enumerate(rows)
-                if r and len(r) == width and (j + 1 == len(rows) or rows[j + 1] is None or len(rows[j + 1]) == width)
-            ),
+            (j for j, r in enumerate(rows) if r and len(r) == width and (j + 1 == len(rows) or rows[j + 1] is None or len(rows[j + 1]) == width)),
             None,
         )
         if start is None:

@@ -71,16 +71,7 @@ _TRAILING = re.compile(
 
 def unit_of(text: str) -> str | None:
     """The canonical unit a text spells, or None."""
-    plain = (
-        text.strip()
-        .strip("[]()")
-        .replace("°", "deg")
-        .replace("º", "deg")
-        .replace("²", "^2")
-        .replace("µ", "u")
-        .replace("μ", "u")
-        .replace("·", "*")
-    )
+    plain = text.strip().strip("[]()").replace("°", "deg").replace("º", "deg").replace("²", "^2").replace("µ", "u").replace("μ", "u").replace("·", "*")
     plain = plain.replace("_per_", "/").replace(" per ", "/")
     if plain in ("G", "g"):
         return "g"

@@ -41,8 +41,7 @@ def accel_unit(accel: np.ndarray, unit: str, factor: float) -> str | None:
     for other, scale in names.ACCEL_UNITS.items():
         if GRAVITY[0] < read * scale < GRAVITY[1] and other != unit:
             return (
-                f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; "
-                f"its unit is likely {other}"
+                f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; its unit is likely {other}"
             )
     if size < 0.5:
         return None  # what is left when gravity was taken out
@@ -63,18 +62,10 @@ def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate: float, unit: str
         for other, scale in names.GYRO_UNITS.items() if factor else ():
             if other != unit and 0.5 < slope / (scale / factor) < 2.0:
                 return f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}"
-        return (
-            None
-            if 0.2 < slope < 5
-            else f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale"
-        )
+        return None if 0.2 < slope < 5 else f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale"
     still, bias = _still(gyro, rate)
     if still > GYRO_NOISE or bias > GYRO_BIAS:
-        worst = (
-            f"a noise of {still / units.DEG_PER_SQRT_HOUR:.3g} deg/sqrt(h)"
-            if still > GYRO_NOISE
-            else f"a bias of {bias / units.DEG_PER_S:.3g} deg/s"
-        )
+        worst = f"a noise of {still / units.DEG_PER_SQRT_HOUR:.3g} deg/sqrt(h)" if still > GYRO_NOISE else f"a bias of {bias / units.DEG_PER_S:.3g} deg/s"
         said = f"the rates stated in {unit} have {worst}, more than any gyro at rest"
         if factor is None or _whole(gyro / factor):
             return said + "; they are likely raw counts (counts:C, C counts per deg/s)" if factor else said + "; check the counts per deg/s"

@@ -62,9 +62,7 @@ class Raw:
         """The one unit that the columns of a kind state, None where none does. InputError where they contradict or are unknown."""
         said = {u for c, u in self.units.items() if (c == kind or c.startswith(kind + "_")) and u is not None}
         if len(said) > 1:
-            raise InputError(
-                f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with --{kind}-unit."
-            )
+            raise InputError(f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with --{kind}-unit.")
         unit = said.pop() if said else None
         if unit is not None and unit != "counts" and unit not in names.UNITS[kind]:
             raise InputError(
@@ -75,9 +73,7 @@ class Raw:
         return unit
 
 
-def by_position(
-    columns: str | list[str] | tuple[str, ...], found: int, source: str, signal: str | None
-) -> list[tuple[str | None, str | None, str]]:
+def by_position(columns: str | list[str] | tuple[str, ...], found: int, source: str, signal: str | None) -> list[tuple[str | None, str | None, str]]:
     """(canonical, unit, heading) for each of `found` columns from the names the caller gave. InputError where they do not fit."""
     given = [c.strip() for c in columns.split(",")] if isinstance(columns, str) else [str(c).strip() for c in columns]
     if len(given) != found:

@@ -18,9 +18,7 @@ def numeric(raw: Raw, rate: float | None) -> tuple[np.ndarray, float | None]:
         raise InputError(f"{where}: time stamps are numbers or dates, not {stamp.dtype}.")
     if stamp.dtype.kind == "f" and not np.isfinite(stamp).all():
         row = int(np.flatnonzero(~np.isfinite(stamp))[0])
-        raise InputError(
-            f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the time column out and give --rate."
-        )
+        raise InputError(f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the time column out and give --rate.")
     if stamp.dtype.kind == "u":
         stamp = stamp.astype(np.int64)
     falls = np.flatnonzero(np.diff(stamp) < 0)
@@ -54,9 +52,7 @@ def _unit(relative, first, rate, where) -> str:
             return near[0]
     if 0.9 <= fits["s"] <= 20_000 and not np.array_equal(relative, np.arange(len(relative))):
         return "s"
-    likely = next(
-        (f"in {u} it would be {r:.4g} Hz" for u, r in fits.items() if 1 <= r <= 20_000), "no usual unit gives a rate between 1 and 20000 Hz"
-    )
+    likely = next((f"in {u} it would be {r:.4g} Hz" for u, r in fits.items() if 1 <= r <= 20_000), "no usual unit gives a rate between 1 and 20000 Hz")
     raise InputError(
         f"{where} does not state the unit of its time, which steps by {step:.6g} ({likely}); name it in the header or with --columns "
         "as time[s], time[ms], time[us] or time[ns], or give --rate."
@@ -72,17 +68,10 @@ def calendar(raw: Raw) -> tuple[np.ndarray, float | None]:
     heading = " and ".join(f"`{raw.headings[c]}`" for c in ("date", "clock") if c in raw.columns)
     if date is None:
         text = np.char.add("2000-01-01T", clock.astype(str))
-    moments, which = (
-        np.unique(np.asarray(text, dtype=str), return_inverse=True) if len(text) > 1 else (np.asarray(text, dtype=str), np.zeros(1, int))
-    )
+    moments, which = np.unique(np.asarray(text, dtype=str), return_inverse=True) if len(text) > 1 else (np.asarray(text, dtype=str), np.zeros(1, int))
     try:
         parsed = pd.to_datetime(
-            pd.Series(
-                [
-                    m.replace("/", "-").replace(",", ".").replace(".", "-", 2) if "." in m[:8] else m.replace("/", "-").replace(",", ".")
-                    for m in moments
-                ]
-            ),
+            pd.Series([m.replace("/", "-").replace(",", ".").replace(".", "-", 2) if "." in m[:8] else m.replace("/", "-").replace(",", ".") for m in moments]),
             format="ISO8601",
             utc=True,
         )
@@ -91,8 +80,7 @@ def calendar(raw: Raw) -> tuple[np.ndarray, float | None]:
             parsed = pd.to_datetime(pd.Series(moments), format="mixed", dayfirst=True, utc=True)
         except ValueError as error:
             raise InputError(
-                f"{raw.source}, {heading}: dates or clocks are not readable ({str(error).splitlines()[0][:90]}); write them as "
-                f"2018-04-25T15:10:13.25."
+                f"{raw.source}, {heading}: dates or clocks are not readable ({str(error).splitlines()[0][:90]}); write them as 2018-04-25T15:10:13.25."
             ) from None
     ns = parsed.to_numpy(dtype="datetime64[ns]").astype(np.int64)[which]
     if date is None:  # past midnight the clock begins anew
@@ -100,8 +88,7 @@ def calendar(raw: Raw) -> tuple[np.ndarray, float | None]:
     falls = np.flatnonzero(np.diff(ns) < 0)
     if falls.size:
         raise InputError(
-            f"{raw.source}, {heading}, {raw.line(int(falls[0]) + 1)}: the time falls back; sort the rows by time, or leave the "
-            f"columns out and give --rate."
+            f"{raw.source}, {heading}, {raw.line(int(falls[0]) + 1)}: the time falls back; sort the rows by time, or leave the columns out and give --rate."
         )
     if ns[-1] == ns[0]:
         raise InputError(f"{raw.source}, {heading}: all {len(ns):,} stamps are the same; leave the columns out and give --rate.")
@@ -145,8 +132,7 @@ def settle(raw: Raw, rate: float | None, *, lenient: bool = False) -> tuple[np.n
     for value, name in ((rate, "--rate"), (raw.rate, "the rate the file states,")):
         if value is not None and not 0.95 < value / measured < 1.05:
             raise InputError(
-                f"{raw.source}: its time stamps tell {measured:.6g} Hz, {name} {value:g} Hz does not fit; correct it or leave "
-                f"the time column out."
+                f"{raw.source}: its time stamps tell {measured:.6g} Hz, {name} {value:g} Hz does not fit; correct it or leave the time column out."
             )
     time, measured = _even(raw, time, measured)
     return time, measured, keep

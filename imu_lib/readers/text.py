@@ -64,8 +64,7 @@ def _plan(path, layout, columns, signal):
         else:
             header = f"its header ({', '.join(layout.header)[:80]}) names no gyro or accelerometer" if layout.header else "it has no header"
             raise InputError(
-                f"{path} has {width} columns and {header}; name them by position with --columns, as in "
-                f"time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z."
+                f"{path} has {width} columns and {header}; name them by position with --columns, as in time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z."
             )
     return plan
 
@@ -136,7 +135,6 @@ def _pandas(path, layout, numeric, texts):
             header=None,
             names=range(width),
             skiprows=layout.first,
-            usecols=sorted(numeric + texts),
             dtype={i: str for i in texts},
             decimal=layout.decimal,
             engine="c",
@@ -145,7 +143,6 @@ def _pandas(path, layout, numeric, texts):
             na_values=NULLS,
             skip_blank_lines=True,
             skipinitialspace=True,
-            index_col=False,
         )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, UnicodeError, OverflowError):
         return None
