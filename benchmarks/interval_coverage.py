@@ -130,13 +130,22 @@ def main(arguments=None):
     parser.add_argument("--twin", default="3dm-gx3-25")
     parser.add_argument("--methods", default="allan.fit,allan.read_off,spectrum.read_off,likelihood.fit,gmwm.fit")
     parser.add_argument("--out", type=Path, default=RESULT)
+    parser.add_argument("--log", type=Path, help="file of finished seeds: an interrupted study goes on from there")
     options = parser.parse_args(arguments)
     first, last = (int(v) for v in options.seeds.split("-"))
     methods = options.methods.split(",")
     start = time.time()
-    done = Parallel(n_jobs=options.jobs)(delayed(one_seed)(options.twin, seed, methods)
-                                         for seed in range(first, last + 1))
-    rows = [row for part in done for row in part]
+    lines = options.log.read_text().splitlines() if options.log and options.log.exists() else []
+    finished = {entry["seed"]: entry["rows"] for entry in map(json.loads, lines)}
+    todo = [seed for seed in range(first, last + 1) if seed not in finished]
+    work = Parallel(n_jobs=options.jobs, return_as="generator")(delayed(one_seed)(options.twin, seed, methods)
+                                                                for seed in todo)
+    for seed, part in zip(todo, work, strict=True):
+        finished[seed] = part
+        if options.log:
+            with options.log.open("a") as file:
+                file.write(json.dumps({"seed": seed, "rows": part}) + "\n")
+    rows = [row for seed in range(first, last + 1) for row in finished[seed]]
     stored = json.loads(options.out.read_text()) if options.out.exists() else {"methods": {}}
     for method in methods:
         mine = [row for row in rows if row[0] == method]

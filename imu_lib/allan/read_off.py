@@ -33,7 +33,7 @@ class Reading:
     flat : Estimate
         The flat level itself, 0.664 B.
     correlation_time : Estimate
-        Averaging time in the middle of the flat part, with its ends: what the 2013 paper takes for Tc (Table 5).
+        Averaging time in the (logarithmic) middle of the flat part, with its ends: what the 2013 paper takes for Tc (Table 5).
     sigma, peak_correlation_time : Estimate
         The flat part read as the peak of a Gauss-Markov process: level / 0.617 and time / 1.893.
     """
@@ -50,7 +50,7 @@ class Reading:
         return self.coefficients[symbol]
 
 
-def read_off(curve, *, least=0.3):
+def read_off(curve, *, least=0.3, longest=None):
     """Find the straight stretches of an Allan curve and read the coefficients at the standard's averaging times.
 
     Q at sqrt(3) s, N at 1 s, B the flat level over 0.664, K at 3 s, R at sqrt(2) s, each on the line through its own
@@ -64,12 +64,15 @@ def read_off(curve, *, least=0.3):
     curve : AllanCurve
     least : float
         Shortest stretch, decades.
+    longest : float or None
+        Longest averaging time that takes part, s; by default a tenth of the record, beyond which too few clusters
+        are left to see a slope in them.
 
     Returns
     -------
     Reading
     """
-    good = np.flatnonzero(curve.adev > 0)
+    good = np.flatnonzero((curve.adev > 0) & (curve.tau <= (longest or curve.duration / 10)))
     tau, adev, edf = curve.tau[good], curve.adev[good], curve.edf[good]
     # neighbouring points of an overlapped curve say nearly the same: about three of them count as one
     found = segments(tau, adev, np.sqrt(1.5 / edf), [slope for slope, _ in LINES.values()], least=least)
@@ -88,7 +91,7 @@ def read_off(curve, *, least=0.3):
     middle = Estimate.absent()
     if "B" in used:
         line = used["B"]
-        middle = Estimate(0.5 * (line.start + line.stop), line.start, line.stop)
+        middle = Estimate((line.start * line.stop) ** 0.5, line.start, line.stop)
     return Reading(coefficients, found, used, flat, middle, flat.scaled(1 / PEAK), middle.scaled(1 / PEAK_TIME))
 
 

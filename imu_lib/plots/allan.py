@@ -14,7 +14,7 @@ _COLOURS = (style.GREEN, style.PURPLE, style.ORANGE, style.SKY, style.GREY)
 
 
 def _axes(ax, channel, size=style.SIZE):
-    factor, unit = units.datasheet("signal", channel)
+    factor, unit = units.datasheet("signal", channel) if channel else (1.0, "signal unit")
     return style.axes(ax, x="averaging time, s", y=f"Allan deviation, {unit}", log=True, size=size), factor
 
 
@@ -61,7 +61,7 @@ def allan_lines(curve, reading, *, channel="", ax=None):
     ax, factor = _axes(ax, channel)
     ax.plot(curve.tau, curve.adev / factor, ".", color=style.DATA, label="record")
     for colour, (symbol, line) in zip(_COLOURS, reading.used.items(), strict=False):
-        name, unit = units.datasheet(symbol, channel)
+        name, unit = units.datasheet(symbol, channel) if channel else (1.0, "")
         value = f"{symbol} = {reading[symbol].value / name:.3g} {unit}"
         ax.plot(curve.tau, line.at(curve.tau) / factor, ":", color=colour, linewidth=1.0)
         inside = np.array([line.start, line.stop])

@@ -11,7 +11,7 @@ _COLOURS = (style.GREEN, style.PURPLE, style.ORANGE, style.SKY, style.GREY)
 
 
 def _axes(ax, channel, size=style.SIZE):
-    factor, unit = units.datasheet("signal", channel)
+    factor, unit = units.datasheet("signal", channel) if channel else (1.0, "signal unit")
     return style.axes(ax, x="frequency, Hz", y=f"one-sided density, ({unit})²/Hz", log=True, size=size), factor**2
 
 
@@ -59,7 +59,7 @@ def spectrum_lines(averaged, reading, *, channel="", ax=None):
     ax, factor = _axes(ax, channel)
     ax.plot(averaged.f, averaged.psd / factor, ".", color=style.DATA, label="record")
     for colour, (symbol, line) in zip(_COLOURS, reading.used.items(), strict=False):
-        name, unit = units.datasheet(symbol, channel)
+        name, unit = units.datasheet(symbol, channel) if channel else (1.0, "")
         ax.plot(averaged.f, line.at(averaged.f) / factor, ":", color=colour, linewidth=1.0)
         inside = np.array([line.start, line.stop])
         ax.plot(inside, line.at(inside) / factor, color=colour, linewidth=2.5,
