@@ -20,8 +20,8 @@ def autocorrelations(curves, *, exact=None, ax=None):
     ax.axhspan(-half, half, color=style.BAND, alpha=0.25, linewidth=0, label="95 % of white noise")
     if exact:
         ax.plot(curve.lag, exact[1](curve.lag), color=style.TRUTH, linestyle="--", label=exact[0])
-    ax.set_xlim(0, curve.lag[-1])
-    ax.legend(loc="upper right")
+    ax.set_xlim(-0.02 * curve.lag[-1], curve.lag[-1])  # the drop from lag 0 is a line of its own
+    ax.legend(loc="best")
     return ax
 
 

@@ -44,7 +44,7 @@ def _theory(ax, x, form, what):
     try:
         ax.plot(x, form(x), "--", color=style.TRUTH, label="closed form")
     except UndefinedFormError:
-        ax.text(0.5, 0.92, f"no {what} exists", transform=ax.transAxes, ha="center", color=style.THEORY)
+        ax.text(0.5, 0.75, f"no {what} exists", transform=ax.transAxes, ha="center", color=style.THEORY)
     ax.legend(loc="lower left" if ax.get_yscale() == "log" else "upper right")
 
 
@@ -54,5 +54,7 @@ def allan_family(tau, deviations, *, ax=None):
     ax = style.axes(ax, x="averaging time, s", y="Allan deviation, amplitudes chosen to be seen", log=True)
     for (label, values), line in zip(deviations.items(), ["-", "--", "-.", ":"] * 5, strict=False):
         ax.plot(tau, values, line, label=label)
-    ax.legend(ncols=2)
+    top = max(np.max(values) for values in deviations.values())
+    ax.set_ylim(top / 1e6, 2 * top)  # a sinusoid's deviation is zero at whole periods
+    ax.legend(ncols=3, loc="lower left")
     return ax

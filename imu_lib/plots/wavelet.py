@@ -15,7 +15,7 @@ def wavelet_bands(f, gains, bands, *, ax=None):
         ax.axvspan(max(band.low, f[0]), band.high, color=colour, alpha=0.08, linewidth=0)
     ax.set_xscale("log")
     ax.set_xlim(f[0], f[-1])
-    ax.legend(ncols=2)
+    ax.legend(loc="center left")
     return ax
 
 
