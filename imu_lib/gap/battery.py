@@ -5,10 +5,78 @@ normally (logarithms of powers), so that standardising by their scatter makes th
 """
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
+from numba import njit
 from scipy.fft import rfft
 
 DOMAINS = ("psd", "lines", "allan", "autocorrelation", "distribution", "mean", "variance", "temperature")
+
+
+@lru_cache(maxsize=4)
+def _window(n: int):
+    """Hann taper of mean square 1, and edges of logarithmic bins of its ordinates."""
+    taper = (np.hanning(n) * np.sqrt(8 / 3)).astype(np.float32)
+    return taper, np.unique(np.round(np.geomspace(3, n // 2 - 1, 33)).astype(int))
+
+
+@njit(cache=True, nogil=True)
+def _pass(x, b):
+    """Block means, mean squares about them, moments and lagged products of the deviations, ties, ends of the range."""
+    k = len(x) // b
+    level, square = np.empty(k), np.empty(k)
+    r = np.empty(k * b)
+    s3 = s4 = 0.0
+    for i in range(k):
+        m = 0.0
+        for j in range(i * b, i * b + b):
+            m += x[j]
+        m /= b
+        level[i] = m
+        q = 0.0
+        for j in range(i * b, i * b + b):
+            d = x[j] - m
+            r[j] = d
+            q += d * d
+            s3 += d * d * d
+            s4 += d * d * d * d
+        square[i] = q / b
+    same, high, low = 0, x[0], x[0]
+    for j in range(1, len(x)):
+        if x[j] == x[j - 1]:
+            same += 1
+        high = max(high, x[j])
+        low = min(low, x[j])
+    tops, bottoms = 0, 0
+    for j in range(len(x)):
+        tops += x[j] == high
+        bottoms += x[j] == low
+    return level, square, r, s3 / len(r), s4 / len(r), same / len(x), tops, bottoms
+
+
+@njit(cache=True, nogil=True)
+def _shape(r, sd, lags):
+    """Shares of deviations beyond 3, beyond 4 and within 0.5 standard deviations, the largest, and lagged products."""
+    n = len(r)
+    a = b = c = 0
+    most = 0.0
+    out = np.zeros(len(lags))
+    for i in range(n):
+        u = abs(r[i]) / sd
+        a += u > 3
+        b += u > 4
+        c += u < 0.5
+        most = max(most, u)
+    for k in range(len(lags)):
+        acc = 0.0
+        for i in range(n - lags[k]):
+            acc += r[i] * r[i + lags[k]]
+        out[k] = acc / n / sd**2
+    return a / n, b / n, c / n, most, out
+
+
+_LAGS = np.array([1, 2, 3, 5, 8, 13, 25, 50])
 
 
 def battery(x, fs: float, temperature=None) -> dict:
@@ -18,9 +86,9 @@ def battery(x, fs: float, temperature=None) -> dict:
     x = x - x.mean()
     out = {}
     y = x.astype(np.float32)
-    taper = np.hanning(n).astype(np.float32) * np.float32(np.sqrt(8 / 3))
-    p = np.abs(rfft(y * taper)) ** 2
-    edges = np.unique(np.round(np.geomspace(3, len(p) - 2, 33)).astype(int))
+    taper, edges = _window(n)
+    z = rfft(y * taper)
+    p = z.real**2 + z.imag**2
     mean = np.add.reduceat(p[:edges[-1]], edges[:-1]) / np.diff(edges)
     out["psd"] = np.log(mean + 1e-30 * mean.max())
     size = np.diff(edges)
@@ -40,25 +108,17 @@ def battery(x, fs: float, temperature=None) -> dict:
     # the fast part: block-wise deviations over two seconds
     b = max(2, int(2 * fs))
     k = n // b
-    blocks = x[:k * b].reshape(k, b)
-    level = blocks.mean(axis=1)
-    r = (blocks - level[:, None]).ravel()
-    var = np.mean(r * r)
+    level, e, r, third, fourth, same, tops, bottoms = _pass(x, b)
+    var = e.mean()
     sd = np.sqrt(var)
-    out["autocorrelation"] = np.array([np.dot(r[:-lag], r[lag:]) / (len(r) * var) for lag in (1, 2, 3, 5, 8, 13, 25, 50)])
-    u = np.abs(r) / sd
-    same = np.mean(np.diff(x) == 0.0)
-    top = np.sort(np.partition(x, (2, n - 3))[[0, 1, 2, n - 3, n - 2, n - 1]])
-    out["distribution"] = np.array([np.mean(r**3) / (var * sd), np.log(np.mean(u**4)), np.log(np.mean(u > 3) + 1 / n), np.log(np.mean(u > 4) + 1 / n),
-                                    np.log(u.max()), np.log(same + 1 / n), np.log(np.mean(u < 0.5)),
-                                    float(top[5] == top[3]) + float(top[0] == top[2])])
+    far, farther, core, most, out["autocorrelation"] = _shape(r, sd, _LAGS)
+    out["distribution"] = np.array([third / (var * sd), np.log(fourth / var**2), np.log(far + 1 / n), np.log(farther + 1 / n),
+                                    np.log(most), np.log(same + 1 / n), np.log(core), float(tops >= 3) + float(bottoms >= 3)])
     t = np.linspace(-1, 1, k)
     scatter = np.std(np.diff(level)) / np.sqrt(2)
     jump = _largest_jump(level)
     out["mean"] = np.array([np.mean(level * t) * 3 / scatter, (level[:max(1, k // 20)].mean() - level.mean()) / scatter,
                             np.log(np.abs(np.diff(level)).max() / scatter), np.log(jump / scatter), np.log(np.std(level) / scatter)])
-    square = (r * r).reshape(k, b)
-    e = square.mean(axis=1)
     values = []
     for join in (1, 5, 15, 75):
         g = k // join

@@ -17,7 +17,7 @@ _NODES = np.array([-0.7745966692414834, 0.0, 0.7745966692414834])
 _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Bins:
     """Bins of the periodogram of `n` samples: `edge` (k + 1,) ordinate numbers, `f` (k,) centres Hz, `nu` (k,) degrees of
     freedom, `nodes` (k, 3) Hz where a spectrum is evaluated; `slow` of them lie below the Nyquist frequency of the blocks."""

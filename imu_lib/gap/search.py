@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -224,6 +225,14 @@ def change_candidates(state: State) -> list[Item]:
     return out
 
 
+@lru_cache(maxsize=4)
+def filter_gains(layout, fs):
+    """The filters of the catalogue and their power gains in the fast bins, shape (filters, bins)."""
+    stages = effects.CATALOGUE["low_pass"].candidates(fs)
+    f = layout.nodes[layout.slow:]
+    return stages, np.array([s.gain(f, fs) @ np.array([5.0, 8.0, 5.0]) / 18.0 for s in stages])
+
+
 def filter_candidates(state: State) -> list[Item]:
     """Low-pass filters, if the model has none."""
     if state.fit.low_pass is not None:
@@ -233,14 +242,10 @@ def filter_candidates(state: State) -> list[Item]:
     nu = data.layout.nu[data.layout.slow:]
     s0 = state.likelihood.shapes(state.fit.vector)[0]
     base = -0.5 * np.sum(nu * (np.log(s0) + power / s0))
-    rows = []
-    for stage in effect.candidates(data.fs):
-        try:
-            s = (fast.spectrum(state.fit.terms, stage, data.layout, data.fs) + data.extra)[data.layout.slow:]
-        except ValueError:
-            continue
-        s = np.maximum(s, 1e-12 * s.max())
-        rows.append((-0.5 * np.sum(nu * (np.log(s) + power / s)) - base, stage))
+    stages, gains = filter_gains(data.layout, data.fs)
+    extra = data.extra[data.layout.slow:]
+    s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
+    rows = list(zip(-0.5 * np.sum(nu * (np.log(s) + power / s), axis=1) - base, stages))
     rows.sort(key=lambda r: -r[0])
     out, kinds = [], set()
     for gain, stage in rows:

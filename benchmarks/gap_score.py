@@ -1,0 +1,213 @@
+"""Score of the gap workflow on records in which effects are hidden.
+
+    python benchmarks/gap_score.py --cases 30 --first 10000            # every effect, pairs, none, unknown
+    python benchmarks/gap_score.py --kinds step,telegraph --cases 5 --print
+
+The generator (tests/gap_generator.py) shares no code with the package. A case counts for the naming rate if the hidden
+effect is detectable: a log-likelihood gain of 20 or more at its true parameters. Results go to
+benchmarks/results/gap_score.json with the command, the date and the seeds.
+"""
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from datetime import date
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+
+import gap_generator as generator  # noqa: E402
+import numpy as np  # noqa: E402
+
+from imu_lib.gap import close  # noqa: E402
+from imu_lib.model import Model  # noqa: E402
+from imu_lib.record import Record  # noqa: E402
+
+RESULTS = ROOT / "benchmarks" / "results"
+SURE = 0.9
+
+
+def plan(kinds, cases, first):
+    """(seed, kind, effects, duration s, rate Hz, channels) of every case; lengths and rates vary, one hour at 100 Hz most often."""
+    out = []
+    for k, kind in enumerate(kinds):
+        for i in range(cases):
+            seed = first + 1000 * k + i
+            rng = np.random.default_rng([seed, 5])
+            duration, fs = [(3600, 100), (3600, 100), (3600, 100), (1800, 100), (5400, 50), (1800, 200)][int(rng.integers(6))]
+            if kind == "pair":
+                pool = [e for e in generator.KNOWN]
+                effects = list(rng.choice(pool, 2, replace=False))
+            elif kind == "none":
+                effects = []
+            else:
+                effects = [kind]
+            two = any(e in generator.RECORD for e in effects) or kind in ("none", "pair") or rng.random() < 0.3
+            channels = ("gyro_x", "accel_y") if not two else ("gyro_x", "gyro_y") if rng.random() < 0.5 else ("gyro_z", "accel_x")
+            out.append((seed, kind, effects, float(duration), float(fs), channels[:2] if two else channels[:1]))
+    return out
+
+
+def run(case, *, free=False, simulations=0):
+    """One case: what was hidden, what was found, in a form that can be stored."""
+    seed, kind, effects, duration, fs, channels = case
+    made = generator.make(seed, effects, duration=duration, fs=fs, channels=channels)
+    record = Record(made.channels, fs, time=made.time, temperature=made.temperature)
+    model = None if free else Model.from_json(made.base)
+    started = time.perf_counter()
+    cpu = time.process_time()
+    found = close(record, model, simulations=simulations, jobs=1)
+    steps = [{"channel": c, "effect": s.effect, "confidence": s.confidence, "parameters": s.to_json()["parameters"], "intervals": s.to_json()["intervals"],
+              "indistinguishable": s.indistinguishable, "runner_up": s.runner_up["effect"]} for c, s in found.steps]
+    left = {c: r.result.unexplained for c, r in found.channels.items()}
+    left["record"] = found.record_unexplained
+    truths = json.loads(json.dumps(made.truths, default=float))
+    out = {"seed": seed, "kind": kind, "duration": duration, "rate": fs, "channels": list(channels), "truths": truths, "steps": steps, "unexplained": left,
+           "absorbed": {c: r.result.absorbed for c, r in found.channels.items()}, "seconds": time.perf_counter() - started, "cpu": time.process_time() - cpu,
+           "base": {c: [e["process"] for e in made.base[c]] for c in channels}}
+    if simulations:
+        out["gap"] = {c: [r.before.value, r.after.value, r.held_out] for c, r in found.channels.items()}
+    out.update(judge(out))
+    return out
+
+
+def matches(step, truth):
+    """Whether a step names a truth: the effect in its channel, for a changed parameter also which."""
+    if step["effect"] != truth["effect"] or step["channel"] != truth["channel"]:
+        return False
+    p = truth.get("parameters", {})
+    return truth["effect"] != "parameter_change" or (step["parameters"]["process"], step["parameters"]["name"]) == (p["process"], p["name"])
+
+
+def same_spectrum(step, truth):
+    """Names for the same thing: a further noise of a family that the base already has is a changed parameter."""
+    if step["channel"] != truth["channel"]:
+        return False
+    a, b = (step["parameters"].get("process") or step["effect"]), truth["effect"]
+    return step["effect"] == "parameter_change" and a == b and b in ("flicker", "random_walk", "quantization", "white_noise")
+
+
+def judge(r):
+    """named (all detectable truths named), wrong (a name that is not there, with high confidence), false (anything found or
+    left unexplained where nothing was hidden), said (an unknown effect answered with `unexplained`)."""
+    known = [t for t in r["truths"] if t["effect"] != "unknown" and t["gain"] >= 20]
+    weak = [t for t in r["truths"] if t["effect"] != "unknown" and t["gain"] < 20]
+    unknown = [t for t in r["truths"] if t["effect"] == "unknown"]
+    fits = lambda s, t: matches(s, t) or same_spectrum(s, t)  # noqa: E731
+    named = [any(fits(s, t) for s in r["steps"]) for t in known]
+    extra = [s for s in r["steps"] if not any(fits(s, t) for t in r["truths"])]
+    touched = {t["channel"] for t in r["truths"]} | {c for t in r["truths"] for c in t.get("parameters", {}).get("channels", [])}
+    clean = [c for c in r["channels"] if c not in touched]
+    false = [c for c in clean if any(s["channel"] == c for s in r["steps"]) or r["unexplained"].get(c)]
+    return {"detectable": len(known), "named": int(sum(named)), "weak": len(weak), "wrong": [s["effect"] for s in extra if s["confidence"] >= SURE],
+            "extra": [s["effect"] for s in extra], "clean": len(clean), "false": len(false),
+            "said": bool(unknown) and any(r["unexplained"].get(t["channel"]) or r["unexplained"].get("record") for t in unknown)}
+
+
+def wilson(k, n):
+    """95 % interval of a share."""
+    if n == 0:
+        return [0.0, 1.0]
+    z = 1.96
+    p = k / n
+    middle, half = (p + z * z / (2 * n)) / (1 + z * z / n), z / (1 + z * z / n) * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
+    return [round(max(0.0, middle - half), 4), round(min(1.0, middle + half), 4)]
+
+
+def covered(results):
+    """For each parameter kind: (within 10 % or interval covering, interval covering, count) over the truths named right."""
+    ok, cover, count = 0, 0, 0
+    for r in results:
+        for t in r["truths"]:
+            s = next((s for s in r["steps"] if matches(s, t)), None)
+            if s is None:
+                continue
+            for name, value in t["parameters"].items():
+                if name in ("process", "name", "from", "reference", "channels", "taps", "order", "phi", "rate") and not (name == "rate" and t["effect"] in ("telegraph", "spikes")):
+                    continue
+                got = s["parameters"].get(name)
+                if got is None or isinstance(value, str):
+                    continue
+                low, high = s["intervals"].get(name, [np.nan, np.nan])
+                inside = bool(low is not None and low <= value <= high)
+                count += 1
+                cover += inside
+                ok += inside or abs(got / value - 1) <= 0.1
+    return ok, cover, count
+
+
+def table(results):
+    """Rates by kind."""
+    rows = []
+    for kind in dict.fromkeys(r["kind"] for r in results):
+        part = [r for r in results if r["kind"] == kind]
+        judged = [r for r in part if r["detectable"] and not r["weak"]] if kind == "pair" else [r for r in part if r["detectable"]]
+        named = sum(r["named"] == r["detectable"] for r in judged)
+        ok, cover, count = covered(part)
+        clean, false = sum(r["clean"] for r in part), sum(r["false"] for r in part)
+        unknown = [r for r in part if any(t["effect"] == "unknown" for t in r["truths"])]
+        rows.append({"kind": kind, "cases": len(part), "detectable": len(judged), "named": named, "named_interval": wilson(named, len(judged)),
+                     "wrong": sum(bool(r["wrong"]) for r in part), "missed": sum(r["named"] < r["detectable"] and not r["extra"] for r in judged),
+                     "clean_channels": clean, "false": false, "unexplained": sum(r["said"] for r in unknown), "unknown": len(unknown),
+                     "parameters": count, "within": ok, "covering": cover, "seconds": round(float(np.median([r["seconds"] for r in part])), 2)})
+    return rows
+
+
+def show(rows):
+    print(f"{'kind':<20}{'cases':>6}{'detect.':>8}{'named':>7}{'95 %':>16}{'wrong':>7}{'false':>9}{'unexpl.':>9}{'param ok':>10}{'cover':>8}{'s':>7}")
+    for r in rows:
+        print(f"{r['kind']:<20}{r['cases']:>6}{r['detectable']:>8}{r['named']:>7}{str(r['named_interval']):>16}{r['wrong']:>7}"
+              f"{str(r['false']) + '/' + str(r['clean_channels']):>9}{str(r['unexplained']) + '/' + str(r['unknown']):>9}"
+              f"{str(r['within']) + '/' + str(r['parameters']):>10}{r['covering']:>8}{r['seconds']:>7}")
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--kinds", default=",".join(("none", *generator.KNOWN, "pair", *generator.UNKNOWN)))
+    parser.add_argument("--cases", type=int, default=30)
+    parser.add_argument("--first", type=int, default=10000)
+    parser.add_argument("--free", action="store_true")
+    parser.add_argument("--print", action="store_true", dest="shown", help="print every case that is not named right; store nothing")
+    parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
+    parser.add_argument("--name", default="gap_score")
+    args = parser.parse_args(argv)
+    cases = plan(args.kinds.split(","), args.cases, args.first)
+    # kinds take turns, so that a run that is stopped early has some of each
+    cases.sort(key=lambda c: (c[0] - args.first) % 1000)
+    results, started = [], time.time()
+    for case in cases:
+        if time.time() - started > 60 * args.minutes:
+            break
+        try:
+            r = run(case, free=args.free)
+        except Exception as error:
+            if args.shown:
+                import traceback
+                traceback.print_exc()
+            print("FAILED", case, repr(error), file=sys.stderr)
+            continue
+        results.append(r)
+        good = r["named"] == r["detectable"] and not r["wrong"] and not r["false"] and (r["said"] or not any(t["effect"] == "unknown" for t in r["truths"]))
+        if args.shown and not good:
+            print("--", r["kind"], r["seed"], f"{r['duration']:.0f}s {r['rate']:.0f}Hz {r['cpu']:.1f}s cpu", r["base"])
+            for t in r["truths"]:
+                print("     hid  ", t["channel"], t["effect"], t.get("kind", ""), f"{t['gain']:.0f}", t.get("parameters"))
+            for s in r["steps"]:
+                print("     found", s["channel"], s["effect"], {k: (float(f"{v:.4g}") if isinstance(v, float) else v) for k, v in s["parameters"].items()}, f"{s['confidence']:.2f}", s["indistinguishable"])
+            print("     left ", {k: v for k, v in r["unexplained"].items() if v}, flush=True)
+    rows = table(results)
+    show(rows)
+    if not args.shown:
+        RESULTS.mkdir(exist_ok=True)
+        out = {"command": "python " + " ".join(["benchmarks/gap_score.py", *(argv or sys.argv[1:])]), "date": date.today().isoformat(), "first_seed": args.first,
+               "free_base": args.free, "table": rows, "cases": results}
+        (RESULTS / f"{args.name}.json").write_text(json.dumps(out, indent=1, default=float) + "\n")
+
+
+if __name__ == "__main__":
+    main()
