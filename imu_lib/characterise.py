@@ -36,7 +36,8 @@ class Channel:
     allan, psd, gauss_markov, likelihood : dict of str to Estimate
         Coefficients with 95 % intervals, SI. Those of `likelihood` bear the names of the model file.
     autoregressive : dict
-        `order`, `phi`, `sigma` (of the driving noise), `white` (whether the residuals pass for white).
+        `order`, `phi` (list of Estimate), `sigma` (Estimate, of the driving noise), `white` (whether the residuals pass
+        for white).
     choice : imu_lib.likelihood.Choice
         Candidates, the winner's fit, p-value.
     curve : imu_lib.allan.AllanCurve
@@ -65,10 +66,19 @@ class Channel:
         """The contract's entry of this channel, with the chosen sum, its p-value and the notes beside it."""
         out = {key: {symbol: e.to_json() for symbol, e in getattr(self, key).items()}
                for key in ("allan", "psd", "likelihood", "gauss_markov")}
-        out["autoregressive"] = dict(self.autoregressive)
+        out["autoregressive"] = _plain_ar(self.autoregressive)
         out["model"] = {"sum": self.choice.name, "p_value": self.choice.p_value, "processes": self.model.to_json()}
         out["notes"] = list(self.notes)
         return out
+
+
+def _plain_ar(found):
+    """Order, coefficients and whiteness as numbers, their intervals beside them."""
+    phi, sigma = found["phi"], found["sigma"]
+    if not isinstance(sigma, Estimate):
+        return dict(found)
+    return {**found, "phi": [e.value for e in phi], "sigma": sigma.value,
+            "intervals": {"phi": [[e.low, e.high] for e in phi], "sigma": [sigma.low, sigma.high]}}
 
 
 @dataclass(frozen=True)
