@@ -193,7 +193,17 @@ def test_what_cannot_be_calibrated_is_refused_in_one_sentence():
     refused(
         "do not excite accel_y", tilted + rng.normal(0, 0.01, tilted.shape) + moving * rng.normal(0, 2, tilted.shape)
     )
+    rests = [np.tile(sign * G * row, (200, 1)) for row in np.eye(3) for sign in (1, -1)] * 3
+    shaken = [part + rng.normal(0, 1.0, part.shape) for part in rests]
+    six = np.concatenate([np.concatenate([r, s[:60]]) for r, s in zip(rests, shaken, strict=True)])
+    refused("too few directions", six + rng.normal(0, 0.02, six.shape))
     accel, gyro, *_ = hand_record(2)
+    notes = cal.calibrate(accel, np.zeros_like(gyro), 50.0).notes
+    assert len(notes) == 1 and "do not excite gyro_" in notes[0]
+    with pytest.raises(ValueError, match="`gyro`"):
+        cal.calibrate(accel, gyro[:-1], 50.0)
+    with pytest.raises(ValueError, match="`accel`"):
+        cal.calibrate(accel[:, :2], None, 50.0)
     accel[17, 1] = np.nan
     refused("row 17", accel)
     refused("20", np.zeros((20, 3)))

@@ -138,7 +138,7 @@ def from_turns(
     dof = 2 * len(first) - 9
     information = fit.jac.T @ fit.jac
     weak, vectors = np.linalg.eigh(information[:9, :9])
-    if weak[0] < 1e-9 * weak[-1]:
+    if not weak[0] > 1e-9 * weak[-1]:
         poor = "xyz"[int(np.argmax((vectors[:, 0].reshape(3, 3) ** 2).sum(axis=0)))]
         raise InputError(f"The turns do not excite gyro_{poor}; add turns about the {poor} axis between poses.")
     scale = 2 * fit.cost / dof  # above one where the noise alone does not explain the misfit

@@ -26,6 +26,8 @@ from .triad import AXES, Triad
 UPPER = (0, 1, 2, 4, 5, 8)
 #: Parameters of Eq. (2); at least one pose more is needed.
 PARAMETERS = 9
+#: Smallest over largest singular value of the scaled design; 24 random poses have about 0.1, three axes up and down 1e-4.
+ALIKE = 3e-3
 
 
 def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1.0) -> Triad:
@@ -116,6 +118,12 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
         return np.column_stack([a[:, i // 3] * u[:, i % 3] for i in UPPER] + [a])
 
     fit = least_squares(residuals, x0, jacobian, method="lm", x_scale="jac")
+    singular = np.linalg.svd(fit.jac / np.linalg.norm(fit.jac, axis=0), compute_uv=False)
+    if singular[-1] < ALIKE * singular[0]:
+        raise InputError(
+            f"The {len(y)} poses lie in too few directions to tell cross-coupling from scale factor and bias; add poses with "
+            "two axes tilted at once, or list what the poses are (--poses)."
+        )
     matrix, bias = split(fit.x)
     dof = len(y) - PARAMETERS
     variance = 2 * fit.cost / dof

@@ -114,6 +114,11 @@ def calibrate(
     InputError
         In one sentence: missing samples, never at rest, too few poses, poses or turns that leave an axis out.
     """
+    for name, x in (("accel", accel), ("gyro", gyro)):
+        if x is not None and (np.ndim(x) != 2 or np.shape(x)[1] != 3):
+            raise ValueError(f"`{name}` must have the shape (n, 3), not {np.shape(x)}")
+    if accel is not None and gyro is not None and len(accel) != len(gyro):
+        raise ValueError(f"`gyro` has {len(gyro)} samples, `accel` {len(accel)}; they must be sampled together")
     for name, x in (("accelerometers", accel), ("gyroscopes", gyro)):
         if x is not None and not np.isfinite(x).all():
             row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
