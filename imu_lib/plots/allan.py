@@ -32,7 +32,8 @@ def allan(curve, model=None, *, channel="", ax=None):
     ax.plot(curve.tau, curve.adev / factor, ".", color=style.DATA, label="record")
     if model is not None:
         model = model if isinstance(model, Sum) else Sum((model,))
-        tau = np.geomspace(curve.tau[0], curve.tau[-1], 300)
+        # whole numbers of samples: between them an averaging time has no exact closed form
+        tau = np.unique(np.rint(np.geomspace(curve.tau[0], curve.tau[-1], 300) * curve.fs)) / curve.fs
         for colour, term in zip(_COLOURS, [t for t in model.terms if np.any(t.avar(tau, curve.fs) > 0)], strict=False):
             ax.plot(tau, np.sqrt(term.avar(tau, curve.fs)) / factor, "--", color=colour, linewidth=1.0,
                     label=NAMES.get(term.name, term.name))
