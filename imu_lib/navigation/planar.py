@@ -134,27 +134,26 @@ def mechanize(state, forward, right, rate, dt):
     return an, ae
 
 
-@njit(cache=True)
-def _apply(p, c, s, an, ae, dt, half, output, rows, columns, values, work):
-    """work = Phi p, with what is zero in Phi left out."""
-    n, k = p.shape[0], p.shape[0] - 5
+@njit(cache=True, fastmath=True)
+def _apply(p, c, s, an, ae, dt, half, output, block, sensor, work):
+    """work = Phi p with what is zero in Phi left out; `output` and `block` are (rows, columns, values), `sensor` (3, n) scratch."""
+    n = p.shape[0]
+    sensor[:] = 0.0
+    for m in range(len(output[0])):
+        for j in range(n):
+            sensor[output[0][m], j] += output[2][m] * p[5 + output[1][m], j]
     for j in range(n):
-        u = v = w = 0.0
-        for i in range(k):
-            u += output[0, i] * p[5 + i, j]
-            v += output[1, i] * p[5 + i, j]
-            w += output[2, i] * p[5 + i, j]
-        north, east = -ae * p[4, j] + c * u - s * v, an * p[4, j] + s * u + c * v
+        north = -ae * p[4, j] + c * sensor[0, j] - s * sensor[1, j]
+        east = an * p[4, j] + s * sensor[0, j] + c * sensor[1, j]
         work[0, j] = p[0, j] + dt * p[2, j] + half * north
         work[1, j] = p[1, j] + dt * p[3, j] + half * east
         work[2, j] = p[2, j] + dt * north
         work[3, j] = p[3, j] + dt * east
-        work[4, j] = p[4, j] + dt * w
-        for i in range(5, n):
-            work[i, j] = 0.0
-    for m in range(len(rows)):
+        work[4, j] = p[4, j] + dt * sensor[2, j]
+    work[5:] = 0.0
+    for m in range(len(block[0])):
         for j in range(n):
-            work[5 + rows[m], j] += values[m] * p[5 + columns[m], j]
+            work[5 + block[0][m], j] += block[2][m] * p[5 + block[1][m], j]
 
 
 @njit(cache=True)
@@ -168,9 +167,7 @@ def _run(
     dt,
     half,
     output,
-    rows,
-    columns,
-    values,
+    block,
     noise,
     direct,
     positions,
@@ -181,23 +178,22 @@ def _run(
     """One run of the filter; see `run`."""
     n = p0.shape[0]
     x, b, p = start.copy(), np.zeros(n - 5), p0.copy()
-    work, turned = np.empty((n, n)), np.empty((n, n))
+    work, turned, sensor = np.empty((n, n)), np.empty((n, n)), np.empty((3, n))
+    error = np.zeros(3)
     next_fix = 0
     for k in range(len(readings)):
-        e0 = e1 = e2 = 0.0
-        for i in range(n - 5):
-            e0 += output[0, i] * b[i]
-            e1 += output[1, i] * b[i]
-            e2 += output[2, i] * b[i]
-        rate = readings[k, 2] - e2
+        error[:] = 0.0
+        for m in range(len(output[0])):
+            error[output[0][m]] += output[2][m] * b[output[1][m]]
+        rate = readings[k, 2] - error[2]
         middle = x[4] + 0.5 * rate * dt
-        an, ae = mechanize(x, readings[k, 0] - e0, readings[k, 1] - e1, rate, dt)
+        an, ae = mechanize(x, readings[k, 0] - error[0], readings[k, 1] - error[1], rate, dt)
         c, s = np.cos(middle), np.sin(middle)
-        _apply(p, c, s, an, ae, dt, half, output, rows, columns, values, work)
+        _apply(p, c, s, an, ae, dt, half, output, block, sensor, work)
         for i in range(n):
             for j in range(n):
                 turned[i, j] = work[j, i]
-        _apply(turned, c, s, an, ae, dt, half, output, rows, columns, values, p)
+        _apply(turned, c, s, an, ae, dt, half, output, block, sensor, p)
         p[2, 2] += dt * (c * c * direct[0] + s * s * direct[1])
         p[3, 3] += dt * (s * s * direct[0] + c * c * direct[1])
         p[2, 3] += dt * c * s * (direct[0] - direct[1])
@@ -208,8 +204,8 @@ def _run(
                 p[5 + i, 5 + j] += noise[i, j]
         old = b.copy()
         b[:] = 0.0
-        for m in range(len(rows)):
-            b[rows[m]] += values[m] * old[columns[m]]
+        for m in range(len(block[0])):
+            b[block[0][m]] += block[2][m] * old[block[1][m]]
         if (k + 1) % every == 0 and next_fix < len(fixes):
             for axis in range(2):
                 gain = p[:, axis] / (p[axis, axis] + gnss[axis])
@@ -232,6 +228,12 @@ def _run(
             d0, d1 = x[0] - truth[k, 0], x[1] - truth[k, 1]
             det = p[0, 0] * p[1, 1] - p[0, 1] * p[0, 1]
             nees[k] = (d0 * d0 * p[1, 1] - 2 * d0 * d1 * p[0, 1] + d1 * d1 * p[0, 0]) / det
+
+
+def _sparse(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, columns and values of what is not zero."""
+    rows, columns = np.nonzero(matrix)
+    return rows, columns, matrix[rows, columns]
 
 
 @dataclass(frozen=True)
@@ -275,7 +277,6 @@ def run(
         raise ValueError(f"`readings` must have the shape (r, n, 3), not {readings.shape}")
     if order not in (1, 2):
         raise ValueError(f"`order` must be 1 or 2, not {order!r}")
-    rows, columns = np.nonzero(model.transition)
     p0 = block_diag(np.diag(np.asarray(start_sd, float) ** 2), model.start)
     r, n = readings.shape[:2]
     position, sd, nees = np.empty((r, n, 2)), np.empty((r, n, 2)), np.full((r, n), np.nan)
@@ -289,10 +290,8 @@ def run(
             np.asarray(gnss_sd, float) ** 2,
             model.dt,
             0.5 * model.dt**2 * (order == 2),
-            model.output,
-            rows,
-            columns,
-            model.transition[rows, columns],
+            _sparse(model.output),
+            _sparse(model.transition),
             model.noise,
             model.direct,
             position[k],
