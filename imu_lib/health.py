@@ -133,9 +133,7 @@ def of_drive(drive: Drive) -> Health:
         more.append("The fixes have no velocity.")
     # a vehicle moves: that it is not at rest is no finding here
     keep = tuple(f for f in imu.findings if not f.startswith("The sensor"))
-    return Health(
-        drive.name, drive.source, imu.clock, imu.channels, imu.motion, imu.temperature, gnss, drive.notes + imu.notes, keep + tuple(more)
-    )
+    return Health(drive.name, drive.source, imu.clock, imu.channels, imu.motion, imu.temperature, gnss, drive.notes + imu.notes, keep + tuple(more))
 
 
 def _clock(record: Record, repeats: int) -> Clock:
@@ -164,9 +162,12 @@ def resolution(x: np.ndarray) -> float | None:
     """Step of the grid that the values of `x` (n,) lie on, None where they lie on none."""
     x = x[:200_000]
     x = x[~np.isnan(x)]
-    level = np.unique(x)
+    level, count = np.unique(x, return_counts=True)
     if len(level) < 2 or len(level) > 0.5 * len(x):
         return None
+    often = level[count > 2]
+    if len(often) > 1 and count[count > 2].sum() > 0.95 * len(x):
+        level = often  # a few bridged or spiked samples off the grid are no finer grid
     step = np.diff(level)
     step = step[step > 2e-6 * max(abs(level[0]), abs(level[-1]), level[-1] - level[0])]  # levels apart by float32 rounding are one
     if not step.size:
@@ -253,9 +254,7 @@ def _motion(record: Record) -> Motion:
     state = "at rest" if share <= 0.01 else "moving" if share > 0.5 else "partly moving"
     low, high = timing.longest_run(~moving & known, np.array([], dtype=int))
     accel = record["accel"] if all(f"accel_{a}" in record for a in "xyz") else None
-    return Motion(
-        state, share, low * block / record.rate, high * block / record.rate, None if accel is None else plausibility.gravity(accel)
-    )
+    return Motion(state, share, low * block / record.rate, high * block / record.rate, None if accel is None else plausibility.gravity(accel))
 
 
 def _temperature(record: Record) -> dict | None:

@@ -9,6 +9,8 @@ from imu_lib.errors import InputError
 from imu_lib.readers import names
 from imu_lib.readers.raw import Raw
 
+SLOWEST = 5.0  # s between samples: no IMU is slower, but milliseconds taken for seconds are
+
 
 def numeric(raw: Raw, rate: float | None) -> tuple[np.ndarray, float | None]:
     """Seconds from the first sample and the absolute time of the first (None where the stamps are relative)."""
@@ -33,6 +35,13 @@ def numeric(raw: Raw, rate: float | None) -> tuple[np.ndarray, float | None]:
     relative = (stamp - stamp[0]).astype(np.float64)  # integers are subtracted exactly, before they become floats
     if relative[-1] <= 0:
         raise InputError(f"{where}: all {len(stamp):,} time stamps are {first:.15g}; leave the column out and give --rate.")
+    step = relative[-1] / (len(relative) - 1)
+    if raw.contract and step > SLOWEST and not rate:
+        likely = next((u for u in ("ms", "us", "ns") if 1.0 <= 1.0 / (step * names.TIME_UNITS[u]) <= 20_000), None)
+        raise InputError(
+            f"{where} steps by {step:.6g} s; time is in seconds in such a file"
+            + (f", these look like {likely}: convert them." if likely else ": convert it, or give --rate.")
+        )
     unit = raw.unit("time") or ("s" if raw.contract else _unit(relative, first, rate, where))
     factor = names.TIME_UNITS[unit]
     start = first * factor

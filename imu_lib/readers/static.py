@@ -112,7 +112,7 @@ def merge(gyro: Record, gyro_epoch: float | None, accel: Record, accel_epoch: fl
     if not 0.98 < gyro.rate / accel.rate < 1.02:
         raise InputError(f"{gyro.source} has {gyro.rate:.6g} Hz and {accel.source} {accel.rate:.6g} Hz; read them one at a time, or resample one.")
     shift = (accel_epoch - gyro_epoch) if gyro_epoch is not None and accel_epoch is not None else 0.0
-    notes = gyro.notes + tuple(n for n in accel.notes if n not in gyro.notes)
+    notes = tuple(f"{kind}: {n}" for kind, part in (("gyro", gyro), ("accel", accel)) for n in part.notes)
     if shift >= gyro.duration or -shift >= accel.duration:
         notes += (
             f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after {gyro.source}); they are laid "
