@@ -3,6 +3,7 @@
 Nine navigation errors in north-east-down and the sensor states of the model, closed loop: every correction goes into the
 navigation solution and into the sensor states at once (Groves 2013, section 14.1; the 2013 paper, section 3 and Fig. 3).
 """
+from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -120,6 +121,17 @@ class LooselyCoupled:
         every = max(int(round(0.1 * self.prepared.rate)), 1)
         self.constraint = np.array([model.constraint_sd, every, 3.0, max(30.0 / interval, 10.0)])
 
+    def with_model(self, model: FilterModel):
+        """The same drive, made ready, with another model; its de-noising must be the same."""
+        if (model.levels, model.causal) != (self.model.levels, self.model.causal):
+            raise ValueError("`model` asks for another de-noising: make a new LooselyCoupled")
+        other = copy(self)
+        other.model = model
+        other.sensors = sensor_states(model.model, self.prepared.rate, turn_on_sd=model.turn_on_sd, scale_sd=model.scale_sd,
+                                      flicker=model.flicker)
+        other.constraint = np.array([model.constraint_sd, *self.constraint[1:]])
+        return other
+
     @property
     def states(self):
         """Number of filter states."""
@@ -222,7 +234,8 @@ class LooselyCoupled:
         """The heading before a hole in the data, where the car stood before it and stands at the same place after it; else None."""
         after = fixes.time >= stretch.time[0]
         velocity = fixes.value[after, 3:5][:1]
-        if not after.any() or np.hypot(*piece[1][-1, 3:5]) > 0.5 or np.hypot(*velocity[0]) > 0.5 or horizontal(fixes.value[after, :3][0], piece[1][-1, :3]) > 5.0:
+        stood = np.hypot(*piece[1][-1, 3:5]) < 0.5
+        if not after.any() or not stood or np.hypot(*velocity[0]) > 0.5 or horizontal(fixes.value[after, :3][0], piece[1][-1, :3]) > 5.0:
             return None
         return float(attitude.euler(piece[1][-1, 6:10])[2])
 
