@@ -124,3 +124,45 @@ def characterised_spectrum(result, sensor, *, ax=None):
         ax.plot(statistics.frequency, density(statistics, result[name].model.noise) / factor**2, color=colour)
     ax.legend(title="points: record, lines: model")
     return ax
+
+
+@style.styled
+def models_allan(curve, models, *, channel, ax=None):
+    """An Allan deviation with several models of it, a dict of name to Sum."""
+    factor, unit = _sensor_unit(channel)
+    ax = style.axes(ax, x="averaging time, s", y=f"Allan deviation, {unit}", log=True, title=style.channel_label(channel))
+    style.band(ax, curve.tau, curve.low / factor, curve.high / factor, color=style.DATA)
+    ax.plot(curve.tau, curve.adev / factor, ".", color=style.DATA, label="record")
+    for colour, (name, model) in zip((style.FIT, style.PAPER, style.GREEN), models.items()):
+        ax.plot(curve.tau, np.sqrt(model.noise.avar(curve.tau, curve.fs)) / factor, color=colour, label=name)
+    ax.legend()
+    return ax
+
+
+@style.styled
+def spectral_lines(lines, *, unit, factor=1.0, ax=None):
+    """Spectral lines by channel, a dict of name to ((frequency, rms), ...): do the channels share them?"""
+    ax = style.axes(ax, x="frequency, Hz", y=f"rms of the line, {unit}")
+    for shift, (name, found) in enumerate(lines.items()):
+        f, rms = np.array(found).reshape(-1, 2).T
+        ax.semilogy(f, rms / factor, ("o", "x", "+")[shift % 3], color=style.channel_colour(name), markersize=4,
+                    fillstyle="none", label=style.channel_label(name))
+    ax.legend()
+    return ax
+
+
+@style.styled
+def coverage(shares, *, draws, ax=None):
+    """Share of 95 % intervals that hold the truth: dict of method to {parameter: share}, with what chance allows at 95 %."""
+    parameters = list(dict.fromkeys(p for row in shares.values() for p in row))
+    ax = style.axes(ax, y="share that holds the truth")
+    width = 0.8 / len(shares)
+    for k, (method, row) in enumerate(shares.items()):
+        at = [i + (k - (len(shares) - 1) / 2) * width for i, p in enumerate(parameters) if p in row]
+        ax.bar(at, [row[p] for p in parameters if p in row], width * 0.9, label=method, color=style.CYCLE[k])
+    spread = 1.96 * np.sqrt(0.95 * 0.05 / draws)
+    ax.axhspan(0.95 - spread, min(0.95 + spread, 1.0), color=style.GREY, alpha=0.3, zorder=0)
+    ax.axhline(0.95, color=style.BLACK, linewidth=0.8)
+    ax.set_xticks(range(len(parameters)), parameters)
+    ax.legend(ncols=2, loc="lower left")
+    return ax
