@@ -83,7 +83,7 @@ def test_rerun_on_a_record(small_book, record, tmp_path):
     assert page.is_file() and sorted(told) == [("stops", "there is no temperature in this record"), ("works", "")]
     works = (out / "nbs/works.html").read_text(encoding="utf-8")
     assert "gyro_x 500" in works, "the channel that this record has, on this record"
-    assert str(tmp_path) not in works
+    assert str(tmp_path) not in works and "a b.csv" in works
     stops = (out / "nbs/stops.html").read_text(encoding="utf-8")
     assert "there is no temperature in this record" in stops and "kept" in stops
     assert "Never reached" not in stops and "Traceback" not in stops

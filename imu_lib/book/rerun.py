@@ -27,10 +27,11 @@ def book(record: Record, out: Path, *, progress=execute.print_progress) -> Path:
     with build.workplace(out) as work:
         build.stage(work)
         path = save(record, work / "record" / f"{safe_name(record.name)}.npz")
-        kept = [chapter for chapter in contents.chapters(work) if "record_path" in chapter.parameters]
-        # the link to a figure of a paper is about the paper's record, not about this one
+        # a chapter that needs certain public records is about those
+        kept = [chapter for chapter in contents.chapters(work) if "record_path" in chapter.parameters and not chapter.needs]
         runs = execute.execute_files([chapter.path for chapter in kept], progress=progress,
-                                     task=partial(execute_on, record_path=path, channels=record.channel_names))
+                                     task=partial(execute_on, record_path=path, channels=record.channel_names,
+                                                  shown=record.source or record.name))
         write_toc(work, [chapter.slug for chapter in kept])
         write_intro(work, record, runs)
         build.write_status(work, runs, kept)
@@ -52,8 +53,11 @@ def safe_name(name: str) -> str:
     return re.sub(r"[^\w.-]+", "_", Path(name).stem).strip("._") or "record"
 
 
-def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...]) -> execute.Run:
-    """Execute the chapter at `path` on the record and store it there, cut at the cell that the record fails."""
+def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...], shown: str = "") -> execute.Run:
+    """Execute the chapter at `path` on the record and store it there, cut at the cell that the record fails.
+
+    Readers see `shown` for the record's path, as the file was called before it was copied into the workplace.
+    """
     from papermill.iorw import load_notebook_node
     from papermill.parameterize import parameterize_notebook
 
@@ -64,9 +68,6 @@ def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...]) -> e
         values["channel"] = channels[0]
     notebook.metadata["kernelspec"] = dict(execute.KERNEL)
     notebook = parameterize_notebook(notebook, values)
-    for cell in notebook.cells:
-        if "injected-parameters" in cell.metadata.get("tags", []):
-            cell.metadata["tags"] = ["injected-parameters", "remove-cell"]  # a path of the workplace: says nothing
     error = ""
     try:
         execute.run(notebook, path.parent)
@@ -74,8 +75,18 @@ def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...]) -> e
         error = reason(failure)
         cut(notebook, error)
         execute.settle(notebook)
+    show_parameters(notebook, {**values, "record_path": shown})
     nbformat.write(notebook, path)
     return execute.Run(path, time.monotonic() - started, error=error)
+
+
+def show_parameters(notebook, values: dict):
+    """Write the values that were used into the `parameters` cell, in place of the cell that papermill put after it."""
+    notebook.cells = [cell for cell in notebook.cells if "injected-parameters" not in cell.metadata.get("tags", [])]
+    for cell in notebook.cells:
+        if "parameters" in cell.metadata.get("tags", []):
+            for name, value in values.items():
+                cell.source = re.sub(rf"^{name} = .*$", lambda _, line=f"{name} = {value!r}": line, cell.source, flags=re.MULTILINE)
 
 
 def reason(failure: Exception) -> str:
@@ -109,8 +120,8 @@ def write_intro(work: Path, record: Record, runs):
     """Page one: which record this is, what reading it noticed, and what each chapter could do with it."""
     rate, hours = f"{record.rate:.4g} Hz", record.duration / 3600
     lines = [f"# What is in {record.name or 'this record'}?", "",
-             "The chapters on static records, executed on one of your own. Text that speaks of the embedded record or of a "
-             "paper's sensor is about those; each figure and printed number is about yours.", "",
+             "The chapters on static records, executed on one of your own. Where the text speaks of the embedded record, of a "
+             "paper's sensor or of a simulation, it is about those; what is computed from the record is about yours.", "",
              "| | |", "|---|---|", f"| record | {record.name or 'without a name'} |",
              f"| channels | {', '.join(record.channel_names)} |",
              f"| rate | {rate} |", f"| length | {record.n:,} samples, {hours:.3g} h |",
