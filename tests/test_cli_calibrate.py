@@ -84,4 +84,19 @@ def test_refusals(record, tmp_path, capsys):
     assert "need three accelerometers" in refusal(capsys, tmp_path / "gyro.npz")
     assert "poses cannot be read" in refusal(capsys, record, "--poses", tmp_path / "none.csv")
     assert "is a file" in refusal(capsys, record, "--out", record)
+    assert "not both" in refusal(capsys, record, "--gravity", 9.8, "--latitude", 51)
+    assert "between -90 and 90" in refusal(capsys, record, "--latitude", 91)
+    assert "needs --latitude" in refusal(capsys, record, "--height", 100)
+    np.savez(tmp_path / "in_g.npz", time=data["time"], accel=data["accel"] / 9.80665, gyro=data["gyro"])
+    assert "likely g" in refusal(capsys, tmp_path / "in_g.npz")
     assert not list(tmp_path.glob(".*"))
+
+
+def test_gravity_of_the_place():
+    """Calgary, 51.08 deg north and 1,100 m: the 2008 paper used 9.8080; normal gravity knows no local anomaly (1e-3)."""
+    from argparse import Namespace
+
+    from imu_lib.cli.calibrate import local_gravity
+
+    assert abs(local_gravity(Namespace(gravity=None, latitude=51.08, height=1100.0)) - 9.8080) < 1e-3
+    assert local_gravity(Namespace(gravity=None, latitude=None, height=None)) == 9.80665

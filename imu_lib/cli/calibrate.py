@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from imu_lib.cli import common
+from imu_lib.errors import InputError
 
 NAME = "calibrate"
 HELP = (
@@ -21,18 +22,19 @@ def add_arguments(parser):
         help="what was done when: CSV with start, stop (s) and x, y, z (g) or rate_x, rate_y, rate_z (deg/s) or angle_x, "
         "angle_y, angle_z (deg); or JSON sections x_p x_a x_rot ... in samples",
     )
-    parser.add_argument("--gravity", type=common.positive, default=9.80665, metavar="G", help="local gravity, m/s^2")
+    parser.add_argument("--gravity", type=common.positive, metavar="G", help="local gravity, m/s^2 (9.80665 where not given)")
+    parser.add_argument("--latitude", type=common.number, metavar="DEG", help="gives gravity instead, with --height")
+    parser.add_argument("--height", type=common.number, metavar="M", help="above the ellipsoid, with --latitude")
     parser.add_argument("--out", metavar="DIR", help="write calibration.json and figures there")
     common.add_json_argument(parser)
 
 
 def run(args):
     common.check_writable(args.json)
-    args.trust_units = True  # units are what a calibration is about: a bias of several g is an offset, not a mistake
     record = common.open_record(args)
     from imu_lib import calibration
 
-    found = calibration.calibrate_record(record, poses=args.poses, gravity=args.gravity)
+    found = calibration.calibrate_record(record, poses=args.poses, gravity=local_gravity(args))
     result = {"record": record.source or record.name, **found.to_json()}
     if args.out:
         with common.atomic_folder(args.out) as folder:
@@ -41,6 +43,22 @@ def run(args):
     common.write_json(result, args.json)
     if args.json != "-":
         print(report(record, found))
+
+
+def local_gravity(args) -> float:
+    """Gravity from the flags, m/s^2."""
+    from imu_lib import units
+    from imu_lib.navigation import earth
+
+    if args.latitude is None:
+        if args.height is not None:
+            raise InputError("--height needs --latitude.")
+        return units.G if args.gravity is None else args.gravity
+    if args.gravity is not None:
+        raise InputError("Give --gravity, or --latitude with --height, not both.")
+    if abs(args.latitude) > 90:
+        raise InputError(f"--latitude {args.latitude:g} is not between -90 and 90 degrees.")
+    return float(earth.gravity(args.latitude * units.DEG, args.height or 0.0))
 
 
 def report(record, found) -> str:
