@@ -269,3 +269,27 @@ def test_real_drives(data_dir):
     gaps = {"span_a": 3, "span_b": 2, "span_c": 0, "kth_car": 1}
     for name, count in gaps.items():
         assert len(read_drive(data_dir / f"drive/{name}.npz").imu().gaps()) == count
+
+
+LOGS = {
+    "phone app": ('"Time (s)";"Gyroscope x (rad/s)";"Gyroscope y (rad/s)";"Gyroscope z (rad/s)"', ";", ",", {}),
+    "blanks before units": ("# t [s] gx [rad/s] gy (rad/s) gz [rad/s]", " ", ".", {}),
+    "trailing delimiter": ("time,gx,gy,gz,", ",", ".", {"gyro_unit": "rad/s"}),
+    "evaluation board": ("Time [s],X_GYRO_OUT,Y_GYRO_OUT,Z_GYRO_OUT", ",", ".", {"gyro_unit": "rad/s"}),
+    "byte order mark": ("\ufefftime|w_x [rad/s]|w_y [rad/s]|w_z [rad/s]", "|", ".", {}),
+}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "latin-1"])
+@pytest.mark.parametrize("name", LOGS)
+def test_logs_as_programs_write_them(tmp_path, name, encoding):
+    head, delimiter, decimal, options = LOGS[name]
+    if encoding == "latin-1":
+        head = head.lstrip("\ufeff")
+    g, _ = still()
+    rows = [delimiter.join(f"{v:.12g}".replace(".", decimal) for v in row) for row in np.column_stack([np.arange(N) / RATE, g])]
+    if head.endswith(delimiter):
+        rows = [row + delimiter for row in rows]
+    (tmp_path / "log.txt").write_text("\n".join([head, *rows]) + "\n", encoding=encoding)
+    found = read_record(tmp_path / "log.txt", **options)
+    assert np.allclose(found["gyro"], g) and found.rate == RATE

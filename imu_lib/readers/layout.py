@@ -120,6 +120,8 @@ def _header(lines, first, kept, start, delimiter, width):
         if not line:
             continue
         fields = [f.strip().strip('"').strip() for f in (line.split() if delimiter is None else line.split(delimiter))]
+        if delimiter is None and len(fields) != width:  # `time [s] gyro_x [deg/s]`: blanks also stand before units
+            fields = [f.strip() for f in re.findall(r"[^\s\[(]+\s*[\[(][^\])]*[\])]|\S+", line)]
         if (
             header is None
             and i >= first - 3

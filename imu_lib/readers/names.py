@@ -51,7 +51,7 @@ _SIGNAL = [
     ("gyro", r"(?:gyros?|gyr|gyroscopes?|g|w|wib_?b?|omega|rate|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|w_rs_s|angvel|gyroreading)"),
     (
         "accel",
-        r"(?:accels?|acc|a|f|fib_?b?|accelerometers?|accelerations?"
+        r"(?:accels?|acc|a|f|fib_?b?|accelerometers?|accelerations?|accl"
         r"|lin(?:ear)?_?acc(?:el(?:eration)?)?|spec(?:ific)?_?force|a_rs_s|accreading)",
     ),
 ]
@@ -86,7 +86,7 @@ def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | No
     of three axes. `signal` ("gyro" or "accel") is what a bare x, y, z or 1, 2, 3 stands for. The unit is as spelled where it is
     not known, so that it can be refused by name.
     """
-    text = str(name).strip().lstrip("#%").strip().strip("\"'").strip()
+    text = str(name).strip("\ufeff \t").lstrip("#%").strip().strip("\"'").strip()
     unit = None
     bracket = re.match(r"^(.*?)[\s_]*[\[(]([^\])]*)[\])]\s*$", text)
     if bracket and bracket[1].strip():
@@ -137,7 +137,7 @@ def _canonical(key: str, signal: str | None) -> str | None:
         match = re.match(rf"^{_PREFIX}{pattern}[_. ]?(?:data_?)?(?:([xyz])(?:_?axis)?|[_.]?([123]))$", key)
         if match:
             return f"{canonical}_{_AXES[match[1] or match[2]]}"
-        match = re.match(rf"^([xyz])[_. ](?:axis_)?{pattern}$", key)
+        match = re.match(rf"^([xyz])[_. ](?:axis_)?{pattern}(?:_out|_data)?$", key)
         if match and len(key) > 3:
             return f"{canonical}_{match[1]}"
         if re.match(rf"^{_PREFIX}{pattern}(?:_?data)?$", key) and len(key) > 1:
