@@ -31,9 +31,9 @@ class Bins:
 
 @lru_cache(maxsize=8)
 def taper(n: int) -> np.ndarray:
-    """Cosine taper over 5 % at either end, mean square 1."""
+    """Cosine taper over 1 % at either end, mean square 1."""
     w = np.ones(n)
-    k = max(2, n // 20)
+    k = max(2, n // 100)
     ramp = 0.5 - 0.5 * np.cos(np.pi * (np.arange(k) + 0.5) / k)
     w[:k], w[-k:] = ramp, ramp[::-1]
     w /= np.sqrt(np.mean(w**2))

@@ -40,7 +40,16 @@ class Smooth:
         k = self.layout.slow
         quiet = np.median(mean[k:k + 10]) if len(mean) > k + 10 else mean[k:].mean()
         self.level = np.concatenate([np.full(k, quiet), mean[k:]]) + floor
+        # with the slow end as it is, falling with frequency, for filling gaps in
+        slow_end = np.convolve(np.pad(mean[:k], 1, mode="edge"), np.ones(3) / 3, "valid") if k > 2 else mean[:k]
+        self.full = np.concatenate([np.maximum.accumulate(np.maximum(slow_end, quiet)[::-1])[::-1], mean[k:]]) + floor
         self._cache = {}
+
+    def slow_too(self, size: int) -> np.ndarray:
+        """As `on`, with the slow end of the record's own spectrum."""
+        f = np.arange(size // 2 + 1) * self.fs / size
+        s = np.exp(np.interp(np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(self.full)))
+        return np.maximum(s, 1e-3 * np.mean(self.on(size)))
 
     def on(self, size: int) -> np.ndarray:
         """The spectrum, unit^2/Hz, at the ordinates of a real transform of `size` points."""
@@ -105,16 +114,26 @@ def first_fill(x, bad) -> np.ndarray:
     wrong = np.flatnonzero(bad)
     if len(wrong) == 0:
         return out
-    m = max(8, len(x) // 2000)
-    line = np.interp(np.arange(len(x)), good, x[good])
-    k = len(line) // m
-    level = np.interp(np.arange(len(x)), (np.arange(k) + 0.5) * m, np.median(line[:k * m].reshape(k, m), axis=1))
-    source = good[np.searchsorted(good, (wrong + len(x) // 3) % len(x)) % len(good)]
+    level = _level(x, bad)
+    source = good[(np.arange(len(wrong)) + len(good) // 3) % len(good)]
     out[wrong] = level[wrong] + x[source] - level[source]
     return out
 
 
-def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 25) -> np.ndarray:
+def _level(x, bad):
+    """The level from the good samples of each of some 2000 blocks, straight lines across blocks that have too few of them."""
+    m = max(8, len(x) // 2000)
+    k = len(x) // m
+    ok = ~bad[:k * m].reshape(k, m)
+    count = ok.sum(axis=1)
+    total = np.where(ok, np.where(bad, 0.0, x)[:k * m].reshape(k, m), 0.0).sum(axis=1)
+    full = count >= max(1, m // 4)
+    if not full.any():
+        full = count > 0
+    return np.interp(np.arange(len(x)), (np.arange(k) + 0.5)[full] * m, total[full] / count[full])
+
+
+def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 40) -> np.ndarray:
     """Bad samples drawn from their distribution given the good ones under the spectrum (conditional simulation).
 
     `above` and `below` are (mask, limit): samples known only to lie beyond a limit.
@@ -128,9 +147,9 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
     if len(wrong) == 0:
         return out
     out[wrong] = first_fill(x, bad)[wrong]
-    base = trend(out, smooth.m)
+    base = fast._bridge(out)
     size = _size(len(x))
-    density = smooth.on(size) * smooth.fs / 2
+    density = smooth.slow_too(size) * smooth.fs / 2
     inverse = 1.0 / density
     draw = irfft(rfft(rng.standard_normal(size)) * np.sqrt(density), size)[:len(x)]
     residual = out - base - draw
@@ -143,9 +162,11 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
     full = np.zeros(size)
     full[:len(x)] = residual
     b = -irfft(rfft(full) * inverse, size)[wrong]
-    v, r = np.zeros(len(wrong)), b.copy()
+    # gradients find the mean of a long gap last: start from the level around it
+    v = _level(residual, bad)[wrong]
+    r = b - apply(v)
     p, rr = r.copy(), r @ r
-    stop = 1e-8 * rr
+    stop = 1e-8 * float(b @ b)
     for _ in range(iterations):
         if rr <= stop:
             break

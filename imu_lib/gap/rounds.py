@@ -46,7 +46,8 @@ def _worth_fitting(items, state):
     """Without those that the screening has left far behind; a resonance only where it beats every simpler noise."""
     if not items:
         return items
-    best = max(i.note["screen"] for i in items)
+    # the screening of a changed parameter is a local slope, which promises too much
+    best = max([i.note["screen"] for i in items if i.base_index is None], default=0.0)
     simple = max([i.note["screen"] for i in items if i.name not in ("autoregressive", "low_pass")], default=0.0)
     resonant = any(i.name == "autoregressive" for i in state.items)
     return [i for i in items if i.note["screen"] >= 0.35 * best - 15
@@ -163,7 +164,8 @@ def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
 def confidence(rivals: dict) -> tuple[float, dict]:
     """Posterior weight of the item and of each rival."""
     keys = [k for k in rivals]
-    values = np.array([0.0] + [rivals[k] for k in keys]) / TEMPER
+    # the evidence of a decoded path is an approximation, good to some parts in a hundred
+    values = np.array([0.0] + [rivals[k] / (3.0 if k == "telegraph" else 1.0) for k in keys]) / TEMPER
     weight = np.exp(values - values.max())
     weight /= weight.sum()
     return float(weight[0]), {k: float(w) for k, w in zip(keys, weight[1:])}

@@ -10,8 +10,8 @@ from imu_lib.gap import effects, fast, slow
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.engine import Data, Fit, Likelihood, Slot, amplitude_occam
 
-#: A change of a held parameter: log-uniform within a factor of ten either way.
-CHANGE_WIDTH = 2 * np.log(10.0)
+#: A change of a held parameter is log-normal with this standard deviation (the width is what the fit assumes first).
+CHANGE_WIDTH, CHANGE_SD = 2 * np.log(10.0), 0.6
 #: Gain in log-likelihood below which a screened candidate is not fitted.
 SCREEN = 4.0
 
@@ -118,7 +118,12 @@ class State:
         fit = self.fit
         out = fit.evidence + sum(item.bonus for item in self.items)
         for item, b, v in zip(self.column_items, fit.beta, np.diag(fit.beta_cov) if len(fit.beta) else ()):
-            out += item.effect.penalty(self.data, abs(b) / np.sqrt(max(v, 1e-300)))
+            out += item.note.get("width", 0.0) if item.name == "step" else item.effect.penalty(self.data, abs(b) / np.sqrt(max(v, 1e-300)))
+        for item in self.items:
+            if item.base_index is not None:                # most changes of a parameter are within a factor of two or so
+                name = item.slot.names[0]
+                change = np.log(getattr(fit.terms[item.base_index], name) / getattr(self.base[item.base_index], name))
+                out += np.log(CHANGE_WIDTH / (np.sqrt(2 * np.pi) * CHANGE_SD)) - 0.5 * (change / CHANGE_SD) ** 2
         return out
 
     @property
@@ -292,6 +297,8 @@ def drift_candidates(state: State) -> list[Item]:
             best = _refine(effect, best, processes, j, scan, data, state)
         column = np.diff(effect.columns([best], data)[:, 0])
         note = {"screen": float(gain[j])}
+        if effect.name == "step":                          # log of the share of all instants at which the jump may lie
+            note["width"] = float(np.log(np.sum(np.exp(gain - gain[j])) / len(gain)))
         if effect.shape is not None:
             note["profile"] = _profile(effect, best, scan, data)
         out.append(Item(effect.name, best, column=column, note=note))
