@@ -161,8 +161,10 @@ def stretches(x):
 def channel(name, x, parts, fs, candidates=None) -> Channel:
     """All methods on one channel: `x` (n,) without gaps for the curves, `parts` (all stretches) for the likelihood."""
     notes = []
+    choice, parameters, density = fitted(parts, fs, candidates, notes)
+    filters = [s for s in choice.fit.model.stages if s.name == "low_pass"]
     curve = allan.deviation(x, fs)
-    read = {"allan": _asked(lambda: allan.characterise(x, fs), "Allan variance", SYMBOLS["allan"], notes),
+    read = {"allan": _asked(lambda: allan.characterise(x, fs, stages=filters), "Allan variance", SYMBOLS["allan"], notes),
             "psd": _asked(lambda: spectrum.characterise(x, fs), "spectrum", SYMBOLS["psd"], notes),
             "gauss_markov": _asked(lambda: autocorrelation.characterise(x, fs), "autocorrelation",
                                    SYMBOLS["gauss_markov"], notes)}
@@ -171,7 +173,6 @@ def channel(name, x, parts, fs, candidates=None) -> Channel:
     except ValueError as error:
         ar = {"order": None, "phi": [], "sigma": None, "white": None}
         notes.append(f"autoregressive model: {error}.")
-    choice, parameters, density = fitted(parts, fs, candidates, notes)
     return Channel(name, read["allan"], read["psd"], read["gauss_markov"], ar, parameters, choice, curve, density,
                    tuple(notes))
 
@@ -188,9 +189,10 @@ def fitted(parts, fs, candidates, notes):
     """The likelihood's choice on a channel: (Choice, estimates with upper limits, (f, density, model's density))."""
     stats = likelihood.Statistics.of(parts, fs, exclude_lines=True)
     if stats.lines:
-        strongest = max(stats.lines, key=lambda line: line[1])
+        share = sum(line[1] ** 2 for line in stats.lines) / np.var(np.concatenate(parts))
         notes.append(f"{len(stats.lines)} ordinate{'s' * (len(stats.lines) > 1)} of the spectrum stand out as lines and "
-                     f"are left out of the fit; the strongest is at {strongest[0]:.4g} Hz.")
+                     f"are left out of the fit; the strongest is at {stats.lines[0][0]:.4g} Hz, together they have "
+                     f"{share:.2g} of the variance.")
     end = likelihood.fast_end(stats, None)
     if end.note:
         notes.append(end.note[0].upper() + end.note[1:] + ".")

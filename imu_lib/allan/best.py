@@ -8,7 +8,7 @@ from imu_lib.allan.deviation import deviation
 from imu_lib.allan.fit import fit_best
 from imu_lib.allan.read_off import FLAT
 from imu_lib.estimate import Estimate
-from imu_lib.processes import Flicker, GaussMarkov, Quantization, Ramp, RandomWalk, WhiteNoise
+from imu_lib.processes import Flicker, GaussMarkov, Quantization, Ramp, RandomWalk, Sum, WhiteNoise
 
 _FAST, _SLOW = Quantization() + WhiteNoise(), RandomWalk() + Ramp()
 #: What is tried, in this order: the standard's five terms, a Gauss-Markov process for the flicker, both.
@@ -29,13 +29,18 @@ def short_filter(curve):
     return float(curve.tau[octaves[turn]]) if slopes[turn:].min() < slopes[0] - 0.05 else None
 
 
-def fit_any(curve, *, templates=TEMPLATES):
-    """The first of the usual sums that describes a curve, an on-chip filter allowed for: an AllanFit."""
+def fit_any(curve, *, templates=TEMPLATES, stages=()):
+    """The best of the usual sums by criterion, an on-chip filter allowed for: an AllanFit.
+
+    `stages` (a known low-pass filter) enter every sum; without them the curve is used from where it looks unfiltered.
+    """
+    if stages:
+        return fit_best(curve, [Sum(t.terms, tuple(stages)) for t in templates], enough=np.inf)
     start = short_filter(curve)
-    return fit_best(curve, templates, shortest=start or 0.0, filtered=start is not None)
+    return fit_best(curve, templates, shortest=start or 0.0, filtered=start is not None, enough=np.inf)
 
 
-def characterise(x, fs):
+def characterise(x, fs, *, stages=()):
     """N, B, K, Q, R of a record by a joint fit to its Allan curve.
 
     B is the flat level over 0.664, of flicker or of whatever makes the curve flat. Where even the best sum does not
@@ -47,6 +52,8 @@ def characterise(x, fs):
         Samples; values that are not finite are missing.
     fs : float
         Sampling rate, Hz.
+    stages : sequence of Stage
+        A low-pass filter that is known, complete.
 
     Returns
     -------
@@ -55,7 +62,7 @@ def characterise(x, fs):
     curve = deviation(x, fs)
     if curve.tau[-1] * fs < 0.05 * curve.samples:  # scattered gaps leave no whole long cluster
         curve = deviation(x, fs, present=0.8)
-    best = fit_any(curve)
+    best = fit_any(curve, stages=stages)
     out = {symbol: best[symbol] for symbol in ("N", "K", "Q", "R")}
     if "B" in best.parameters and best["B"].shown:
         out["B"] = best["B"]
