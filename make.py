@@ -180,6 +180,8 @@ def environment():
     values = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", PYTHONUTF8="1",
                   JUPYTER_PREFER_ENV_PATH="1", PYDEVD_DISABLE_FILE_VALIDATION="1", VIRTUAL_ENV=str(VENV))
     values["PATH"] = str(PYTHON.parent) + os.pathsep + values.get("PATH", "")
+    if values.get("IMU_LIB_DATA"):  # chapters run in their own folder: what was meant from here must not change there
+        values["IMU_LIB_DATA"] = os.path.abspath(values["IMU_LIB_DATA"])
     for name in ("MPLBACKEND", "PYTHONHOME", "PYTHONPATH"):  # an outer setting would change figures or imports
         values.pop(name, None)
     return values

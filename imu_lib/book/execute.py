@@ -39,6 +39,8 @@ def run(notebook, folder: Path):
     from nbclient import NotebookClient
 
     os.environ.update(ENVIRONMENT)
+    if os.environ.get("IMU_LIB_DATA"):  # meant from the folder of the call, not from the chapter's
+        os.environ["IMU_LIB_DATA"] = os.path.abspath(os.environ["IMU_LIB_DATA"])
     os.environ.pop("MPLBACKEND", None)  # an outer setting would switch the figures off
     clean(notebook)
     NotebookClient(notebook, timeout=TIMEOUT_S, kernel_name="python3", record_timing=False, store_widget_state=False,
