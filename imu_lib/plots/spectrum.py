@@ -60,9 +60,11 @@ def spectrum_lines(averaged, reading, *, channel="", ax=None):
     ax.plot(averaged.f, averaged.psd / factor, ".", color=style.DATA, label="record")
     for colour, (symbol, line) in zip(_COLOURS, reading.used.items(), strict=False):
         name, unit = units.datasheet(symbol, channel) if channel else (1.0, "")
-        ax.plot(averaged.f, line.at(averaged.f) / factor, ":", color=colour, linewidth=1.0)
-        inside = np.array([line.start, line.stop])
-        ax.plot(inside, line.at(inside) / factor, color=colour, linewidth=2.5,
+        # of samples, a power of sin(pi f / fs)
+        value = line.at(averaged.fs / np.pi * np.sin(np.pi * averaged.f / averaged.fs)) / factor
+        ax.plot(averaged.f, value, ":", color=colour, linewidth=1.0)
+        inside = (averaged.f >= line.start) & (averaged.f <= line.stop)
+        ax.plot(averaged.f[inside], value[inside], color=colour, linewidth=2.5,
                 label=f"{symbol} = {reading[symbol].value / name:.3g} {unit}")
     ax.set_ylim(averaged.psd.min() / factor / 4, averaged.psd.max() / factor * 4)
     ax.legend()

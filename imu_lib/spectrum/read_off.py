@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -68,7 +68,10 @@ def read_off(spectrum, *, least=0.4, highest=None):
     """
     ok = (spectrum.f <= (highest or 0.4 * spectrum.fs)) & (spectrum.psd > 0)
     f, psd, dof = spectrum.f[ok], spectrum.psd[ok], spectrum.dof[ok]
-    found = segments(f, psd, np.sqrt(2 / dof), LINES.values(), least=least, floor=0.06)
+    # the densities of samples are powers of sin(pi f / fs), not of f: with this the lines are straight up to fs / 2
+    g = spectrum.fs / np.pi * np.sin(np.pi * f / spectrum.fs)
+    found = tuple(replace(s, start=float(f[s.first]), stop=float(f[s.last])) for s in
+                  segments(g, psd, np.sqrt(2 / dof), LINES.values(), least=least, floor=0.06))
     chain = rising(found)
     upper = psd * dof / stats.chi2.ppf(0.05, dof)
     coefficients, used = {}, {}
@@ -83,7 +86,7 @@ def read_off(spectrum, *, least=0.4, highest=None):
             ends = (level * nu / stats.chi2.ppf(q, nu) for q in (0.975, 0.025))
             coefficients[symbol] = Estimate(*(float(coefficient(symbol, v, spectrum.fs)) for v in (level, *ends)))
         else:
-            coefficients[symbol] = Estimate.absent(coefficient(symbol, np.min(upper / f**slope), spectrum.fs))
+            coefficients[symbol] = Estimate.absent(coefficient(symbol, np.min(upper / g**slope), spectrum.fs))
     return Reading(coefficients, found, used)
 
 
