@@ -5,7 +5,7 @@ of their products. A plain least-squares fit of sigma^2 exp(-lag / Tc) (Eq. 11 o
 paper) to them has intervals many times too small. Here the fit is generalised least squares with the covariance of
 the lags evaluated at the fitted model, and against the exact mean of the lags once the record's own mean is off.
 
-A gyroscope's white noise is thousands of times its Gauss-Markov variance, sample by sample, and its correlation time
+A gyroscope's white noise is a thousand times its Gauss-Markov variance, sample by sample, and its correlation time
 thousands of samples. The record is therefore first averaged over blocks. The block is not the user's choice: blocks
 of 1, 2, 4, ... samples are tried, and of those where the fitted correlation time is a handful of blocks the most
 significant is taken. Where the record drifts on beyond that (a random walk, which has no autocovariance), the
@@ -77,7 +77,8 @@ def fit_gauss_markov(x, fs, *, block=None, lags=32, detrend="mean", drift=None) 
     fs : float
         Rate, Hz.
     block : int, optional
-        Samples per block mean; default chosen as the module's docstring says.
+        Samples per block mean; default chosen as the module's docstring says. A block that is given is not searched for,
+        so two standard errors are enough.
     lags : int
         Lags of the block means that are fitted.
     detrend : {"mean", "linear", "none"}
@@ -89,7 +90,8 @@ def fit_gauss_markov(x, fs, *, block=None, lags=32, detrend="mean", drift=None) 
     Intervals are normal in the logarithm of sigma^2 and Tc. A process counts as shown when its variance is four
     standard errors above zero under the hypothesis of white noise: the search over blocks makes the usual two far
     too generous (the false-alarm rate is tested). Correlation times below 2.5 samples are left to the electronics'
-    filter. A correlation time of the order of the record has an interval that is open above.
+    filter. A correlation time of the order of the record has an interval that is open above. Where nothing is shown the
+    upper limit of sigma is the largest over the blocks, each for a process that remembers six of its blocks.
 
     Raises
     ------
@@ -104,7 +106,7 @@ def fit_gauss_markov(x, fs, *, block=None, lags=32, detrend="mean", drift=None) 
     scale = x.std()
     levels = block_levels(x / scale, lags, block)
     peak = max(level.significance for level in levels)
-    if peak <= _SHOWN:
+    if peak <= _SHOWN and not block:
         return _absent(levels, fs, scale, peak)
     whole = None if drift else _best(levels, fit_whole, block)
     local = None if drift is False else _best([lv for lv in levels if lv.n >= 2 * SEGMENT], fit_segments, block)
@@ -126,8 +128,8 @@ def _best(levels, fit, block):
     """The most significant fit whose correlation time its block resolves, as (level, solution), or None."""
     found = []
     for level in levels:
-        if level.significance > _SHOWN:
-            solution = fit(level)
+        if block or level.significance > _SHOWN:
+            solution = fit(level, anywhere=bool(block))
             if solution is not None and (block or _RESOLVED[0] <= solution.tc <= _RESOLVED[1]):
                 found.append((level, solution))
     found = [pair for pair in found if pair[1].z > 2]

@@ -118,7 +118,7 @@ def fit_whole(level, *, anywhere=False) -> Solution | None:
     return _iterate(np.array([*start[:1], np.log(tc), start[1]]), level.gamma, mean_of, covariance_of, n / 2)
 
 
-def fit_segments(level) -> Solution | None:
+def fit_segments(level, *, anywhere=False) -> Solution | None:
     """White noise, Gauss-Markov and random walk on the autocovariance averaged over segments of 96 blocks, or None.
 
     Each segment's own mean is removed, so a walk has a well-defined mean here; mean and covariance are exact for
@@ -152,7 +152,7 @@ def fit_segments(level) -> Solution | None:
         return 2 * flat @ products.transpose(0, 2, 1).reshape(k + 1, -1).T / (SEGMENT**2 * count)
 
     start, tc = _start(gamma, [unit_mean, lambda *_: white_mean, lambda *_: walk_mean])
-    if not _NEAR[0] <= tc <= _NEAR[1]:
+    if not anywhere and not _NEAR[0] <= tc <= _NEAR[1]:
         return None
     return _iterate(np.array([start[0], np.log(tc), start[1], start[2]]), gamma, mean_of, covariance_of, SEGMENT)
 
