@@ -52,7 +52,7 @@ def run(args) -> int:
         common.write_json(found.to_json(), args.json)
     if args.out:
         with common.atomic_folder(args.out) as folder:
-            from imu_lib.gap.report import write
+            from imu_lib.cli.gap_report import write
             found.model.save(folder / "model.json")
             write(found, folder / "report.html")
     from imu_lib.gap.table import table

@@ -50,7 +50,7 @@ class Spikes(Effect):
             return None
         gain, p, scale, s = mixture(y)
         hit = np.flatnonzero(np.abs(y) > OUTLIER * s)
-        if gain < 14 or len(hit) < 2:
+        if gain < 14 or len(hit) < 2 or scale < 2.5:      # a broader shoulder is another distribution, not spikes
             return None
         sd = s * np.sqrt(smooth.conditional_variance)
         rate, height = p * smooth.fs, scale * sd

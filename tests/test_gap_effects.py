@@ -1,0 +1,89 @@
+"""Every effect of the catalogue is found and named where it is plain to see, and nothing where nothing is hidden."""
+
+import gap_generator as generator
+import numpy as np
+import pytest
+
+from imu_lib import gap
+from imu_lib.gap.channel import analyse
+from imu_lib.gap.effects import CATALOGUE
+from imu_lib.gap.innovations import Smooth, impute
+from imu_lib.model import Model
+from imu_lib.processes import OF_CHANNEL, Sum, from_json
+from imu_lib.record import Record
+
+FS, DURATION = 100.0, 900.0
+#: A gain far above the limit of detectability, so that no seed makes the name a matter of luck.
+PLAIN = 800.0
+
+
+def _case(seed, effect, **more):
+    made = generator.make(seed, [effect] if effect else [], duration=DURATION, fs=FS, channels=("gyro_x",), base="gm", gain=PLAIN, **more)
+    base = Sum.of(from_json(e) for e in made.base["gyro_x"])
+    return made, base
+
+
+@pytest.mark.parametrize("effect", ["quantization", "flicker", "random_walk", "autoregressive", "ramp", "warm_up", "temperature", "step", "sinusoid",
+                                    "low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck", "change_N"])
+def test_a_plain_effect_is_named(effect):
+    made, base = _case(31, effect)
+    found = analyse("gyro_x", made.channels["gyro_x"], FS, base, temperature=made.temperature)
+    truth = made.truths[0]
+    step = next((s for s in found.steps if s.effect == truth["effect"]), None)
+    assert step is not None, [s.effect for s in found.steps]
+    assert not [s.effect for s in found.steps if s is not step and s.confidence >= 0.9]
+    assert step.where and step.cause
+
+
+@pytest.mark.parametrize("effect", ["modulated_noise", "chirp", "heavy_tails", "clicks", "missing_codes", "square_wave"])
+def test_an_unknown_effect_is_left_unexplained_without_a_confident_name(effect):
+    made, _ = generator.make(41, [], duration=DURATION, fs=FS, channels=("gyro_x",), base="gm"), None
+    base = Sum.of(from_json(e) for e in made.base["gyro_x"])
+    white = made.base["gyro_x"][0]["N"] * np.sqrt(FS)
+    x = generator._unknown(effect, made.channels["gyro_x"], FS, np.random.default_rng(5), white)
+    found = analyse("gyro_x", x, FS, base)
+    assert found.unexplained
+    assert all(s.confidence < 0.9 for s in found.steps)
+
+
+def test_nothing_is_found_where_nothing_is_hidden():
+    made = generator.make(7, [], duration=DURATION, fs=FS, channels=("gyro_x", "accel_z"))
+    found = gap.close(Record(made.channels, FS, temperature=made.temperature), Model.from_json(made.base), simulations=0, jobs=1)
+    assert found.steps == [] and all(c.result.unexplained is None for c in found.channels.values())
+    assert found.record_unexplained is None
+
+
+@pytest.mark.parametrize("effect", generator.RECORD)
+def test_what_acts_on_the_record_is_named(effect):
+    made = generator.make(8, [effect], duration=DURATION, fs=FS, channels=("gyro_x", "gyro_y"), base="white")
+    found = gap.close(Record(made.channels, FS, time=made.time, temperature=made.temperature), Model.from_json(made.base), simulations=0, jobs=1)
+    assert [(c, s.effect) for c, s in found.steps] == [("record", effect)]
+    truth = made.truths[0]["parameters"]
+    step = found.record_steps[0]
+    for name in set(truth) & {"N", "fraction"}:
+        assert abs(step.parameters[name] / truth[name] - 1) < 0.1
+    if effect == "common_mode":
+        assert step.parameters["channels"] == truth["channels"]
+
+
+def test_a_free_base_says_what_it_absorbed():
+    made, _ = _case(9, "random_walk")
+    found = analyse("gyro_x", made.channels["gyro_x"], FS, None)
+    assert {"white_noise", "random_walk"} <= set(found.absorbed)
+    assert not [s for s in found.steps if s.confidence >= 0.9]
+
+
+def test_filled_in_samples_have_the_spectrum_of_the_rest():
+    rng = np.random.default_rng(10)
+    x = generator._noise({"process": "gauss_markov", "sigma": 1.0, "correlation_time": 0.2}, 60_000, FS, rng)
+    bad = np.zeros(60_000, bool)
+    for start in range(500, 59_000, 600):
+        bad[start:start + 40] = True
+    y = impute(np.where(bad, 50.0, x), bad, Smooth(x, FS), rng)
+    assert abs(np.std(y[bad]) / np.std(x[~bad]) - 1) < 0.1           # 98 runs of two correlation times: 7 % scatter
+    assert abs(np.std(np.diff(y)[bad[1:]]) / np.std(np.diff(x)) - 1) < 0.05
+
+
+def test_the_catalogue_covers_the_vocabulary_of_the_model_file():
+    assert set(OF_CHANNEL) - {"constant"} == set(CATALOGUE)
+    assert all(e.cause for e in CATALOGUE.values())

@@ -1,0 +1,63 @@
+"""The likelihood of the gap workflow: closed forms of the slow end, recovery of known parameters, whitening."""
+
+import numpy as np
+import pytest
+
+from imu_lib.gap import engine, fast, slow
+from imu_lib.processes import Flicker, GaussMarkov, GaussMarkov2, Quantization, RandomWalk, WhiteNoise
+
+FS, M = 100.0, 400
+PROCESSES = [WhiteNoise(1e-3), Quantization(1e-3), Flicker(1e-3), RandomWalk(1e-4), GaussMarkov(1e-3, 1.0), GaussMarkov(1e-3, 50.0),
+             GaussMarkov2(1e-3, 30.0)]
+
+
+@pytest.mark.parametrize("process", PROCESSES, ids=lambda p: f"{p.name}")
+def test_block_covariance_is_the_integral_of_the_spectrum(process):
+    """The closed form against the numerical integral of the process's own spectrum through the block differences."""
+    c = slow.covariance(process, 40, M, FS)
+    f = (np.arange(400_000) + 0.5) / 400_000 * FS / 2
+    gain = (np.sin(np.pi * f * M / FS) / (M * np.sin(np.pi * f / FS))) ** 2 * 4 * np.sin(np.pi * f * M / FS) ** 2
+    density = process.psd(f, FS) * gain
+    lags = np.array([0, 1, 2, 3, 10, 30])
+    integral = np.array([np.sum(density * np.cos(2 * np.pi * f * j * M / FS)) for j in lags]) * FS / 2 / 400_000
+    # the continuous limit inside a block differs from its samples by about 1 / M^2, flicker's by its logarithm
+    assert np.allclose(c[lags], integral, atol=3e-5 * c[0])
+
+
+def test_whitening_is_the_inverse_of_the_cholesky_factor():
+    c = slow.covariance(GaussMarkov(1.0, 60.0), 60, M, FS) + slow.covariance(WhiteNoise(1.0), 60, M, FS)
+    matrix = c[np.abs(np.subtract.outer(np.arange(60), np.arange(60)))]
+    y = np.random.default_rng(1).standard_normal((60, 3))
+    logdet, e = slow.whiten(c, y)
+    assert np.isclose(logdet, np.linalg.slogdet(matrix)[1], rtol=1e-10)
+    assert np.allclose(e.T @ e, y.T @ np.linalg.solve(matrix, y), rtol=1e-9)
+    assert np.allclose(slow.whitening_matrix(c) @ y, e, atol=1e-10)
+
+
+def test_parameters_of_a_known_sum_are_recovered_within_their_intervals():
+    rng = np.random.default_rng(20240101)
+    truth = [WhiteNoise(1e-3), GaussMarkov(3e-4, 30.0)]
+    x = sum(p.simulate(180_000, FS, rng) for p in truth)
+    data = engine.Data(x, FS)
+    slots = [engine.Slot(0, ("N",), (-20.0,), (5.0,), (7.0,)), engine.Slot(1, ("sigma", "correlation_time"), (-20.0, -3.0), (5.0, 7.0), (7.0, 9.0))]
+    fit = engine.Likelihood(data, [WhiteNoise(2e-3), GaussMarkov(1e-4, 100.0)], slots).maximise()
+    want = np.log([1e-3, 3e-4, 30.0])
+    # four standard deviations: one seed in some ten thousand would fail by chance
+    assert np.all(np.abs(fit.vector - want) < 4 * np.sqrt(np.diag(fit.cov)))
+    assert np.sqrt(fit.cov[0, 0]) < 0.005
+
+
+def test_a_drift_column_takes_its_amplitude():
+    rng = np.random.default_rng(3)
+    data = engine.Data(WhiteNoise(1e-3).simulate(120_000, FS, rng) + 1e-6 * np.arange(120_000) / FS, FS)
+    column = np.diff(data.block_time)[:, None]
+    _, beta, cov = engine.Likelihood(data, [WhiteNoise(1e-3)], columns=column).value(np.zeros(0))
+    assert abs(beta[0] - 1e-6) < 4 * np.sqrt(cov[0, 0])
+
+
+def test_periodogram_of_white_noise_has_its_level():
+    x = WhiteNoise(1e-3).simulate(60_000, FS, np.random.default_rng(4))
+    data = engine.Data(x, FS)
+    level = np.average(data.power, weights=data.layout.nu)
+    assert abs(level / 2e-6 - 1) < 5 * np.sqrt(2 / data.layout.nu.sum())
+    assert fast.padded(60_001) >= 60_001
