@@ -1,9 +1,7 @@
 """Hides effects in synthetic static records, for the blind tests and benchmarks of `imu_lib.gap`.
 
-Plain numpy on purpose: nothing here comes from imu_lib, so that an error in the package's own
-simulators cannot hide itself. Every case carries the expected log-likelihood gain of each hidden
-effect at its true parameters (`gain`), worked out here from closed forms of its own, so that
-what no method could see is not counted as a miss.
+Plain numpy: nothing here comes from imu_lib, so that an error in its simulators cannot hide itself. Every case carries the
+expected log-likelihood gain (`gain`) of each hidden effect at its true parameters, from closed forms of its own.
 """
 from __future__ import annotations
 
@@ -25,7 +23,6 @@ UNKNOWN = ("modulated_noise", "chirp", "heavy_tails", "bursts", "fading_tone", "
 @dataclass
 class Case:
     """A record, its base model and what is hidden in it."""
-
     seed: int
     fs: float
     channels: dict
@@ -120,8 +117,7 @@ def _gain_drift(d, base, fs):
 
 
 def _gain_line(d, s0, fs):
-    p = np.abs(np.fft.rfft(d))[1:] ** 2 * 2 / (fs * len(d))
-    return float(np.sum(p / s0))
+    return float(np.sum(np.abs(np.fft.rfft(d))[1:] ** 2 * 2 / (fs * len(d)) / s0))
 
 
 # -- base models -----------------------------------------------------------------------------------------------
@@ -211,8 +207,7 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None):
 
 
 def _stage(effect, x, fs, rng, truth, white, target):
-    n, mean = len(x), x.mean()
-    duration = n / fs
+    n, mean, duration = len(x), x.mean(), len(x) / fs
     truth["gain"] = 1e3
     if effect == "low_pass":
         if rng.random() < 0.5:
@@ -252,8 +247,7 @@ def _stage(effect, x, fs, rng, truth, white, target):
         lsb = white * 10 ** rng.uniform(-0.7, 0.5)
         truth["parameters"] = {"lsb": lsb}
         return np.round(x / lsb) * lsb, truth
-    fraction, length = 10 ** rng.uniform(-3, -1.5), int(rng.integers(5, 60))
-    y = x.copy()
+    fraction, length, y = 10 ** rng.uniform(-3, -1.5), int(rng.integers(5, 60)), x.copy()
     for start in np.flatnonzero(rng.random(n) < fraction / length):
         y[start:start + length + 1] = y[start]
     truth["parameters"] = {"fraction": fraction, "length": length}

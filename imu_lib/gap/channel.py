@@ -134,15 +134,18 @@ def _levelled(x, ratio, time, fs, base):
     k = int(round(time * fs))
     drifts = [] if base is None else [t for t in base.terms if not t.deterministic and not t.fast]
     quick = [] if base is None else [t for t in base.terms if not t.deterministic and t.fast]
+    size = 2 * n
+    f = np.maximum(np.arange(n + 1), 0.5) * fs / size
     if drifts and quick:
-        size = 2 * n
-        f = np.maximum(np.arange(n + 1), 0.5) * fs / size
-        d, q = sum(t.psd(f, fs) for t in drifts), sum(t.psd(f, fs) for t in quick)
+        # what is slow among the louder (or quieter) noise after the change
+        d, q = sum(t.psd(f, fs) for t in drifts), ratio**2 * sum(t.psd(f, fs) for t in quick)
         gain = d / (d + q)
+    elif quick:
+        gain = np.zeros(n + 1)
+        gain[:2] = 1.0
     else:
-        size = 2 * n
-        f = np.arange(n + 1) * fs / size
         gain = 1.0 / (1.0 + (f * 20.0) ** 4)
+    gain[0] = 1.0                                         # the mean is no noise
     pad = np.concatenate([x, x[::-1]])
     slow_part = np.fft.irfft(np.fft.rfft(pad) * gain, size)[:n]
     out = x.copy()
