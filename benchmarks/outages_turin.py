@@ -1,6 +1,6 @@
 """Which error model holds the position? Hundreds of outages on the two simulated drives, with intervals.
 
-    python benchmarks/outages_turin.py --drives 16 --workers 2
+    python benchmarks/outages_turin.py --drives 6 --workers 2
 
 Two sensors: "calibrated", the twin of the 3DM-GX3-25 alone, its gyro bias removed at standstill; "as mounted", the same with 20 mg of
 accelerometer bias, 0.3 % of scale factor and 3 mrad of misalignment that nobody removed. Each drive is drawn anew; outages of
@@ -23,7 +23,7 @@ from imu_lib.navigation.filter import FilterModel
 RESULT = Path(__file__).parent / "results" / "outages_turin.json"
 SENSORS = {"calibrated": (simulation.ImuErrors(turn_on_sd=(3.5e-3, 0.0)), (2e-4, 0.0)),
            "as mounted": (simulation.ImuErrors(turn_on_sd=(3.5e-3, 0.2), scale_sd=(0.003, 0.003), misalignment_sd=(0.003, 0.003)), (2e-4, 0.2))}
-STATIC_HOURS = 2.0
+STATIC_HOURS = 1.0
 
 
 def contestants(fitted, turn_on_sd):
@@ -115,7 +115,7 @@ def summary(runs):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--drives", type=int, default=16, help="of each sensor, half of them along each of the two ways")
+    parser.add_argument("--drives", type=int, default=6, help="of each sensor, half of them along each of the two ways")
     parser.add_argument("--workers", type=int, default=2)
     args = parser.parse_args()
     truth = preset("3dm-gx3-25")

@@ -45,6 +45,17 @@ def _innovation(nav, c, lever, spin, delay, acceleration, fix, y):
 
 
 @njit(cache=True)
+def _variance(given, c, lever, white, step, variance):
+    """Variances of a fix, and what the gyros' white noise of one interval, N^2 / dt, adds to the antenna's velocity about the sensor."""
+    for i in range(3):
+        m0 = c[i, 2] * lever[1] - c[i, 1] * lever[2]              # row of C [lever x]
+        m1 = c[i, 0] * lever[2] - c[i, 2] * lever[0]
+        m2 = c[i, 1] * lever[0] - c[i, 0] * lever[1]
+        variance[i] = given[i]
+        variance[3 + i] = given[3 + i] + (m0 * m0 * white[0] + m1 * m1 * white[1] + m2 * m2 * white[2]) / step
+
+
+@njit(cache=True)
 def _row(i, arm0, arm1, arm2, delay, h):
     """Row i of the measurement matrix: position with [arm x] on the attitude error and the delay on the velocity error."""
     _zero(h)
@@ -109,7 +120,7 @@ def run(begin, end, nav, x, p, road, dt, dtheta, dvel, s, q, output, first, whit
     _unpack(p, nn, ns, ss)
     h9, gain, ph, dx, total, weight = np.empty(9), np.empty(n), np.empty(n), np.empty(n), np.empty(n), output.copy()
     turn, push, force, spin, acceleration, y = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(6)
-    v_before, x_new = np.empty(3), np.empty(m)
+    v_before, x_new, variance = np.empty(3), np.empty(m), np.empty(6)
     phi = np.eye(n)
     fix = np.searchsorted(fix_epoch, begin, side="right")
     node = np.searchsorted(node_epoch, begin, side="right")
@@ -162,7 +173,8 @@ def run(begin, end, nav, x, p, road, dt, dtheta, dvel, s, q, output, first, whit
                 _pack(nn, ns, ss, node_prior[node])
         while fix < fix_epoch.size and fix_epoch[fix] <= epoch:
             arm0, arm1, arm2 = _innovation(nav, c, lever, spin, fix_delay[fix], acceleration, fix_value[fix], y)
-            variance, use, bits = fix_variance[fix], fix_use[fix], 0
+            use, bits = fix_use[fix], 0
+            _variance(fix_variance[fix], c, lever, white, step, variance)
             if use & POSITION:
                 distance = _distance(nn, y, variance, 0)
                 if distance > gates[0]:

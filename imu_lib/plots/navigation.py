@@ -91,28 +91,32 @@ def outage_fan(study, *, name=None, against=None, ax=None):
 
 
 @style.styled
-def outage_errors(study, *, what="max", against=None, published=None, ax=None):
+def outage_errors(studies, *, what="max", against=None, published=None, ax=None):
     """Errors of all models side by side: bars for few outages (2013 paper, Fig. 26), boxes over many.
 
-    published : mapping of model to the paper's errors of the same outages, drawn as points
+    studies : one OutageStudy, or several of the same models, whose outages are numbered on
+    published : mapping of model to the paper's errors of the same outages, drawn as dashes
     """
-    against = against or ("reference" if "reference" in study.against else "full_gnss")
-    word = "maximum" if what == "max" else "mean"
-    names = list(study.models)
-    values = {n: study.errors(n, what=what, against=against) for n in names}
-    if len(study.windows) > 12:
-        ax = style.axes(ax, y=f"{word} horizontal error, m")
+    studies = list(studies) if isinstance(studies, (list, tuple)) else [studies]
+    against = against or ("reference" if "reference" in studies[0].against else "full_gnss")
+    label = f"{'maximum' if what == 'max' else 'mean'} horizontal error, m"
+    names = list(studies[0].models)
+    values = {n: np.concatenate([s.errors(n, what=what, against=against) for s in studies]) for n in names}
+    count = len(values[names[0]])
+    if count > 12:
+        ax = style.axes(ax, y=label)
         ax.boxplot([values[n] for n in names], tick_labels=names, whis=(5, 95), showfliers=False, medianprops={"color": style.VERMILION})
         ax.set_yscale("log")
         return ax
-    ax = style.axes(ax, x="outage", y=f"{word} horizontal error, m")
-    place, width = np.arange(len(study.windows)), 0.8 / len(names)
+    ax = style.axes(ax, x="outage", y=label)
+    place, width = np.arange(count), 0.8 / len(names)
     for i, n in enumerate(names):
         at = place + (i - 0.5 * (len(names) - 1)) * width
-        ax.bar(at, values[n], width, color=_colour(study, n), label=n)
+        ax.bar(at, values[n], width, color=_colour(studies[0], n), label=n)
         if published and n in published:
-            ax.plot(at, published[n], ls="none", marker="_", ms=9, mew=2, color=style.BLACK, label="paper" if i == 0 else None)
+            ax.plot(at, published[n], ls="none", marker="_", ms=6, mew=2, color=style.BLACK, label="paper" if i == 0 else None)
     ax.set_xticks(place, [str(i + 1) for i in place])
+    ax.set_yscale("log")
     ax.legend(ncols=3)
     return ax
 
@@ -128,6 +132,8 @@ def solution_errors(solution, drive, *, ax=None):
             a, i = axes[k, j], 3 * k + j
             style.band(a, time, -2.0 * scale * sd[:, i], 2.0 * scale * sd[:, i])
             a.plot(time, scale * error[:, i], lw=0.8)
+            top = scale * max(6.0 * float(np.median(sd[:, i])), 1.1 * float(np.quantile(np.abs(error[:, i]), 0.99)))
+            a.set_ylim(-top, top)                        # the first seconds' bands would dwarf the rest
             a.set_title(f"{('position', 'velocity', 'attitude')[k]} {('north', 'east', 'down')[j]}, {unit}")
     for a in axes[2]:
         a.set_xlabel("time, s")
