@@ -21,16 +21,16 @@ FS = 10.0
 @pytest.mark.parametrize("model", [WhiteNoise(N=1.0), WhiteNoise(N=1.0) + RandomWalk(K=0.02),
                                    WhiteNoise(N=1.0) + GaussMarkov(sigma=0.5, correlation_time=40.0)])
 def test_covariance_of_the_curve(model):
-    """From the model's spectrum, against the scatter of 1500 draws."""
+    """From the model's spectrum, against the scatter of 800 draws."""
     n, rng = 4000, np.random.default_rng(1)
     m = np.array([1, 2, 4, 16, 64, 128, 256, 512, 1024])
-    draws = np.array([squares(model.simulate(n, 1.0, rng), m) for _ in range(1500)])
+    draws = np.array([squares(model.simulate(n, 1.0, rng), m) for _ in range(800)])
     quad = Quadrature(m, n, n - 2 * m + 1, 1.0)
     mine, seen = quad.covariance(model.psd(quad.f, 1.0)), np.cov(draws.T)
     sd = np.sqrt(np.diag(mine))
-    # a standard deviation from 1500 nearly chi-square draws is known to 2-4 %, a correlation to 0.03
-    assert np.abs(np.sqrt(np.diag(seen)) / sd - 1).max() < 0.12
-    assert np.abs(mine / np.outer(sd, sd) - np.corrcoef(draws.T)).max() < 0.12
+    # a standard deviation from 800 nearly chi-square draws is known to 3-5 %, a correlation to 0.035
+    assert np.abs(np.sqrt(np.diag(seen)) / sd - 1).max() < 0.15
+    assert np.abs(mine / np.outer(sd, sd) - np.corrcoef(draws.T)).max() < 0.15
 
 
 def squares(x, m):
@@ -39,14 +39,14 @@ def squares(x, m):
 
 
 def test_fit_covers_in_small():
-    """Half an hour at 10 Hz, 60 draws; the full study is benchmarks/interval_coverage.py."""
+    """Half an hour at 10 Hz, 30 draws; the full study is benchmarks/interval_coverage.py."""
     truth = WhiteNoise(N=1.0) + GaussMarkov(sigma=0.5, correlation_time=20.0)
     rng, hits = np.random.default_rng(2), []
-    for _ in range(60):
+    for _ in range(30):
         found = allan.fit(allan.deviation(truth.simulate(18_000, FS, rng), FS), WhiteNoise() + GaussMarkov())
         hits.append([found[label].covers(value) for label, value in (("N", 1.0), ("sigma", 0.5), ("correlation_time", 20.0))])
-    # 180 intervals at 95 %: five standard errors of the share are 8 %
-    assert np.mean(hits) > 0.87, np.mean(hits, axis=0)
+    # 90 intervals at 95 %: five standard errors of the share are 11 %
+    assert np.mean(hits) > 0.84, np.mean(hits, axis=0)
 
 
 def test_absent_walk_gets_a_limit():
@@ -103,6 +103,16 @@ def test_characterise_finds_the_five():
         # four intervals at 95 %; held to twice their half-width, which one draw in 10 000 would leave
         middle, half = np.log(found[symbol].value), np.log(found[symbol].high / found[symbol].value)
         assert abs(np.log(value) - middle) < 2 * half, symbol
+
+
+def test_a_record_that_no_sum_describes():
+    """A quarter of the record at twice the noise: the model is granted an error, and the five still come out sane."""
+    rng = np.random.default_rng(9)
+    x = WhiteNoise(N=1.0).simulate(200_000, FS, rng) + np.round(4 * GaussMarkov(sigma=1.0, correlation_time=3.0).simulate(200_000, FS, rng)) / 4
+    x[:50_000] *= 2
+    found = allan.characterise(x, FS)
+    for symbol, estimate in found.items():
+        assert estimate.high < np.inf and (not estimate.shown or 0 < estimate.low < estimate.value < estimate.high), symbol
 
 
 def test_reading_off_white_and_walk():

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.allan.confidence import interval
 from imu_lib.allan.deviation import deviation
 from imu_lib.allan.fit import fit_best
+from imu_lib.allan.limits import flat_time
 from imu_lib.allan.read_off import FLAT
 from imu_lib.estimate import Estimate
 from imu_lib.processes import Flicker, GaussMarkov, Quantization, Ramp, RandomWalk, Sum, WhiteNoise
 
 _FAST, _SLOW = Quantization() + WhiteNoise(), RandomWalk() + Ramp()
+#: Relative error of a model's Allan variance that is allowed, taken in turn.
+DISCREPANCIES = (0.0, 0.01, 0.03, 0.1, 0.3)
 #: What is tried, in this order: the standard's five terms, a Gauss-Markov process for the flicker, both.
 TEMPLATES = (_FAST + Flicker() + _SLOW, _FAST + GaussMarkov() + _SLOW, _FAST + Flicker() + GaussMarkov() + _SLOW)
 
@@ -34,17 +38,18 @@ def fit_any(curve, *, templates=TEMPLATES, stages=()):
 
     `stages` (a known low-pass filter) enter every sum; without them the curve is used from where it looks unfiltered.
     """
-    if stages:
-        return fit_best(curve, [Sum(t.terms, tuple(stages)) for t in templates], enough=np.inf)
-    start = short_filter(curve)
-    return fit_best(curve, templates, shortest=start or 0.0, filtered=start is not None, enough=np.inf)
+    start = None if stages else short_filter(curve)
+    sums = [Sum(t.terms, tuple(stages)) for t in templates]
+    return fit_best(curve, sums, shortest=start or 0.0, filtered=start is not None, enough=np.inf,
+                    discrepancies=DISCREPANCIES)
 
 
 def characterise(x, fs, *, stages=()):
     """N, B, K, Q, R of a record by a joint fit to its Allan curve.
 
-    B is the flat level over 0.664, of flicker or of whatever makes the curve flat. Where even the best sum does not
-    describe the curve, the intervals are widened by the root of misfit over degrees of freedom.
+    B is the flat level over 0.664, of flicker or of a Gauss-Markov process where that makes the curve flat. Where no
+    sum describes the curve within its scatter, the model itself is granted an error (`DISCREPANCIES`), which widens
+    the intervals.
 
     Parameters
     ----------
@@ -64,18 +69,17 @@ def characterise(x, fs, *, stages=()):
         curve = deviation(x, fs, present=0.8)
     best = fit_any(curve, stages=stages)
     out = {symbol: best[symbol] for symbol in ("N", "K", "Q", "R")}
-    if "B" in best.parameters and best["B"].shown:
-        out["B"] = best["B"]
-    elif "sigma" in best.parameters and best["sigma"].shown:
+    bump = "sigma" in best.parameters and best["sigma"].shown
+    if bump and _is_flat(best):
         out["B"] = best.flat.scaled(1 / FLAT)
+    elif "B" in best.parameters and best["B"].shown:
+        out["B"] = best["B"]
     else:
-        out["B"] = best.parameters.get("B") or Estimate.absent(best.flat.high / FLAT)
-    widen = max(1.0, best.misfit / best.dof) ** 0.5
-    return {symbol: _widened(out[symbol], widen) for symbol in ("N", "B", "K", "Q", "R")}
+        out["B"] = Estimate.absent(float(np.nanmin(interval(curve.adev, curve.edf, level=0.9)[1])) / FLAT)
+    return {symbol: out[symbol] for symbol in ("N", "B", "K", "Q", "R")}
 
 
-def _widened(estimate, factor):
-    if not estimate.shown or factor == 1.0:
-        return Estimate(estimate.value, estimate.low, estimate.high * (1.0 if estimate.shown else factor))
-    return Estimate(estimate.value, estimate.value * (estimate.low / estimate.value) ** factor,
-                    estimate.value * (estimate.high / estimate.value) ** factor)
+def _is_flat(found):
+    """Whether the fitted deviation really has a flat part at the process's bump: slope below 0.15 either way."""
+    tau = flat_time(found.model, found.tau[0], found.tau[-1]) * np.array([0.9, 1.1])
+    return abs(0.5 * np.diff(np.log(found.model.avar(tau)))[0] / np.log(1.1 / 0.9)) < 0.15

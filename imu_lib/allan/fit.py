@@ -90,38 +90,49 @@ def fit(curve, terms, *, shortest=0.0, longest=np.inf, filtered=False):
     return _finished(*_found(curve, terms, shortest, longest, filtered))
 
 
-def fit_best(curve, templates, *, shortest=0.0, longest=np.inf, filtered=False, enough=0.05):
+def fit_best(curve, templates, *, shortest=0.0, longest=np.inf, filtered=False, enough=0.05, discrepancies=(0.0,)):
     """The first of several templates that describes the curve (p-value above `enough`), or else the best of them.
 
-    Best is the least criterion. Arguments as for `fit`; a template with too many parameters for the curve is passed
-    over.
+    Best is the least criterion; with an infinite `enough` all templates compete. Other arguments as for `fit`; a
+    template with too many parameters for the curve is passed over. `discrepancies` are relative errors of the Allan
+    variance that are allowed to the model itself, taken in turn until the best template fits (p-value above 0.01): no
+    sum of a few processes describes a real sensor to the thousandth that the shortest averaging times are known to,
+    and without that allowance they would bend the fit everywhere else.
 
     Returns
     -------
     AllanFit
     """
-    tried = []
-    for template in templates:
-        try:
-            tried.append(_found(curve, template, shortest, longest, filtered))
-        except ValueError:
-            continue
-        problem, found, count = tried[-1]
-        if stats.chi2.sf(found[2], problem.tau.size - count) > enough:
-            return _finished(*tried[-1])
-    if not tried:
-        raise ValueError("`curve` has too few averaging times to fit anything")
-    return _finished(*min(tried, key=lambda one: one[1][3] + one[2] * np.log(one[0].tau.size)))
+    def p_value(tried):
+        return stats.chi2.sf(tried[1][2], tried[0].tau.size - tried[2])
+
+    best = None
+    for discrepancy in discrepancies:
+        for template in templates:
+            try:
+                tried = _found(curve, template, shortest, longest, filtered, discrepancy)
+            except ValueError:
+                continue
+            if p_value(tried) > enough:
+                return _finished(*tried)
+            criterion = tried[1][3] + tried[2] * np.log(tried[0].tau.size)
+            if best is None or best[0] != discrepancy or criterion < best[1]:
+                best = discrepancy, criterion, tried
+        if best is None:
+            raise ValueError("`curve` has too few averaging times to fit anything")
+        if p_value(best[2]) > 0.01:
+            break
+    return _finished(*best[2])
 
 
-def _found(curve, terms, shortest, longest, filtered):
+def _found(curve, terms, shortest, longest, filtered, discrepancy=0.0):
     """Problem, (shape, squares, misfit, criterion) at the minimum, number of parameters."""
     terms = Terms(terms, filtered=filtered)
     index = choose(curve, shortest=shortest, longest=longest)
     count = len(terms.linear) + len(terms.shape)
     if index.size <= count:
         raise ValueError(f"`curve` has {index.size} averaging times in the range, too few to fit {count} parameters")
-    problem = Problem(curve, terms, index)
+    problem = Problem(curve, terms, index, discrepancy)
     found = min((iterate(problem, start, rounds=2) for start in _starts(problem, curve)), key=lambda one: one[3])
     return problem, iterate(problem, found[0]), count
 
@@ -144,11 +155,9 @@ def _starts(problem, curve, *, points=16, best=3):
     shape = problem.terms.shape
     if not shape:
         return [np.empty(0)]
-    axis = np.log(np.geomspace(3 * problem.tau[0], curve.duration / 6, points))
+    axis = np.log(np.geomspace(6 * problem.tau[0], max(curve.duration / 6, 12 * problem.tau[0]), points))
     terms = problem.terms.template.terms
-    kinds = [{p.name: p.kind for p in terms[t].parameters}[name] for t, name, _ in shape]
-    grid = np.stack([g.ravel() for g in np.meshgrid(*[axis if kind == "time" else -axis for kind in kinds],
-                                                    indexing="ij")], axis=1)
+    grid = np.stack([g.ravel() for g in np.meshgrid(*[sign * axis for sign in problem.sign], indexing="ij")], axis=1)
     for i in range(1, len(shape)):  # twins among the terms in order of their time constants
         if terms[shape[i][0]].name == terms[shape[i - 1][0]].name and shape[i][1] == shape[i - 1][1]:
             grid = grid[grid[:, i] > grid[:, i - 1]]

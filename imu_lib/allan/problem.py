@@ -81,9 +81,17 @@ class Terms:
 
 
 class Problem:
-    """One curve against one template: design, covariance and misfit in log shape parameters and squared amplitudes."""
+    """One curve against one template: design, covariance and misfit in log shape parameters and squared amplitudes.
 
-    def __init__(self, curve, terms, index):
+    `discrepancy` is a relative error of the model itself, independent at each averaging time.
+    """
+
+    def __init__(self, curve, terms, index, discrepancy=0.0):
+        self.discrepancy = discrepancy
+        # a time constant below a few samples is white noise, one beyond the record a walk
+        self.bounds = np.log(np.array([5 * curve.tau[index[0]], max(curve.duration, 10 * curve.tau[index[0]])]))
+        kinds = [{p.name: p.kind for p in terms.template.terms[t].parameters}[name] for t, name, _ in terms.shape]
+        self.sign = np.array([1.0 if kind == "time" else -1.0 for kind in kinds])  # a frequency is an inverse time
         self.terms, self.tau, self.fs = terms, curve.tau[index], curve.fs
         self.v = curve.avar[index]
         self.edf = curve.edf[index]
@@ -120,6 +128,8 @@ class Problem:
         if trend.any():
             mean = np.sqrt(trend)
             out += 4 * np.outer(mean, mean) * self.quad.mean_covariance(total)
+        if self.discrepancy:
+            out[np.diag_indices_from(out)] += (self.discrepancy * (weight @ avar)) ** 2
         return out
 
     def whitener(self, covariance):
@@ -191,7 +201,7 @@ def _best_shape(problem, shape, white):
 
     def put(part):
         out = shape.copy()
-        out[moving] = part
+        out[moving] = problem.sign[moving] * np.clip(problem.sign[moving] * part, *problem.bounds)
         return out
 
     def rest(part):

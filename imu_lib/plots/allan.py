@@ -130,7 +130,7 @@ def coefficients(table, *, ax=None, title="", logarithmic=True):
     """Estimates side by side: label -> {method: Estimate or value}; bars are 95 % intervals, arrows upper limits."""
     methods = list(dict.fromkeys(m for row in table.values() for m in row))
     ax = style.axes(ax, title=title, size=(7.0, 0.5 * len(table) + 1.4))
-    for k, (label, row) in enumerate(table.items()):
+    for k, row in enumerate(table.values()):
         for j, method in enumerate(methods):
             if method not in row:
                 continue
