@@ -37,14 +37,19 @@ def write_record(record: Record, path) -> None:
         with open(path, "wb") as file:
             np.savez_compressed(file, **arrays(record), **more)
         return
-    import pandas as pd
+    import pyarrow as pa
+    from pyarrow import csv, parquet
 
     columns = {"time [s]": record.times()} | {f"{c} [{UNIT[c.partition('_')[0]]}]": x for c, x in record.channels.items()}
     if record.temperature is not None:
         columns["temperature [degC]"] = record.temperature
+    table = pa.table(columns)
     if suffix in (".csv", ".tsv", ".txt"):
-        pd.DataFrame(columns).to_csv(path, index=False, sep="," if suffix == ".csv" else "\t", float_format="%.10g", na_rep="")
+        delimiter = "," if suffix == ".csv" else "\t"
+        with open(path, "wb") as file:  # the shortest digits that give the same number back
+            file.write((delimiter.join(columns) + "\n").encode())
+            csv.write_csv(table, file, csv.WriteOptions(include_header=False, delimiter=delimiter))
     elif suffix == ".parquet":
-        pd.DataFrame(columns).to_parquet(path, index=False, engine="pyarrow")
+        parquet.write_table(table, path)
     else:
         raise InputError(f"{path}: records are written as .npz, .csv, .tsv, .txt or .parquet.")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 from importlib import import_module, metadata
 from importlib.util import find_spec
@@ -70,7 +71,9 @@ def _version() -> str:
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit status."""
-    argv = sys.argv[1:] if argv is None else list(argv)
+    if argv is None:
+        argv = sys.argv[1:]
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # temporary files are cleaned up on the way out
     command = next((a for a in argv if not a.startswith("-")), None)
     from imu_lib.errors import ImuLibError
 
