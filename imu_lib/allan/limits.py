@@ -10,6 +10,7 @@ constants on the logarithmic one.
 from __future__ import annotations
 
 import numpy as np
+from scipy import optimize
 
 from imu_lib.allan import confidence
 from imu_lib.allan.problem import iterate
@@ -134,21 +135,33 @@ def flat_time(model, shortest, longest):
     near = np.zeros(tau.size, dtype=bool)
     for time in markov:
         near |= (tau >= time) & (tau <= 6 * time)
-    slope = np.abs(np.gradient(np.log(model.avar(tau)), np.log(tau)))
-    return float(tau[np.argmin(np.where(near if near.any() else True, slope, np.inf))])
+    log = np.log(tau)
+
+    def steepness(u, step=1e-3):
+        ends = model.avar(np.exp(np.array([u - step, u + step])))
+        return (np.log(ends[1] / ends[0]) / (2 * step)) ** 2
+
+    slope = np.abs(np.gradient(np.log(model.avar(tau)), log))
+    k = int(np.argmin(np.where(near if near.any() else True, slope, np.inf)))
+    bounds = log[max(k - 1, 0)], log[min(k + 1, tau.size - 1)]
+    return float(np.exp(optimize.minimize_scalar(steepness, bounds=bounds, method="bounded", options={"xatol": 1e-7}).x))
 
 
 def _flat(problem, shape, squares, cov):
-    """The model's Allan deviation where it is flattest (there a shift of the place does not matter to first order)."""
-    model = problem.terms.model(shape, squares)
-    tau = np.array([flat_time(model, problem.tau[0], problem.tau[-1])])
-
+    """The model's Allan deviation where it is flattest; its interval by the delta method, the place moving along."""
     def log_deviation(log):
         k = squares.size
-        return 0.5 * np.log(problem.terms.model(log[k:], np.exp(2 * log[:k])).avar(tau, problem.fs)[0])
+        model = problem.terms.model(log[k:], np.exp(2 * log[:k]))
+        tau = flat_time(model, problem.tau[0], problem.tau[-1])
+        return 0.5 * np.log(model.avar(np.array([tau]), problem.fs)[0])
 
     log = np.concatenate([0.5 * np.log(np.maximum(squares, 1e-300)), shape])
-    gradient = np.array([(log_deviation(log + e) - log_deviation(log - e)) / 2e-3 for e in 1e-3 * np.eye(log.size)])
+    moves = np.flatnonzero(np.diag(cov) > 0)
+    gradient = np.zeros(log.size)
+    for i in moves:
+        step = np.zeros(log.size)
+        step[i] = min(0.02, np.sqrt(cov[i, i]))
+        gradient[i] = (log_deviation(log + step) - log_deviation(log - step)) / (2 * step[i])
     sd = np.sqrt(gradient @ cov @ gradient)
     level = float(np.exp(log_deviation(log)))
     low, high = confidence.interval(level, 1 / max(2 * sd**2, 1e-12))
