@@ -119,6 +119,10 @@ class State:
         out = fit.evidence + sum(item.bonus for item in self.items)
         for item, b, v in zip(self.column_items, fit.beta, np.diag(fit.beta_cov) if len(fit.beta) else ()):
             out += item.note.get("width", 0.0) if item.name == "step" else item.effect.penalty(self.data, abs(b) / np.sqrt(max(v, 1e-300)))
+        for term in fit.terms[len(self.base):]:
+            # a time constant that nears the record's length is not seen: the same noise has a name with one parameter less
+            if term.name in ("gauss_markov", "gauss_markov_2"):
+                out -= 4.0 * np.clip(np.log(term.correlation_time / self.data.duration * 12) / np.log(4.0), 0.0, 1.0)
         for item in self.items:
             if item.base_index is not None:                # most changes of a parameter are within a factor of two or so
                 name = item.slot.names[0]

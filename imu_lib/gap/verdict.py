@@ -10,7 +10,7 @@ from imu_lib.gap import slow
 from imu_lib.gap.effects.noise_level_change import unsteady
 
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests, benchmarks/gap_null.py).
-LIMIT = -4.5
+LIMIT = -5.0
 
 
 @dataclass(frozen=True)
