@@ -78,23 +78,26 @@ _TOLERANCE = {"N": 0.02, "flat": 0.05, "slope": 0.1, "K": 0.1, "sd": 0.1}
 def twin_misfit(entry: Sum, published: Published) -> dict[str, float]:
     """What a channel's model has, over what the 2013 paper printed for it.
 
-    At the correlation times of Table 5 the moving average changes the Allan deviation by less
-    than a part in a thousand, so the processes alone are asked.
+    The moving average lets noise from above half the output rate fold down, so that an Allan
+    curve shows a white noise 5 % above N; else it changes nothing at the times of Table 5.
 
     Returns
     -------
     dict
-        `N`, `flat` (Allan deviation at the printed correlation time over 0.664 B), `K` (where
-        printed) and `sd` (expected standard deviation of a seven-hour record) as ratios; `slope`,
+        `N` (as an Allan curve shows it), `flat` (Allan deviation at the printed correlation time over
+        0.664 B), `K` (where printed) and `sd` (expected standard deviation of a seven-hour record) as ratios; `slope`,
         the slope of the log-log Allan deviation at that time, as it is (a flat part has 0).
     """
-    tau = published.flat_time
-    around = np.sqrt(Sum(entry.terms).avar(tau * np.array([0.9, 1.0, 1.1])))
     white, markov, walk = (entry.find(name) for name in ("white_noise", "gauss_markov", "random_walk"))
     low_pass = entry.low_pass or MOVING_AVERAGE_2013
+    folded = float(Sum((white,), (low_pass,)).psd(1e-3, 100.0) / white.psd(1e-3))
+    seen = white.with_(N=white.N * np.sqrt(folded))
+    slow_terms = tuple(term for term in (markov, walk) if term is not None)
+    tau = published.flat_time
+    around = np.sqrt(Sum((seen, *slow_terms)).avar(tau * np.array([0.9, 1.0, 1.1])))
     fast = white.N**2 * low_pass.rate / low_pass.taps
     slow = markov.sigma**2 + (0.0 if walk is None else walk.K**2 * DURATION_2013 / 6.0)
-    out = {"N": white.N / published.N,
+    out = {"N": seen.N / published.N,
            "flat": around[1] / (FLAT_LEVEL * published.B),
            "slope": np.log(around[2] / around[0]) / np.log(1.1 / 0.9),
            "sd": np.sqrt(fast + slow) / published.sd}
