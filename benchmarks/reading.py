@@ -6,6 +6,7 @@ time counts (the others measure the machine's other work), with processor time b
 
 import datetime
 import json
+import os
 import platform
 import subprocess
 import sys
@@ -43,6 +44,7 @@ def main():
     result = {
         "command": "python benchmarks/reading.py",
         "date": datetime.date.today().isoformat(),
+        "load_average": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
         "versions": {"python": platform.python_version(), **{m.__name__: m.__version__ for m in (numpy, pandas, pyarrow)}},
         "record": "six axes, 7 h at 100 Hz, with a time column",
         "formats": rows,
