@@ -13,7 +13,7 @@ from .base import Effect, Finding
 #: First ordinate that is searched: slower oscillations are drifts.
 FIRST = 32
 #: Gain in log-likelihood of a line among all frequencies: exceeded by noise in three of a thousand channels of an hour at 100 Hz.
-THRESHOLD = 20.0
+THRESHOLD = 20.5
 
 
 def local_level(power, layout) -> np.ndarray:
@@ -98,7 +98,7 @@ class Sinusoid(Effect):
             size = fast.padded(data.n)
             i = min(int(round(f * size / data.fs)), len(level) - 1)
             clean = data.minus(signal)
-            density = level[i]
+            density = max(level[i], _around(data, i))
             gain = process.amplitude**2 * data.n / (2 * data.fs * density)
             if gain < threshold:
                 break
@@ -122,6 +122,12 @@ class Sinusoid(Effect):
             data = clean
         _harmonics(found)
         return found, data
+
+
+def _around(data, i: int, reach: int = 30) -> float:
+    """Mean density of the ordinates around a line, the line's own left out."""
+    near = np.concatenate([np.arange(max(1, i - reach), i - 2), np.arange(i + 3, min(len(data.z), i + reach + 1))])
+    return float(np.mean(np.abs(data.z[near]) ** 2) / data.fs)
 
 
 def _harmonics(found):
