@@ -10,7 +10,6 @@ paper's own seven outages and those of its Table 6 (no error model, wavelet leve
 import argparse
 import json
 import time
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -45,11 +44,15 @@ def with_constants(model):
     return model.with_channels({c: Sum((*model[c].terms, Constant(value=0.0))) for c in model.channel_names})
 
 
-@cache
+_ways = {}
+
+
 def way(which):
     """A drive's path and true motion, once per process."""
-    path = turin.drive(which)
-    return path, simulation.true_motion(path)
+    if which not in _ways:
+        path = turin.drive(which)
+        _ways[which] = path, simulation.true_motion(path)
+    return _ways[which]
 
 
 class Task:
