@@ -116,7 +116,7 @@ def wilson(k, n):
     z = 1.96
     p = k / n
     middle, half = (p + z * z / (2 * n)) / (1 + z * z / n), z / (1 + z * z / n) * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    return [round(max(0.0, middle - half), 4), round(min(1.0, middle + half), 4)]
+    return [round(float(max(0.0, middle - half)), 4), round(float(min(1.0, middle + half)), 4)]
 
 
 def covered(results):
@@ -166,6 +166,21 @@ def show(rows):
               f"{str(r['within']) + '/' + str(r['parameters']):>10}{r['covering']:>8}{r['seconds']:>7}")
 
 
+def merge(names, into):
+    """Stored runs put together into one table; they must not share seeds within a kind."""
+    runs = [json.loads((RESULTS / f"{name}.json").read_text()) for name in names]
+    cases = [c for r in runs for c in r["cases"]]
+    seen = [(c["kind"], c["seed"], tuple(c["channels"])) for c in cases]
+    if len(set(seen)) < len(seen):
+        raise SystemExit("the runs share seeds")
+    cases.sort(key=lambda c: ["none", *generator.KNOWN, "pair", *generator.UNKNOWN].index(c["kind"]))
+    rows = table(cases)
+    show(rows)
+    out = {"command": "; ".join(r["command"] for r in runs), "date": runs[-1]["date"], "first_seed": [r["first_seed"] for r in runs],
+           "free_base": runs[0]["free_base"], "table": rows, "cases": cases}
+    (RESULTS / f"{into}.json").write_text(json.dumps(out, indent=None, default=float) + "\n")
+
+
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kinds", default=",".join(("none", *generator.KNOWN, "pair", *generator.UNKNOWN)))
@@ -175,7 +190,10 @@ def main(argv=None):
     parser.add_argument("--print", action="store_true", dest="shown", help="print every case that is not named right; store nothing")
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
     parser.add_argument("--name", default="gap_score")
+    parser.add_argument("--merge", metavar="NAMES", help="put stored runs together under --name instead of running")
     args = parser.parse_args(argv)
+    if args.merge:
+        return merge(args.merge.split(","), args.name)
     cases = plan(args.kinds.split(","), args.cases, args.first)
     # kinds take turns, so that a run that is stopped early has some of each
     cases.sort(key=lambda c: (c[0] - args.first) % 1000)
