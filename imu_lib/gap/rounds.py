@@ -161,11 +161,11 @@ def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
     return state, [{} for _ in state.items] if changed else rivals
 
 
-def confidence(rivals: dict) -> tuple[float, dict]:
-    """Posterior weight of the item and of each rival."""
+def confidence(rivals: dict, name: str = "") -> tuple[float, dict]:
+    """Posterior weight of the item called `name` and of each rival."""
     keys = [k for k in rivals]
     # the evidence of a decoded path is an approximation, good to some parts in a hundred
-    values = np.array([0.0] + [rivals[k] / (3.0 if k == "telegraph" else 1.0) for k in keys]) / TEMPER
+    values = np.array([0.0] + [rivals[k] / (3.0 if k == "telegraph" and name != "step" else 1.0) for k in keys]) / TEMPER
     weight = np.exp(values - values.max())
     weight /= weight.sum()
     return float(weight[0]), {k: float(w) for k, w in zip(keys, weight[1:])}

@@ -119,7 +119,7 @@ def steps_of_items(state, rivals, n_base) -> list[Step]:
                     value = getattr(process, name)
                     intervals[name] = [value * np.exp(-Z95 * sd), value * np.exp(Z95 * sd)]
             index += 1
-        sure, weights = rounds.confidence(others) if others else (1.0, {})
+        sure, weights = rounds.confidence(others, item.name) if others else (1.0, {})
         by_name = {}
         for key, w in weights.items():
             by_name[key.split(":")[0] or "none"] = max(by_name.get(key.split(":")[0] or "none", 0.0), w)
