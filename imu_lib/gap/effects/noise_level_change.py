@@ -44,7 +44,7 @@ def unsteady(y, fs) -> tuple[float, str] | None:
 def change_point(y):
     """(gain, index, ratio) of the best single change of variance of a white series, to the sample."""
     n = len(y)
-    c = np.cumsum(y**2)
+    c = np.cumsum(np.minimum(y**2, 25.0))                 # a spike that was left over is no change of level
     total = c[-1]
     edge = max(20, n // 400)
     k = np.arange(edge, n - edge)
