@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-from imu_lib.book import build, chapters, execute, rerun
+from imu_lib.book import build, chapters, execute, left_out, rerun
 from imu_lib.errors import InputError
 from imu_lib.record import Record
 
@@ -42,10 +42,10 @@ def small_book(tmp_path, monkeypatch):
     tagged = {"metadata": {"tags": ["parameters"]}}
     nbformat.write(notebook(TEXT("# Does it work?"), CODE(PARAMETERS, **tagged), CODE(OPENS), CODE("print(channel, len(record[channel]))"),
                             CODE(FIGURE)), source / "nbs/works.ipynb")
-    nbformat.write(notebook(TEXT("# Is it warm?"), CODE(PARAMETERS, **tagged), CODE(OPENS), CODE("print('kept')"), TEXT("Next."),
+    nbformat.write(notebook(TEXT("# Is it warm?"), CODE(PARAMETERS, **tagged), CODE(OPENS), CODE("warm = 99.0\nprint('kept')"), TEXT("Next."),
                             CODE("from imu_lib.errors import InputError\nif record_path and 'temperature' not in record:\n"
-                                 "    raise InputError('there is no temperature in this record')"), TEXT("## Never reached")),
-                   source / "nbs/stops.ipynb")
+                                 "    raise InputError('there is no temperature in this record')\nwarm = 20.0"), TEXT("## Next"),
+                            CODE("print('warm:', warm)"), CODE("print('cold')\nassert len(record) > 99")), source / "nbs/stops.ipynb")
     nbformat.write(notebook(TEXT("# Does it drive?"), CODE("1 + 1", **tagged)), source / "nbs/other.ipynb")
     monkeypatch.setattr(chapters, "source", lambda: source)
     return source
@@ -79,19 +79,29 @@ def test_a_failing_chapter_keeps_what_is_stored(tmp_path):
 def test_rerun_on_a_record(small_book, record, tmp_path):
     out = tmp_path / "mine"
     told = []
-    page = rerun.book(record, out, progress=lambda run, done, total: told.append((run.path.stem, run.error)))
-    assert page.is_file() and sorted(told) == [("stops", "there is no temperature in this record"), ("works", "")]
+    page = rerun.book(record, out, progress=lambda run, done, total: told.append((run.path.stem, run.error, run.left_out)))
+    reasons = ("there is no temperature in this record", "A check of this chapter does not hold: `len(record) > 99`.")
+    assert page.is_file() and sorted(told) == [("stops", "", reasons), ("works", "", ())]
     works = (out / "nbs/works.html").read_text(encoding="utf-8")
     assert "gyro_x 500" in works, "the channel that this record has, on this record"
     assert str(tmp_path) not in works and "a b.csv" in works
     stops = (out / "nbs/stops.html").read_text(encoding="utf-8")
-    assert "there is no temperature in this record" in stops and "kept" in stops
-    assert "Never reached" not in stops and "Traceback" not in stops
+    assert "Left out on this record (500 samples, 5 s)" in stops and reasons[0] in stops and "kept" in stops
+    assert "3 of 7 steps" in stops and "cold" in stops and "Traceback" not in stops
+    assert "it builds on" in stops and "warm: 99" not in stops, "what an earlier cell left must not pass for the record's"
     assert not (out / "nbs/other.html").exists()
     assert not [page for page in out.rglob("*.html") if re.search(r'(src|href)="(https?:)?//[^"]*[.](js|css)', page.read_text(encoding="utf-8"))], \
         "readable offline: no script or style sheet from the web"
     assert "a b.csv" in (out / "book/intro.html").read_text(encoding="utf-8")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "source"], "nothing else is left behind"
+
+
+def test_what_a_failed_cell_leaves_unset():
+    source = "import numpy as np\na = 1\nfor k in 'ab':\n    rows[k] = f(k)\n    kept.append(k)\nc, d.e = 2, 3"
+    assert left_out.forgotten(source, 4) == ["c", "d", "k", "kept", "rows"]
+    assert left_out.forgotten(source, 6) == ["c", "d"]
+    assert left_out.forgotten(source, None) == ["a", "c", "d", "k", "kept", "rows"]
+    assert left_out.failing_line(["\x1b[36mCell\x1b[39m\x1b[36m \x1b[39mIn[21], line 4\x1b[39m", "File x.py:7"]) == 4
 
 
 def test_a_failed_build_leaves_nothing(small_book, record, tmp_path, monkeypatch):

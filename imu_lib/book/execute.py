@@ -29,13 +29,16 @@ class Run:
     seconds: float
     changed: bool = False
     error: str = ""  # empty where it ran to its end
+    left_out: tuple[str, ...] = ()  # on a user's record: why steps were left out
 
 
-def run(notebook, folder: Path):
+def run(notebook, folder: Path, *, after_error=None):
     """Execute `notebook` (a NotebookNode, changed in place) with `folder` as working directory.
 
-    Raises nbclient's CellExecutionError where a cell fails.
+    Raises nbclient's CellExecutionError where a cell fails; with `after_error` the next cells go on instead, after the
+    code that `after_error(cell, reply)` returns.
     """
+    from jupyter_core.utils import ensure_async
     from nbclient import NotebookClient
 
     os.environ.update(ENVIRONMENT)
@@ -43,9 +46,17 @@ def run(notebook, folder: Path):
         os.environ["IMU_LIB_DATA"] = os.path.abspath(os.environ["IMU_LIB_DATA"])
     os.environ.pop("MPLBACKEND", None)  # an outer setting would switch the figures off
     clean(notebook)
-    NotebookClient(notebook, timeout=TIMEOUT_S, kernel_name="python3", record_timing=False, store_widget_state=False,
-                   extra_arguments=["--log-level=40"],  # the kernel's own notices would land on the terminal
-                   resources={"metadata": {"path": str(folder)}}).execute()
+    client = NotebookClient(notebook, timeout=TIMEOUT_S, kernel_name="python3", record_timing=False, store_widget_state=False,
+                            allow_errors=after_error is not None,
+                            extra_arguments=["--log-level=40"],  # the kernel's own notices would land on the terminal
+                            resources={"metadata": {"path": str(folder)}})
+
+    async def go_on(cell, cell_index, execute_reply):
+        await ensure_async(client.kc.execute(after_error(cell, execute_reply["content"]), silent=True, store_history=False))
+
+    if after_error is not None:
+        client.on_cell_error = go_on
+    client.execute()
     settle(notebook)
     return notebook
 
@@ -111,7 +122,8 @@ def execute_files(paths, *, workers: int = 2, progress=lambda run, done, total: 
 
 def print_progress(result: Run, done: int, total: int):
     """One line per chapter on stderr; a failure with what the cell said."""
-    state = "FAILED" if result.error else "executed"
+    left = len(result.left_out)
+    state = "FAILED" if result.error else f"executed, {left} step{'s' * (left > 1)} not on this record," if left else "executed"
     print(f"[{done}/{total}] {result.path.stem}: {state} in {result.seconds:.0f} s", file=sys.stderr, flush=True)
     if result.error:
         print(result.error, file=sys.stderr, flush=True)

@@ -9,7 +9,7 @@ import nbformat
 import numpy as np
 import yaml
 
-from imu_lib.book import build, execute
+from imu_lib.book import build, execute, left_out
 from imu_lib.book import chapters as contents
 from imu_lib.record import Record
 
@@ -19,8 +19,8 @@ PAGES = ("book/notation", "book/status", "book/bibliography")  # pages that stay
 def book(record: Record, out: Path, *, progress=execute.print_progress) -> Path:
     """Execute the chapters that are about a static record on `record` and build them into `out`; returns page one.
 
-    A chapter that the record cannot carry to its end is cut where it stopped and says why. Chapters on other things
-    (navigation, calibration on a turntable) are left out. Raises InputError where `out` holds other files, and
+    A step that the record cannot carry is left out and says why in its place (`left_out`). Chapters on other things
+    (navigation, calibration on a turntable) are left out whole. Raises InputError where `out` holds other files, and
     BuildError where the pages cannot be built; nothing is left behind then.
     """
     build.check_target(out)
@@ -31,7 +31,7 @@ def book(record: Record, out: Path, *, progress=execute.print_progress) -> Path:
         kept = [chapter for chapter in contents.chapters(work) if "record_path" in chapter.parameters and not chapter.needs]
         runs = execute.execute_files([chapter.path for chapter in kept], progress=progress,
                                      task=partial(execute_on, record_path=path, channels=record.channel_names,
-                                                  shown=record.source or record.name))
+                                                  shown=record.source or record.name, about=described(record)))
         write_toc(work, [chapter.slug for chapter in kept])
         write_intro(work, record, runs)
         build.write_status(work, runs, kept)
@@ -53,10 +53,18 @@ def safe_name(name: str) -> str:
     return re.sub(r"[^\w.-]+", "_", Path(name).stem).strip("._") or "record"
 
 
-def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...], shown: str = "") -> execute.Run:
-    """Execute the chapter at `path` on the record and store it there, cut at the cell that the record fails.
+def described(record: Record) -> str:
+    """Length of the record in a few words."""
+    seconds = record.duration
+    length = f"{seconds / 3600:.3g} h" if seconds >= 3600 else f"{seconds / 60:.3g} min" if seconds >= 120 else f"{seconds:.3g} s"
+    return f"{record.n:,} samples, {length}"
 
-    Readers see `shown` for the record's path, as the file was called before it was copied into the workplace.
+
+def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...], shown: str = "", about: str = "") -> execute.Run:
+    """Execute the chapter at `path` on the record and store it there, with a note in place of each step that it cannot carry.
+
+    Readers see `shown` for the record's path, as the file was called before it was copied into the workplace, and
+    `about` for its length.
     """
     from papermill.iorw import load_notebook_node
     from papermill.parameterize import parameterize_notebook
@@ -68,16 +76,17 @@ def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...], show
         values["channel"] = channels[0]
     notebook.metadata["kernelspec"] = dict(execute.KERNEL)
     notebook = parameterize_notebook(notebook, values)
-    error = ""
+    error, reasons = "", []
     try:
-        execute.run(notebook, path.parent)
-    except Exception as failure:  # whatever a chapter trips over is told on its page, the other chapters go on
-        error = reason(failure)
+        execute.run(notebook, path.parent, after_error=left_out.forget)
+        reasons = left_out.explain(notebook, about)
+    except Exception as failure:  # a kernel that died, a cell without end: told on its page, the other chapters go on
+        error = left_out.reason(type(failure).__name__, str(failure))
         cut(notebook, error)
         execute.settle(notebook)
     show_parameters(notebook, {**values, "record_path": shown})
     nbformat.write(notebook, path)
-    return execute.Run(path, time.monotonic() - started, error=error)
+    return execute.Run(path, time.monotonic() - started, error=error, left_out=tuple(reasons))
 
 
 def show_parameters(notebook, values: dict):
@@ -89,18 +98,10 @@ def show_parameters(notebook, values: dict):
                 cell.source = re.sub(rf"^{name} = .*$", lambda _, line=f"{name} = {value!r}": line, cell.source, flags=re.MULTILINE)
 
 
-def reason(failure: Exception) -> str:
-    """What the failing cell raised, in one line; our own exceptions speak for themselves."""
-    kind = getattr(failure, "ename", type(failure).__name__)
-    text = " ".join(str(getattr(failure, "evalue", failure)).split())
-    return text if kind in ("InputError", "UndefinedFormError", "ImuLibError") else f"{kind}: {text}" if text else kind
-
-
 def cut(notebook, error: str):
-    """Keep what was computed before the failure, and say at the top where and why the chapter stops."""
-    failing = next((number for number, cell in enumerate(notebook.cells) if cell.cell_type == "code"
-                    and any(output.output_type == "error" for output in cell.outputs)), 1)
-    notebook.cells = notebook.cells[:failing]
+    """Keep what was computed before the kernel failed, and say at the top where and why the chapter stops."""
+    reached = [number for number, cell in enumerate(notebook.cells) if cell.cell_type == "code" and cell.outputs]
+    notebook.cells = notebook.cells[:max(reached, default=0) + 1]
     note = f":::{{warning}}\nOn this record the chapter stops before its end: {error}\n:::"
     notebook.cells.insert(1, nbformat.v4.new_markdown_cell(note, id="stopped"))
 
@@ -118,17 +119,23 @@ def write_toc(work: Path, slugs: list[str]):
 
 def write_intro(work: Path, record: Record, runs):
     """Page one: which record this is, what reading it noticed, and what each chapter could do with it."""
-    rate, hours = f"{record.rate:.4g} Hz", record.duration / 3600
     lines = [f"# What is in {record.name or 'this record'}?", "",
              "The chapters on static records, executed on one of your own. Where the text speaks of the embedded record, of a "
              "paper's sensor or of a simulation, it is about those; what is computed from the record is about yours.", "",
              "| | |", "|---|---|", f"| record | {record.name or 'without a name'} |",
              f"| channels | {', '.join(record.channel_names)} |",
-             f"| rate | {rate} |", f"| length | {record.n:,} samples, {hours:.3g} h |",
+             f"| rate | {record.rate:.4g} Hz |", f"| length | {described(record)} |",
              f"| temperature | {'recorded' if record.temperature is not None else 'not recorded'} |", ""]
     if record.notes:
         lines += ["Noticed while reading it:", "", *(f"- {note}" for note in record.notes), ""]
     lines += ["| chapter | on this record |", "|---|---|"]
-    lines += [f"| {{doc}}`../nbs/{run.path.stem}` | {'stops: ' + run.error.replace('|', '/') if run.error else 'complete'} |"
-              for run in runs]
+    lines += [f"| {{doc}}`../nbs/{run.path.stem}` | {outcome(run).replace('|', '/')} |" for run in runs]
     (work / "book/intro.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def outcome(run: execute.Run) -> str:
+    """How a chapter went, for the table of page one."""
+    if run.error:
+        return f"stops: {run.error}"
+    more = f" (and {len(run.left_out) - 1} more)" if len(run.left_out) > 1 else ""
+    return f"in part: {run.left_out[0]}{more}" if run.left_out else "complete"
