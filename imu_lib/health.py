@@ -289,7 +289,11 @@ def _findings(record, clock, channels, motion, temperature):
         if c.frozen:
             yield f"{name} repeats one value for up to {c.longest_run:,} samples ({c.frozen:,} in such runs): frozen output."
         if c.resolution and c.sd < c.resolution:
-            yield f"{name} has output steps of {c.resolution:.3g}, coarser than its scatter of {c.sd:.3g}: rounding hides the noise."
+            factor, unit = (units.DEG_PER_S, "deg/s") if name.startswith("gyro") else (units.G, "g")
+            yield (
+                f"{name} has output steps of {c.resolution / factor:.3g} {unit}, coarser than its scatter of "
+                f"{c.sd / factor:.3g} {unit}: rounding hides the noise."
+            )
     if motion.state != "at rest":
         yield (
             f"The sensor is {motion.state} ({100 * motion.moving_share:.2g} % of the seconds); the longest stretch at rest runs from "

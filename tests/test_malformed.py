@@ -1,7 +1,9 @@
 """Whatever is wrong with a file ends in one sentence on standard error and exit 2: no traceback, nothing half-written."""
 
 import builtins
+import gzip
 import io
+import struct
 import zipfile
 
 import numpy as np
@@ -70,6 +72,7 @@ TABLES = {
     "wrong by 9.81": (lines().replace("[m/s^2]", "[g]"), "likely m/s^2"),
     "wrong by 57.3": (lines().replace("[rad/s]", "[deg/s]"), "likely rad/s"),
     "unknown columns": (lines().replace("gyro", "foo").replace("accel", "bar"), "--columns"),
+    "a name too few": (lines().replace(",accel_z [m/s^2]", ""), "no header of 7 names"),
     "columns of one name": (lines().replace("gyro_y", "gyro_x"), "gyro_x"),
 }
 
@@ -95,6 +98,13 @@ def test_tables(tmp_path, capsys, name):
         return
     assert "bad.csv" in refused(capsys, "check", path, "--json", tmp_path / "out.json", says=says)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bad.csv"]
+
+
+def test_three_bare_columns_are_told_how_to_be_named(tmp_path, capsys):
+    path = tmp_path / "xyz.txt"
+    path.write_text("\n".join(f"{x:.5f} {y:.5f} {z:.5f}" for x, y, z in values()[:, 1:4]))
+    refused(capsys, "check", path, says="--gyro FILE or --accel FILE")
+    assert main(["check", "--gyro", str(path), "--gyro-unit", "rad/s", "--rate", "100"]) == 0
 
 
 def test_what_a_record_can_have_is_reported_instead(tmp_path, capsys):
@@ -138,6 +148,13 @@ def binaries(tmp_path):
     yield "hdf.mat", b"\x89HDF\r\n\x1a\n" + junk, "hdf.mat"
     yield "five.mat", b"MATLAB 5.0 MAT-file" + bytes(105) + b"\0\1IM" + junk, "five.mat"
     yield "empty.npz", b"", "empty"
+    yield "long.mat", b"MATLAB 5.0 MAT-file" + bytes(105) + b"\0\1IM" + struct.pack("<II", 14, 10**9), "long.mat"
+    yield "packed.csv", gzip.compress(lines().encode()), "unpack"
+    yield "sheet.xlsx", b"PK\3\4" + junk, "save its sheet as .csv"
+    yield "wide.csv", lines().encode("utf-32"), "UTF-8"
+    yield "unmarked.csv", lines().encode("utf-16-le"), "UTF-8"
+    yield "nothing.npz", npz(tmp_path / "n.npz", gyro=np.zeros((0, 3)), time=np.zeros(0)), "no samples"
+    (tmp_path / "n.npz").unlink()
     for name, arrays, says in (
         ("none.npz", {"temperature": np.ones(9)}, "gyro"),
         ("text.npz", {"gyro": np.array([["a"] * 3] * 9)}, "numbers"),

@@ -50,7 +50,10 @@ def read_mat(path, *, columns=None, signal=None) -> Raw:
             scipy.io.matlab.MatReadError,
             AttributeError,
             MemoryError,
+            OSError,
         ) as error:
+            if isinstance(error, PermissionError | FileNotFoundError | IsADirectoryError):
+                raise
             raise InputError(
                 f"{path} is not a whole MATLAB file ({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); save it again with save -v7."
             ) from None
@@ -193,7 +196,7 @@ def _checked(raw: Raw) -> Raw:
             f"{raw.source}: its arrays differ in length ({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); every one needs a value per sample."
         )
     if next(iter(lengths.values())) < 2:
-        raise InputError(f"{raw.source} has only {next(iter(lengths.values()))} sample; at least two are needed.")
+        raise InputError(f"{raw.source} has {'only 1 sample' if 1 in lengths.values() else 'no samples'}; at least two are needed.")
     return raw
 
 

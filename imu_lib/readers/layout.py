@@ -71,8 +71,11 @@ def sniff(path) -> Layout:
         head = file.read(HEAD)
     if not head.strip():
         raise InputError(f"{path} is empty; a table with a row per sample is expected.")
-    encoding = "utf-16" if head[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    wide = head[:4] in (b"\xff\xfe\0\0", b"\0\0\xfe\xff")  # UTF-32 begins like UTF-16
+    encoding = "utf-16" if head[:2] in (b"\xff\xfe", b"\xfe\xff") and not wide else "utf-8-sig"
     if encoding == "utf-8-sig" and (b"\0" in head or sum(c < 9 or 13 < c < 32 for c in head[:4096]) > 0.01 * len(head[:4096])):
+        if b"\0" in head and head[4:].replace(b"\0", b"").isascii() and head.count(b"\0") >= 0.45 * len(head):
+            raise InputError(f"{path} is text in an encoding of two or four bytes a character; save it as UTF-8.")
         raise InputError(f"{path} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag.")
     try:
         text = head.decode(encoding, errors="strict" if len(head) < HEAD else "ignore")

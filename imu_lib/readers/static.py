@@ -14,6 +14,7 @@ from imu_lib.readers.text import read_text
 from imu_lib.record import Record
 
 KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat or a ROS bag"
+PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"7z\xbc\xaf": "7-Zip", b"\x28\xb5\x2f\xfd": "Zstandard"}
 
 
 def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
@@ -27,6 +28,11 @@ def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
         magic = file.read(16)
     if not magic:
         raise InputError(f"{path} is empty; {KNOWN} is expected.")
+    for start, how in PACKED.items():
+        if magic.startswith(start):
+            raise InputError(f"{path} is compressed ({how}); unpack it first, or save it as .npz or .parquet.")
+    if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
+        raise InputError(f"{path} is a spreadsheet; save its sheet as .csv.")
     options = {"columns": columns, "signal": signal}
     if magic[:6] == b"\x93NUMPY" or magic[:2] == b"PK" or path.suffix.lower() in (".npz", ".npy"):
         return binary.read_numpy(path, **options)

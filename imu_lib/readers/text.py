@@ -62,9 +62,13 @@ def _plan(path, layout, columns, signal):
             for i, axis in zip(free[-3:], "xyz"):
                 plan[i] = (f"{signal}_{axis}", None, plan[i][2])
         else:
-            header = f"its header ({', '.join(layout.header)[:80]}) names no gyro or accelerometer" if layout.header else "it has no header"
+            header = f"its header ({', '.join(layout.header)[:80]}) names no gyro or accelerometer" if layout.header else (
+                f"no header of {width} name{'s' * (width > 1)} right above {'them' if width > 1 else 'it'}")
+            columns_ = f"{width} column{'s' * (width > 1)}"
+            one = " (--gyro FILE or --accel FILE where it holds x, y, z of one sensor)" if len(free) in (3, 4) and not signal else ""
             raise InputError(
-                f"{path} has {width} columns and {header}; name them by position with --columns, as in time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z."
+                f"{path} has {columns_} and {header}; name them by position with --columns, as in "
+                f"time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z{one}."
             )
     return plan
 
