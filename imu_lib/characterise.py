@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from joblib import Parallel, delayed
 
-from imu_lib import allan, autocorrelation, autoregressive, likelihood, spectrum
+from imu_lib import allan, autocorrelation, autoregressive, likelihood, spectrum, units
+from imu_lib.errors import InputError
 from imu_lib.estimate import Estimate
 from imu_lib.model import Model
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, Sum
@@ -120,9 +121,15 @@ def characterise(record: Record, *, channels=None, candidates=None, workers=None
         Processes; default one per core for long records.
     progress : callable, optional
         Called with the name of each channel when it is done.
+
+    Raises InputError where the record has fewer than 100 samples without a gap, or no channel that ever changes.
+    A channel that never changes is left out, and a note says so.
     """
-    names = tuple(channels or record.channel_names)
-    gap_free = record.continuous()
+    gap_free = record.continuous().enough()
+    flat = [name for name in channels or record.channel_names if np.ptp(gap_free[name]) == 0]
+    names = tuple(name for name in channels or record.channel_names if name not in flat)
+    if not names:
+        raise InputError(f"{record.source or 'The record'}: no channel ever changes, so there is no noise to describe; check the logger.")
     notes = tuple(note for note in gap_free.notes if note not in record.notes)
     filled = record.uniform() if notes else gap_free
     tasks = [(name, gap_free[name], stretches(filled[name]), record.rate, candidates) for name in names]
@@ -134,18 +141,18 @@ def characterise(record: Record, *, channels=None, candidates=None, workers=None
             if progress is not None:
                 progress(result.name)
     return Characterisation({name: found[name] for name in names}, record.rate, record.duration,
-                            record.name, record.source, record.notes + notes + _of_record(record))
+                            record.name, record.source, record.notes + notes + _of_record(record, flat))
 
 
-def _of_record(record):
-    notes = []
+def _of_record(record, flat):
+    notes = [f"{name} never changes and is left out." for name in flat]
     gaps = record.gaps()
     if gaps:
         longest = max(gaps, key=lambda gap: gap.duration)
         notes.append(f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest {longest.duration:.3g} s at "
                      f"{longest.start:.6g} s: the likelihood takes every stretch, the other methods the longest one.")
     if record.duration < 600:
-        notes.append(f"The record is {record.duration:.3g} s long: bias instability, walks and correlation times "
+        notes.append(f"The record is {units.duration(record.duration)} long: bias instability, walks and correlation times "
                      "take hours; their limits say little.")
     return tuple(notes)
 
@@ -172,7 +179,7 @@ def channel(name, x, parts, fs, candidates=None) -> Channel:
         ar = autoregressive.characterise(x, fs)
     except ValueError as error:
         ar = {"order": None, "phi": [], "sigma": None, "white": None}
-        notes.append(f"autoregressive model: {error}.")
+        notes.append(f"autoregressive model: {plainly(error)}.")
     return Channel(name, read["allan"], read["psd"], read["gauss_markov"], ar, parameters, choice, curve, density,
                    tuple(notes))
 
@@ -181,8 +188,13 @@ def _asked(method, title, symbols, notes):
     try:
         return method()
     except ValueError as error:
-        notes.append(f"{title}: {error}.")
+        notes.append(f"{title}: {plainly(error)}.")
         return {symbol: Estimate.absent() for symbol in symbols}
+
+
+def plainly(error) -> str:
+    """An estimator's complaint about its arguments as words about the record."""
+    return str(error).rstrip(".").replace("`curve`", "the Allan curve").replace("`x`", "the channel").replace("`", "")
 
 
 def fitted(parts, fs, candidates, notes):
@@ -225,4 +237,4 @@ def limits(stats, model, known):
     return out
 
 
-__all__ = ["Channel", "Characterisation", "channel", "characterise", "fitted", "limits", "stretches"]
+__all__ = ["Channel", "Characterisation", "channel", "characterise", "fitted", "limits", "plainly", "stretches"]

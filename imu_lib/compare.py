@@ -70,7 +70,7 @@ def compare(
 
     a, b: records at rest or error models. rate: Hz at which two models are sampled (their own, else the continuous limit).
     Records contribute their overlapped Allan deviation and its joint fit, models their closed form and parameters.
-    tell: wraps the running fits, to show progress. ValueError where they have no channel in common.
+    tell: wraps the running fits, to show progress. ValueError where they have no channel in common, InputError where a record is too short.
     """
     common = [c for c in a.channel_names if c in b.channel_names]
     if not common:
@@ -81,14 +81,22 @@ def compare(
     first = 1.0 / min(r for r in rates if r) if fs else 1e-2
     decades = np.log10(max(span / 6, 2 * first) / first)
     tau = first * 10.0 ** (np.arange(int(decades * per_decade) + 1) / per_decade)
-    parts = [x.uniform() if isinstance(x, Record) else x for x in (a, b)]
+    parts = [x.enough().uniform() if isinstance(x, Record) else x for x in (a, b)]
     jobs = [(x, c) for c in common for x in parts if isinstance(x, Record)]
     workers = min(len(jobs), os.cpu_count() or 1) if sum(x.n for x, _ in jobs) > 100_000 else 1
-    fits = Parallel(n_jobs=workers, return_as="generator")(delayed(allan.characterise)(x[c], x.rate) for x, c in jobs)
+    fits = Parallel(n_jobs=workers, return_as="generator")(delayed(_fit)(x[c], x.rate) for x, c in jobs)
     fitted = {(id(x), c): found for (x, c), found in zip(jobs, tell(fits, total=len(jobs)))}
     channels = {c: _channel(c, *parts, tau, rate or fs, fitted) for c in common}
     only = tuple(c for x, y in ((a, b), (b, a)) for c in x.channel_names if c not in y.channel_names)
     return Comparison(a.name or a.source, b.name or b.source, channels, only)
+
+
+def _fit(x, fs) -> dict:
+    """The coefficients of a channel; none where it is too short for a fit, or never changes: the curves stand alone then."""
+    try:
+        return allan.characterise(x, fs)
+    except ValueError:
+        return {}
 
 
 def _channel(name, a, b, tau, fs, fitted) -> Channel:

@@ -12,7 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from imu_lib import timing
+from imu_lib import timing, units
+from imu_lib.errors import InputError
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 
@@ -163,6 +164,16 @@ class Record:
         for x in self.channels.values():
             bad |= np.isnan(x)
         return bad
+
+    def enough(self, least: int = 100) -> Record:
+        """The record itself; InputError where it has fewer samples than `least`: below, not even the white noise has an interval
+        worth printing."""
+        if self.n < least:
+            raise InputError(
+                f"{self.source or self.name or 'The record'} has {self.n} samples ({units.duration(self.duration)}) without a gap and at "
+                f"least {least} are needed; record the sensor at rest for longer: minutes for white noise, hours for bias instability."
+            )
+        return self
 
     def uniform(self) -> Record:
         """The record on an even grid at `rate`: jitter of the stamps dropped, NaN where a sample is missing. ValueError where

@@ -120,7 +120,7 @@ def notes_of(result):
 
 def characterisation_page(result, figures=()):
     """The whole result as one page; `figures` are (PNG bytes, caption)."""
-    parts = [paragraph(f"{result.duration / 3600:.4g} h at {result.rate:.6g} Hz. {result.source}".strip())]
+    parts = [paragraph(f"{units.duration(result.duration)} at {result.rate:.6g} Hz. {result.source}".strip())]
     for sensor in sensors(result):
         parts += [heading("Gyros" if sensor == "gyro" else "Accelerometers"), table_html(*rows_of(result, sensor))]
     parts.append(paragraph("Values with 95 % intervals; < stands before the 95 % upper limit of what the record does not "

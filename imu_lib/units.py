@@ -102,3 +102,10 @@ def datasheet(symbol: str, channel: str) -> tuple[float, str]:
 def si_unit(symbol: str, channel: str) -> str:
     """Name of the SI unit of a coefficient or parameter on a channel."""
     return _row(symbol, channel)[2]
+
+
+def duration(seconds: float) -> str:
+    """A length of time in words a reader can picture: `0.03 s`, `10.9 min`, `2.78 h`."""
+    if seconds >= 3600:
+        return f"{seconds / 3600:.3g} h"
+    return f"{seconds / 60:.3g} min" if seconds >= 120 else f"{seconds:.3g} s"

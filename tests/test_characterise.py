@@ -11,6 +11,7 @@ from imu_lib.cli.main import main
 from imu_lib.estimate import Estimate
 from imu_lib.export import FORMATS, equivalent_markov, equivalent_walk, text
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
+from imu_lib.readers import read_record as imu_record
 from imu_lib.record import Record
 
 TWIN = preset("3dm-gx3-25")
@@ -168,3 +169,24 @@ def test_estimates_in_words():
 def test_html_escapes():
     page = report.page("<b>", report.paragraph("a < b"), report.table_html(["x"], [["<i>"]]), report.bullets(["&"]))
     assert "<b>" not in page and "<i>" not in page and "a &lt; b" in page
+
+
+def test_too_short_a_record_is_told_what_to_do(tmp_path, capsys):
+    for name, n in (("short.npz", 99), ("long.npz", 100)):
+        record = short(n, ("gyro_x",))
+        np.savez(tmp_path / name, gyro_x=record["gyro_x"], time=np.arange(n) / 100.0)
+    for argv in (["characterise", tmp_path / "short.npz"], ["compare", tmp_path / "short.npz", tmp_path / "long.npz"]):
+        assert main([str(a) for a in argv]) == 2
+        said = capsys.readouterr().err.splitlines()[-1]
+        assert "short.npz has 99 samples (0.99 s)" in said and "at rest for longer" in said
+    assert main(["compare", str(tmp_path / "long.npz"), str(tmp_path / "long.npz")]) == 0
+
+
+def test_a_dead_channel_is_left_out_and_named(tmp_path, capsys):
+    record = short(2000, ("gyro_x",))
+    for name, x in (("one.npz", record["gyro_x"]), ("none.npz", np.zeros(2000))):
+        np.savez(tmp_path / name, gyro_x=x, gyro_y=np.full(2000, 1e-3), time=np.arange(2000) / 100.0)
+    found = characterise(imu_record(tmp_path / "one.npz"), workers=1)
+    assert set(found.channels) == {"gyro_x"} and "gyro_y never changes and is left out." in found.notes
+    assert main(["characterise", str(tmp_path / "none.npz")]) == 2
+    assert "no channel ever changes" in capsys.readouterr().err

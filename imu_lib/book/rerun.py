@@ -9,6 +9,7 @@ import nbformat
 import numpy as np
 import yaml
 
+from imu_lib import units
 from imu_lib.book import build, execute, left_out
 from imu_lib.book import chapters as contents
 from imu_lib.record import Record
@@ -55,9 +56,7 @@ def safe_name(name: str) -> str:
 
 def described(record: Record) -> str:
     """Length of the record in a few words."""
-    seconds = record.duration
-    length = f"{seconds / 3600:.3g} h" if seconds >= 3600 else f"{seconds / 60:.3g} min" if seconds >= 120 else f"{seconds:.3g} s"
-    return f"{record.n:,} samples, {length}"
+    return f"{record.n:,} samples, {units.duration(record.duration)}"
 
 
 def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...], shown: str = "", about: str = "") -> execute.Run:

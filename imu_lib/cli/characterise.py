@@ -21,7 +21,7 @@ def add_arguments(parser):
 
 
 def run(args):
-    from imu_lib import export
+    from imu_lib import export, units
 
     formats = [form for entry in args.export for form in entry.split(",")]
     for form in formats:
@@ -51,11 +51,14 @@ def run(args):
                 temporary.write_text(content, encoding="utf-8")
     common.write_json(result, args.json)
     if args.json != "-":
+        print(f"{result.name or 'record'}: {units.duration(result.duration)} at {result.rate:.6g} Hz\n")
         _print(result, report, out, formats)
     return 0
 
 
 def _characterised(record, workers, characterise):
+    from imu_lib.characterise import plainly
+
     names = record.channel_names
     bar = common.progress(about="channels", total=len(names))
     if bar.disable:
@@ -63,7 +66,7 @@ def _characterised(record, workers, characterise):
     try:
         return characterise(record, workers=workers, progress=lambda name: bar.update(1))
     except ValueError as error:  # the record, not the call: the estimators say what it lacks
-        raise InputError(f"{record.name or 'the record'} can't be characterised: {error}") from None
+        raise InputError(f"{record.source or 'The record'} cannot be characterised: {plainly(error)}.") from None
     finally:
         bar.close()
 
@@ -88,7 +91,6 @@ def _write(result, folder, formats, report, export):
 
 
 def _print(result, report, out, formats):
-    print(f"{result.name or 'record'}: {result.duration / 3600:.4g} h at {result.rate:.6g} Hz\n")
     for sensor in report.sensors(result):
         header, rows = report.rows_of(result, sensor)
         print(common.table(rows, header), end="\n\n")

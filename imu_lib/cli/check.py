@@ -119,6 +119,6 @@ def report(health) -> str:
 
 
 def _duration(seconds: float) -> str:
-    return f"{seconds:.6g} s" + (
-        f" ({seconds / 3600:.3g} h)" if seconds >= 3600 else f" ({seconds / 60:.3g} min)" if seconds >= 120 else ""
-    )
+    from imu_lib import units
+
+    return f"{seconds:.6g} s" + (f" ({units.duration(seconds)})" if seconds >= 120 else "")
