@@ -6,8 +6,8 @@ import shutil
 import nbformat
 import numpy as np
 import pytest
-from conftest import ROOT
 
+from conftest import ROOT
 from imu_lib.book import build, chapters, execute, left_out, rerun
 from imu_lib.errors import InputError
 from imu_lib.record import Record
@@ -92,7 +92,8 @@ def test_rerun_on_a_record(small_book, record, tmp_path):
     assert not (out / "nbs/other.html").exists()
     assert not [page for page in out.rglob("*.html") if re.search(r'(src|href)="(https?:)?//[^"]*[.](js|css)', page.read_text(encoding="utf-8"))], \
         "readable offline: no script or style sheet from the web"
-    assert "a b.csv" in (out / "book/intro.html").read_text(encoding="utf-8")
+    intro = (out / "book/intro.html").read_text(encoding="utf-8")
+    assert "a b.csv" in intro and "5 s are short for a record at rest" in intro and "in part: there is no temperature" in intro
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "source"], "nothing else is left behind"
 
 

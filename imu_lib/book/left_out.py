@@ -87,5 +87,5 @@ def reason(kind: str, text: str, source: str = "", line: int | None = None) -> s
                        and line is not None and s.lineno <= line <= s.end_lineno), "")
         return "A check of this chapter does not hold" + (f": `{failed}`." if failed else f": {text}." if text else ".")
     if kind == "ValueError":
-        return f"The method refuses it: {text}."
+        return f"The method refuses the record: {text}."
     return f"The computation stops: {text} ({kind})." if text else f"The computation stops ({kind})."

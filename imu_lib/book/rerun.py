@@ -14,6 +14,7 @@ from imu_lib.book import build, execute, left_out
 from imu_lib.book import chapters as contents
 from imu_lib.record import Record
 
+SHORT_S = 600.0  # below, page one says what the record is too short for
 PAGES = ("book/notation", "book/status", "book/bibliography")  # pages that stay true on any record
 
 
@@ -84,6 +85,11 @@ def execute_on(path: Path, *, record_path: Path, channels: tuple[str, ...], show
         cut(notebook, error)
         execute.settle(notebook)
     show_parameters(notebook, {**values, "record_path": shown})
+    reasons = [text.replace(str(record_path), shown) for text in reasons]
+    for cell in notebook.cells:  # the file that was read lies in the workplace and is gone by then
+        for said in [cell] * (cell.cell_type == "markdown") + [o for o in cell.get("outputs", []) if o.output_type == "stream"]:
+            key = "source" if said is cell else "text"
+            said[key] = said[key].replace(str(record_path), shown)
     nbformat.write(notebook, path)
     return execute.Run(path, time.monotonic() - started, error=error, left_out=tuple(reasons))
 
@@ -116,6 +122,14 @@ def write_toc(work: Path, slugs: list[str]):
     path.write_text(yaml.safe_dump(toc, sort_keys=False), encoding="utf-8")
 
 
+def used_part(record: Record) -> tuple[str, ...]:
+    """What the chapters do to gaps before they begin, in sentences."""
+    try:
+        return record.continuous().notes
+    except ValueError:  # not two neighbouring samples that are numbers: each chapter says so
+        return ()
+
+
 def write_intro(work: Path, record: Record, runs):
     """Page one: which record this is, what reading it noticed, and what each chapter could do with it."""
     lines = [f"# What is in {record.name or 'this record'}?", "",
@@ -125,8 +139,12 @@ def write_intro(work: Path, record: Record, runs):
              f"| channels | {', '.join(record.channel_names)} |",
              f"| rate | {record.rate:.4g} Hz |", f"| length | {described(record)} |",
              f"| temperature | {'recorded' if record.temperature is not None else 'not recorded'} |", ""]
-    if record.notes:
-        lines += ["Noticed while reading it:", "", *(f"- {note}" for note in record.notes), ""]
+    notes = [*record.notes, *(note for note in used_part(record) if note not in record.notes)]
+    if notes:
+        lines += ["Noticed while reading it:", "", *(f"- {note}" for note in notes), ""]
+    if record.duration < SHORT_S:
+        lines += [f":::{{warning}}\n{units.duration(record.duration)} are short for a record at rest. White noise takes minutes; bias instability, "
+                  "walks and correlation times take hours. What this record cannot carry is left out of the chapters, with a note in its place.\n:::", ""]
     lines += ["| chapter | on this record |", "|---|---|"]
     lines += [f"| {{doc}}`../nbs/{run.path.stem}` | {outcome(run).replace('|', '/')} |" for run in runs]
     (work / "book/intro.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

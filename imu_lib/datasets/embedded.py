@@ -118,11 +118,12 @@ def chapter_record(
     """What a chapter works on: the user's record where `record_path` names one, else an embedded twin; evenly sampled and without NaN.
 
     Empty and zero options are left unsaid. `record_path` may be two files joined by ` + `: the gyro's and the accelerometer's.
+    InputError where fewer than 100 samples are left.
     """
     if not record_path:
         return globals()["twin"](twin)
     options = {k: v for k, v in (("gyro_unit", gyro_unit), ("accel_unit", accel_unit), ("rate", rate), ("columns", columns)) if v}
     if " + " in str(record_path):
         gyro, accel = str(record_path).split(" + ")
-        return read_record(gyro=gyro, accel=accel, **options).continuous()
-    return read_record(record_path, **options).continuous()
+        return read_record(gyro=gyro, accel=accel, **options).continuous().enough()
+    return read_record(record_path, **options).continuous().enough()
