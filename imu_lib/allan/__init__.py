@@ -8,8 +8,9 @@ from imu_lib.allan.best import characterise, fit_any, short_filter
 from imu_lib.allan.confidence import degrees_of_freedom, papers_error
 from imu_lib.allan.deviation import AllanCurve, cluster_lengths, deviation
 from imu_lib.allan.fit import AllanFit, fit, fit_best
-from imu_lib.allan.limits import flat_time
+from imu_lib.allan.flat import flat_gradient, flat_time
 from imu_lib.allan.read_off import FLAT, LINES, PEAK, PEAK_TIME, Reading, read_off
 
 __all__ = ["FLAT", "LINES", "PEAK", "PEAK_TIME", "AllanCurve", "AllanFit", "Reading", "characterise", "cluster_lengths",
-           "degrees_of_freedom", "deviation", "fit", "fit_any", "fit_best", "flat_time", "papers_error", "read_off", "short_filter"]
+           "degrees_of_freedom", "deviation", "fit", "fit_any", "fit_best", "flat_gradient", "flat_time", "papers_error",
+           "read_off", "short_filter"]

@@ -7,7 +7,7 @@ import numpy as np
 from imu_lib.allan.confidence import interval
 from imu_lib.allan.deviation import deviation
 from imu_lib.allan.fit import fit_best
-from imu_lib.allan.limits import flat_time
+from imu_lib.allan.flat import flat_time
 from imu_lib.allan.read_off import FLAT
 from imu_lib.estimate import Estimate
 from imu_lib.processes import Flicker, GaussMarkov, Quantization, Ramp, RandomWalk, Sum, WhiteNoise

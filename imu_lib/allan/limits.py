@@ -10,13 +10,13 @@ constants on the logarithmic one.
 from __future__ import annotations
 
 import numpy as np
-from scipy import optimize
 
-from imu_lib.allan import confidence
+from imu_lib.allan.flat import flat_gradient, flat_time
 from imu_lib.allan.problem import iterate
 from imu_lib.estimate import Z95, Estimate
 
 ONE_SIDED = 1.6448536269514722  # 95 % point of the standard normal distribution
+AMPLITUDE = 2 / 3      # the power of an amplitude that is the cube root of its square
 
 
 def drop_absent(problem, found, *, needed=2.706):
@@ -54,32 +54,41 @@ def estimates(problem, shape, squares):
     cov = problem.information(shape, squares)
     moving = problem.moving()
     parameters = {}
+
+    def ends(i, value, power):
+        unit = np.eye(len(cov))[i]
+        return _ends(problem, shape, squares, cov, value, lambda *_: unit, power)
+
     for i, (_, _, label) in enumerate(linear):
         if label is None:  # what a filter takes away is no coefficient
             continue
-        parameters[label] = (_ends(problem, shape, squares, cov, i) if problem.active[i]
+        parameters[label] = (ends(i, np.sqrt(squares[i]), AMPLITUDE) if problem.active[i]
                              else Estimate.absent(_upper(problem, shape, squares, i)))
     for k, (_, _, label) in enumerate(shapes):
-        parameters[label] = (_ends(problem, shape, squares, cov, len(linear) + k) if moving[k]
-                             else Estimate.absent())
+        parameters[label] = ends(len(linear) + k, np.exp(shape[k]), 0.0) if moving[k] else Estimate.absent()
     order = [label for label, *_ in problem.terms.template.labels() if label in parameters]
     return {label: parameters[label] for label in order}, _flat(problem, shape, squares, cov)
 
 
-def _ends(problem, shape, squares, cov, i):
-    """Interval of parameter i (amplitudes first, then shapes), its standard error taken at the ends."""
+def _ends(problem, shape, squares, cov, value, gradient, power):
+    """Interval of a positive quantity, its standard error taken at the ends.
+
+    `gradient(shape, squares)` is the derivative of its logarithm by the logarithms of the amplitudes and shape
+    parameters, (p,); on the scale of its power `power` (0: of its logarithm) its estimate is nearly normal.
+    """
+    slope = gradient(shape, squares)
+    variance = slope @ cov @ slope
+    change = cov @ slope / variance
     k = squares.size
-    value = np.sqrt(squares[i]) if i < k else np.exp(shape[i - k])
-    power = 2 / 3 if i < k else 0.0
-    change = cov[:, i] / cov[i, i]
     ends = []
     for sign in (-1, 1):
-        sd = np.sqrt(cov[i, i])
+        sd = np.sqrt(variance)
         step = sign * Z95 * sd
         for _ in range(6 if sd > 0.02 else 0):
             step = np.clip(step, -4.0, 4.0)
-            there = problem.information(shape + change[k:] * step, squares * np.exp(2 * change[:k] * step))
-            sd = np.sqrt(there[i, i])
+            there = shape + change[k:] * step, squares * np.exp(2 * change[:k] * step)
+            slope = gradient(*there)
+            sd = np.sqrt(slope @ problem.information(*there) @ slope)
             new = _log_step(sign * Z95 * sd, power)
             if abs(new - step) < 0.01 * abs(step):
                 break
@@ -128,41 +137,24 @@ def _upper(problem, shape, squares, i):
     return float(np.sqrt(c))
 
 
-def flat_time(model, shortest, longest):
-    """Averaging time, s, at which a sum's Allan deviation is flattest; where it has a Gauss-Markov process, on its bump."""
-    tau = np.geomspace(shortest, longest, 400)
-    markov = [p.correlation_time for p in model.terms if p.name.startswith("gauss_markov") and p.sigma]
-    near = np.zeros(tau.size, dtype=bool)
-    for time in markov:
-        near |= (tau >= time) & (tau <= 6 * time)
-    log = np.log(tau)
-
-    def steepness(u, step=1e-3):
-        ends = model.avar(np.exp(np.array([u - step, u + step])))
-        return (np.log(ends[1] / ends[0]) / (2 * step)) ** 2
-
-    slope = np.abs(np.gradient(np.log(model.avar(tau)), log))
-    k = int(np.argmin(np.where(near if near.any() else True, slope, np.inf)))
-    bounds = log[max(k - 1, 0)], log[min(k + 1, tau.size - 1)]
-    return float(np.exp(optimize.minimize_scalar(steepness, bounds=bounds, method="bounded", options={"xatol": 1e-7}).x))
-
-
 def _flat(problem, shape, squares, cov):
-    """The model's Allan deviation where it is flattest; its interval by the delta method, the place moving along."""
-    def log_deviation(log):
-        k = squares.size
-        model = problem.terms.model(log[k:], np.exp(2 * log[:k]))
-        tau = flat_time(model, problem.tau[0], problem.tau[-1])
-        return 0.5 * np.log(model.avar(np.array([tau]), problem.fs)[0])
+    """The model's Allan deviation where it is flat, the place moving along with the parameters."""
+    model = problem.terms.model(shape, squares)
+    first = flat_time(model, problem.tau[0], problem.tau[-1])
+    moves = np.diag(cov) > 0
 
-    log = np.concatenate([0.5 * np.log(np.maximum(squares, 1e-300)), shape])
-    moves = np.flatnonzero(np.diag(cov) > 0)
-    gradient = np.zeros(log.size)
-    for i in moves:
-        step = np.zeros(log.size)
-        step[i] = min(0.02, np.sqrt(cov[i, i]))
-        gradient[i] = (log_deviation(log + step) - log_deviation(log - step)) / (2 * step[i])
-    sd = np.sqrt(gradient @ cov @ gradient)
-    level = float(np.exp(log_deviation(log)))
-    low, high = confidence.interval(level, 1 / max(2 * sd**2, 1e-12))
-    return Estimate(level, float(low), float(high))
+    def gradient(shape, squares):
+        log = np.concatenate([0.5 * np.log(np.maximum(squares, 1e-300)), shape])
+
+        def model_of(moved):
+            every = log.copy()
+            every[moves] = moved
+            return problem.terms.model(every[squares.size:], np.exp(2 * every[:squares.size]))
+
+        place = flat_time(model_of(log[moves]), problem.tau[0], problem.tau[-1], beside=first)
+        out = np.zeros(log.size)
+        out[moves] = flat_gradient(model_of, log[moves], place)
+        return out
+
+    level = np.sqrt(model.avar(np.array([first]), problem.fs)[0])
+    return _ends(problem, shape, squares, cov, level, gradient, AMPLITUDE)

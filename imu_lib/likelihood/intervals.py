@@ -81,32 +81,50 @@ class _Side:
         variance = self.covariance[k, k]
         direction = np.clip(self.covariance[:, k] / variance, -5, 5)
         bound = self.floor[k] if sign < 0 else problem.high[k]
-        near, near_w, near_at = theta[k], 0.0, theta
-        far = far_w = None
-        t = theta[k] + sign * np.clip(target * np.sqrt(variance), 1e-6, 1.5)
-        for _ in range(25):
-            t = max(t, bound) if sign < 0 else min(t, bound)
-            start = near_at + direction * (t - near_at[k])
+
+        def drop(t, near):
+            start = near + direction * (t - near[k])
             start[k] = t
             floor = self.floor.copy()
             floor[k] = min(floor[k], t)
             at, v, _ = climb(problem, start, held={k}, floor=floor, steps=30, tolerance=1e-4)
             if self.watch and v > self.value + 1e-3:
                 raise _Better(at)
-            w = np.sqrt(max(0.0, 2 * (self.value - v)))
-            if abs(w - target) < 0.01:
-                return t, False
-            if w < target:
-                if t == bound:
-                    return t, True
-                near, near_w, near_at = t, w, at
-            else:
-                far, far_w = t, w
-            if far is None:
-                t = theta[k] + (near - theta[k]) * np.clip(target / max(near_w, 1e-9), 1.1, 3.0)
-            else:
-                share = np.clip((target - near_w) / (far_w - near_w), 0.05, 0.95)
-                t = near + share * (far - near)
-                if abs(far - near) < 1e-6:
-                    break
-        return t, False
+            return at, np.sqrt(max(0.0, 2 * (self.value - v)))
+
+        return reach(drop, theta[k], theta, sign * np.sqrt(variance), target, bound)
+
+
+def reach(drop, best, theta, sd, target, bound=None):
+    """Where, going from `best` by steps of about `sd` (its sign is the direction), a profile has fallen enough.
+
+    `drop(t, near)` gives the parameters at t, climbed to from those at a nearer place, and the root of twice the fall.
+
+    Returns
+    -------
+    (t, open) : float, bool
+        `open` where the range of the unknown, to `bound`, ends before the profile has fallen to `target`.
+    """
+    near, near_w, near_at = best, 0.0, theta
+    far = far_w = None
+    t = best + np.sign(sd) * np.clip(target * abs(sd), 1e-6, 1.5)
+    for _ in range(25):
+        if bound is not None:
+            t = max(t, bound) if sd < 0 else min(t, bound)
+        at, w = drop(t, near_at)
+        if abs(w - target) < 0.01:
+            break
+        if w < target:
+            if t == bound:
+                return t, True
+            near, near_w, near_at = t, w, at
+        else:
+            far, far_w = t, w
+        if far is None:
+            t = best + (near - best) * np.clip(target / max(near_w, 1e-9), 1.1, 3.0)
+        else:
+            share = np.clip((target - near_w) / (far_w - near_w), 0.05, 0.95)
+            t = near + share * (far - near)
+            if abs(far - near) < 1e-6:
+                break
+    return t, False
