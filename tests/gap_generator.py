@@ -300,8 +300,9 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
         model[c] = _base(c, rng, kind)
         x[c] = sum(_noise(e, n, fs, rng) for e in model[c]) + (-9.8 if c == "accel_z" else rng.normal() * 0.01)
     case = Case(seed, fs, x, model, temperature=temperature)
-    # stages of the output come after what happens before them, as in an instrument
-    order = sorted(effects, key=lambda e: STAGES.index(e) + 1 if e in STAGES else 0)
+    # stages of the output come after what happens before them, as in an instrument: noise changes its level in the sensor
+    chain = ("noise_level_change", *STAGES)
+    order = sorted(effects, key=lambda e: 99 if e in RECORD else chain.index(e) + 1 if e in chain else 0)
     channel = rng.choice(list(x))
     for e in order:
         if rng.random() < 0.5:

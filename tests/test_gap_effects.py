@@ -24,7 +24,7 @@ def _case(seed, effect, **more):
 
 
 @pytest.mark.parametrize("effect", ["quantization", "flicker", "random_walk", "autoregressive", "ramp", "warm_up", "temperature", "step", "sinusoid",
-                                    "low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck", "change_N"])
+                                    "telegraph", "gauss_markov", "gauss_markov_2", "low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck", "change_N"])
 def test_a_plain_effect_is_named(effect):
     made, base = _case(31, effect)
     found = analyse("gyro_x", made.channels["gyro_x"], FS, base, temperature=made.temperature)
@@ -33,6 +33,47 @@ def test_a_plain_effect_is_named(effect):
     assert step is not None, [s.effect for s in found.steps]
     assert not [s.effect for s in found.steps if s is not step and s.confidence >= 0.9]
     assert step.where and step.cause
+
+
+@pytest.mark.parametrize("name, factor", [("sigma", 2.0), ("correlation_time", 3.0)])
+def test_a_parameter_that_is_off_is_named_with_its_value(name, factor):
+    entries = [{"process": "white_noise", "N": 1e-3}, {"process": "gauss_markov", "sigma": 1e-3, "correlation_time": 0.5}]
+    rng = np.random.default_rng(52)
+    x = sum(generator._noise(e, int(FS * DURATION), FS, rng) for e in [entries[0], {**entries[1], name: factor * entries[1][name]}])
+    found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in entries))
+    step, = found.steps
+    assert (step.effect, step.parameters["name"]) == ("parameter_change", name)
+    low, high = step.intervals["to"]
+    assert abs(step.parameters["to"] - factor * entries[1][name]) < high - low      # four standard deviations
+
+
+@pytest.mark.parametrize("effects", [("ramp", "warm_up"), ("step", "sinusoid"), ("low_pass", "noise_level_change"), ("spikes", "resolution"), ("quantization", "gauss_markov"),
+                                     ("telegraph", "change_N"), ("autoregressive", "temperature"), ("saturation", "ramp")])
+def test_two_plain_effects_in_one_channel_are_both_named(effects):
+    made = generator.make(51, effects, duration=DURATION, fs=FS, channels=("gyro_x",), base="gm", gain=PLAIN)
+    found = analyse("gyro_x", made.channels["gyro_x"], FS, Sum.of(from_json(e) for e in made.base["gyro_x"]), temperature=made.temperature)
+    truths = {t["effect"] for t in made.truths}
+    assert truths <= {s.effect for s in found.steps}
+    assert not [s.effect for s in found.steps if s.effect not in truths and s.confidence >= 0.9]
+
+
+@pytest.mark.parametrize("rate, amplitude", [(0.01, 1.0), (0.12, 1.0), (0.12, 5.0)])
+def test_two_levels_that_stand_out_of_the_noise_leave_nothing_behind(rate, amplitude):
+    """A mistimed edge would be taken for a further noise."""
+    made = generator.make(61, [], duration=DURATION, fs=FS, channels=("gyro_x",), base="gm")
+    base = made.base["gyro_x"]
+    size = amplitude * base[0]["N"] * np.sqrt(FS)
+    x = made.channels["gyro_x"] + generator._noise({"process": "telegraph", "rate": rate, "amplitude": size}, len(made.channels["gyro_x"]), FS, np.random.default_rng(62))
+    found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in base))
+    assert [s.effect for s in found.steps] == ["telegraph"] and found.unexplained is None
+    low, high = found.steps[0].intervals["amplitude"]
+    assert abs(found.steps[0].parameters["amplitude"] - size) < high - low         # four standard deviations
+
+
+def test_a_resonance_beside_a_filter_inside_the_sensor_is_no_error():
+    made = generator.make(71, ["low_pass", "autoregressive"], duration=DURATION, fs=FS, channels=("gyro_x",), base="white", gain=PLAIN)
+    base = Sum.of([*(from_json(e) for e in made.base["gyro_x"]), from_json({"process": "low_pass", "taps": 15, "rate": 10 * FS})])
+    analyse("gyro_x", made.channels["gyro_x"], FS, base)
 
 
 @pytest.mark.parametrize("effect", ["modulated_noise", "chirp", "heavy_tails", "clicks", "missing_codes", "square_wave"])

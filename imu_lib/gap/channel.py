@@ -97,9 +97,10 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
     rivals = [{} for _ in state.items]
     if state.items:
-        if len(state.items) > 1:
-            state = rounds.prune(state)
-        state, rivals = rounds.swap(state, passes=1 if wild else 2)
+        state, rivals = rounds.swap(rounds.prune(state), passes=1 if wild else 2)
+        fewer = rounds.prune(state)
+        if len(fewer.items) < len(state.items):
+            state, rivals = rounds.swap(fewer, passes=1)
     # -- what is left ----------------------------------------------------------------------------------------
     say("what is left")
     if state.items and any(i.column is not None or i.signal is not None for i in state.items):

@@ -118,7 +118,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
         y = surprises(probe, smooth)
         if step is not None and step > 1.5 * np.sqrt(smooth.conditional_variance):
             y = y * np.sqrt(smooth.conditional_variance) / (step / 1.5)
-        y[hidden] = 0.0
+        y[hidden | _edges(probe, y)] = 0.0
         y[:64] = y[-64:] = 0.0                          # a filter that starts up is no spike
         new = Spikes().detect(y[~hidden], smooth, held.get("spikes"))
         if new is None and "spikes" not in held:
@@ -144,6 +144,22 @@ def undo(raw, fs: float, base, rng) -> Clean:
         k = smooth.layout.slow
         white = float(np.mean(extra[k:k + 12]) * fs / 2)
     return Clean(clean + coarse, coarse, findings, white, smooth, step, float((hidden | spiked).mean()), extra)
+
+
+def _edges(x, y, *, reach: int = 4) -> np.ndarray:
+    """Surprises where the level before differs from the level after by most of the surprise: a jump, not a spike; mask (n,)."""
+    at = np.flatnonzero(np.abs(y) > 4.5)
+    at = at[(at > reach + 1) & (at < len(x) - reach - 2)]
+    out = np.zeros(len(x), bool)
+    if len(at) == 0 or len(at) > len(x) // 50:
+        return out
+    lag = np.arange(2, reach + 2)
+    before, after = np.median(x[at[:, None] - lag], axis=1), np.median(x[at[:, None] + lag], axis=1)
+    far = np.maximum(np.abs(x[at] - before), np.abs(x[at] - after))
+    jump = at[np.abs(after - before) > 0.7 * far]
+    for k in (-1, 0, 1):
+        out[jump + k] = True
+    return out
 
 
 def _coarse_rounding(x, smooth, step, rng, *, draws: int = 3) -> np.ndarray:

@@ -7,12 +7,14 @@ import numpy as np
 
 from imu_lib.gap import effects, slow
 from imu_lib.gap.engine import amplitude_occam
-from imu_lib.gap.search import Item, State, change_candidates, drift_candidates, filter_candidates, spectral_candidates
+from imu_lib.gap.search import Item, State, change_candidates, drift_candidates, filter_candidates, retuned, spectral_candidates
 
 #: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records, benchmarks/gap_null.py).
 EVIDENCE, GAIN = 3.0, 9.0
 #: Alternatives within this log evidence of the winner cannot be told from it.
 NEAR = 3.0
+#: So many rivals of an item, no further behind in log evidence, are tried together with a second effect.
+REPLACED, REACH = 3, 60.0
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record exactly of its model.
 TEMPER = 1.5
 
@@ -32,8 +34,11 @@ def weigh(state: State, *, exclude=()) -> list[Weighed]:
     items = spectral_candidates(state, exclude) + change_candidates(state) + filter_candidates(state) + drift_candidates(state)
     items = _worth_fitting([i for i in items if i.name not in exclude], state)
     out = []
+    shaped = any(i.column is not None and i.effect.shape is not None for i in state.items)
     for item in items:
         trial = state.plus(item)
+        if shaped and item.column is not None:             # drifts share what they explain
+            trial = retuned(trial)
         out.append(Weighed(item, trial, trial.evidence - state.evidence, trial.ll - state.ll))
     out.sort(key=lambda w: -w.evidence)
     if "telegraph" not in exclude:
@@ -113,7 +118,7 @@ def grow(state: State, *, most: int = 5, exclude=(), progress=None) -> tuple[Sta
         best = next((w for w in weighed if w.evidence > EVIDENCE and w.gain > GAIN), None)
         if best is None:
             break
-        state = best.state.settled()
+        state = retuned(best.state).settled()
         history.append((best, weighed))
         if progress:
             progress(best.item.name)
@@ -125,7 +130,7 @@ def prune(state: State) -> State:
     while state.items:
         worth = []
         for i in range(len(state.items)):
-            without = state.with_items(state.items[:i] + state.items[i + 1:])
+            without = retuned(state.with_items(state.items[:i] + state.items[i + 1:]))
             worth.append((state.evidence - without.evidence, i, without))
         least = min(worth, key=lambda w: w[0])
         if least[0] > EVIDENCE:
@@ -143,22 +148,44 @@ def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
         changed = False
         rivals = []
         for i, item in enumerate(state.items):
-            without = state.with_items(state.items[:i] + state.items[i + 1:])
-            weighed = weigh(without, exclude=exclude)
+            without = retuned(state.with_items(state.items[:i] + state.items[i + 1:]))
+            weighed = [w for w in weigh(without, exclude=exclude) if w.item.key != item.key]
             own = state.evidence - without.evidence
-            better = [w for w in weighed if w.item.key != item.key and w.evidence > own + 0.5]
-            if better:
-                state, changed = better[0].state.settled(), True
+            if weighed and weighed[0].evidence > own + 0.5:
+                state, changed = retuned(weighed[0].state).settled(), True
                 break
             others = {}
             for w in weighed:
-                if w.item.key != item.key:
-                    others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
+                others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
+            two = _by_two(weighed, own, exclude)
+            if two is not None and two[0] > EVIDENCE + 0.5:
+                state, changed = retuned(two[1].state).settled(), True
+                break
+            if two is not None:
+                others[two[2]] = max(others[two[2]], two[0])
             others[""] = -own                              # nothing at all in its place
             rivals.append(others)
         if not changed:
             return state, rivals
     return state, [{} for _ in state.items] if changed else rivals
+
+
+def _by_two(weighed, own, exclude):
+    """The best two effects in the place of one: (log evidence relative to it, second of the two, key of the first), or None.
+
+    A sum of two noises looks like a third: a slow and a fast one like flicker.
+    """
+    best = None
+    for w in weighed[:REPLACED]:
+        if w.evidence < max(own - REACH, EVIDENCE) or w.item.slot is None and w.item.column is None:
+            continue
+        more = next((v for v in weigh(w.state.settled(), exclude=(*exclude, "telegraph")) if v.gain > GAIN and v.evidence > EVIDENCE), None)
+        if more is None:
+            continue
+        total = w.evidence + more.evidence - own
+        if best is None or total > best[0]:
+            best = (total, more, w.item.key)
+    return best
 
 
 def confidence(rivals: dict, name: str = "") -> tuple[float, dict]:

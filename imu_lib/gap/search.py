@@ -10,8 +10,9 @@ from imu_lib.gap import effects, fast, slow
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.engine import Data, Fit, Likelihood, Slot, amplitude_occam
 
-#: A change of a held parameter is log-normal with this standard deviation (the width is what the fit assumes first).
-CHANGE_WIDTH, CHANGE_SD = 2 * np.log(10.0), 0.6
+#: A change of a held parameter is log-normal, half of the time within a factor of two or so, else of any size: shares and
+#: standard deviations of the two (the width is what the fit assumes first).
+CHANGE_WIDTH, CHANGES = 2 * np.log(10.0), ((0.5, 0.5), (0.5, 2.0))
 #: Gain in log-likelihood below which a screened candidate is not fitted.
 SCREEN = 4.0
 
@@ -124,10 +125,10 @@ class State:
             if term.name in ("gauss_markov", "gauss_markov_2"):
                 out -= 4.0 * np.clip(np.log(term.correlation_time / self.data.duration * 12) / np.log(4.0), 0.0, 1.0)
         for item in self.items:
-            if item.base_index is not None:                # most changes of a parameter are within a factor of two or so
+            if item.base_index is not None:
                 name = item.slot.names[0]
                 change = np.log(getattr(fit.terms[item.base_index], name) / getattr(self.base[item.base_index], name))
-                out += np.log(CHANGE_WIDTH / (np.sqrt(2 * np.pi) * CHANGE_SD)) - 0.5 * (change / CHANGE_SD) ** 2
+                out += np.log(CHANGE_WIDTH / np.sqrt(2 * np.pi) * sum(share / sd * np.exp(-0.5 * (change / sd) ** 2) for share, sd in CHANGES))
         return out
 
     @property
@@ -180,6 +181,8 @@ def spectral_candidates(state: State, exclude=()) -> list[Item]:
             continue
         if effect.name in ("quantization", "flicker", "random_walk") and any(t.name == effect.name for t in fit.terms):
             continue
+        if effect.name == "autoregressive" and fit.low_pass is not None and fit.low_pass.rate != fs:
+            continue                                      # a resonance of the samples has no spectrum at the filter's inner rate
         rows = []
         for process in effect.grid(fs, data.duration):
             shape = fast.spectrum([process], fit.low_pass, layout, fs)
@@ -255,6 +258,8 @@ def filter_candidates(state: State) -> list[Item]:
     extra = data.extra[data.layout.slow:]
     s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
     rows = list(zip(-0.5 * np.sum(nu * (np.log(s) + power / s), axis=1) - base, stages))
+    if any(t.name == "autoregressive" for t in state.fit.terms):
+        rows = [r for r in rows if r[1].rate == data.fs]
     rows.sort(key=lambda r: -r[0])
     out, kinds = [], set()
     for gain, stage in rows:
@@ -268,18 +273,16 @@ def filter_candidates(state: State) -> list[Item]:
     return out
 
 
-def drift_candidates(state: State) -> list[Item]:
-    """Deterministic drifts by generalised least squares under the fitted noise."""
+def _scanner(state: State, columns):
+    """Gain, amplitude and squared norm of drifts by generalised least squares under the fitted noise, beside `columns`."""
     data = state.cleaned
-    c = state.likelihood.shapes(state.fit.vector)[1]
-    white = slow.whitening_matrix(c)
-    _, _, _, columns, _ = state.assemble()
+    vector = state.fit.vector                              # fits, and so makes the likelihood
+    white = slow.whitening_matrix(state.likelihood.shapes(vector)[1])
     e = white @ data.d
     basis = None
     if columns is not None:
         basis, _ = np.linalg.qr(white @ columns)
         e = e - basis @ (basis.T @ e)
-    out = []
 
     def scan(effect, processes):
         a = white @ np.diff(effect.columns(processes, data), axis=0)
@@ -287,26 +290,63 @@ def drift_candidates(state: State) -> list[Item]:
             a = a - basis @ (basis.T @ a)
         norm = np.maximum(np.sum(a * a, axis=0), 1e-300)
         return 0.5 * (a.T @ e) ** 2 / norm, (a.T @ e) / norm, norm
+    return scan
 
+
+def drift_candidates(state: State) -> list[Item]:
+    """Deterministic drifts by generalised least squares under the fitted noise."""
+    out, scan = [], _scanner(state, state.assemble()[3])
     for effect in effects.DRIFTS:
-        processes = effect.candidates(data)
-        if not processes or effect.name in ("ramp", "warm_up", "temperature") and any(i.name == effect.name for i in state.items):
+        if effect.name in ("ramp", "warm_up", "temperature") and any(i.name == effect.name for i in state.items):
             continue
-        gain, _, _ = scan(effect, processes)
-        j = int(np.argmax(gain))
-        if gain[j] < SCREEN:
-            continue
-        best = processes[j]
-        if effect.shape is not None:
-            best = _refine(effect, best, processes, j, scan, data, state)
-        column = np.diff(effect.columns([best], data)[:, 0])
-        note = {"screen": float(gain[j])}
-        if effect.name == "step":                          # log of the share of all instants at which the jump may lie
-            note["width"] = float(np.log(np.sum(np.exp(gain - gain[j])) / len(gain)))
-        if effect.shape is not None:
-            note["profile"] = _profile(effect, best, scan, data)
-        out.append(Item(effect.name, best, column=column, note=note))
+        item = _best_drift(state, effect, scan)
+        if item is not None:
+            out.append(item)
     return out
+
+
+def _best_drift(state, effect, scan) -> Item | None:
+    data = state.cleaned
+    processes = effect.candidates(data)
+    if not processes:
+        return None
+    gain, _, _ = scan(effect, processes)
+    j = int(np.argmax(gain))
+    if gain[j] < SCREEN:
+        return None
+    best = processes[j]
+    if effect.shape is not None:
+        best = _refine(effect, best, scan, data, state)
+    column = np.diff(effect.columns([best], data)[:, 0])
+    note = {"screen": float(gain[j])}
+    if effect.name == "step":                              # log of the share of all instants at which the jump may lie
+        note["width"] = float(np.log(np.sum(np.exp(gain - gain[j])) / len(gain)))
+    if effect.shape is not None:
+        note["profile"] = _profile(effect, best, scan, data)
+    return Item(effect.name, best, column=column, note=note)
+
+
+def retuned(state: State) -> State:
+    """The state with the shapes of its drifts (time constants, instants) found anew beside one another."""
+    for _ in range(2):
+        moved = False
+        for i, item in enumerate(state.items):
+            if item.column is None or item.effect.shape is None:
+                continue
+            others = [o.column for o in state.items if o.column is not None and o is not item]
+            if not others:
+                continue
+            scan = _scanner(state, np.column_stack(others))
+            best = _best_drift(state, item.effect, scan)
+            if best is None:
+                continue
+            gain, _, _ = scan(item.effect, [item.process, best.process])
+            if gain[1] > gain[0] + 0.1:
+                state = state.with_items(state.items[:i] + (best,) + state.items[i + 1:])
+                moved = True
+        if not moved:
+            break
+    return state
 
 
 def _grid(effect, best, data, reach, points):
@@ -320,7 +360,7 @@ def _grid(effect, best, data, reach, points):
     return [best.with_(**{effect.shape: float(v)}) for v in np.unique(values)]
 
 
-def _refine(effect, best, processes, j, scan, data, state):
+def _refine(effect, best, scan, data, state):
     for reach in (1.0, 0.12, 0.015):
         trial = _grid(effect, best, data, reach, 25)
         gain, amplitude, _ = scan(effect, trial)

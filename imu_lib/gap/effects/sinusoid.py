@@ -98,7 +98,7 @@ class Sinusoid(Effect):
             size = fast.padded(data.n)
             i = min(int(round(f * size / data.fs)), len(level) - 1)
             clean = data.minus(signal)
-            density = max(level[i], _around(data, i))
+            density = max(level[i], *(_around(data, i, level[i], reach) for reach in (30, min(400, i // 3))))
             gain = process.amplitude**2 * data.n / (2 * data.fs * density)
             if gain < threshold:
                 break
@@ -124,10 +124,10 @@ class Sinusoid(Effect):
         return found, data
 
 
-def _around(data, i: int, reach: int = 30) -> float:
-    """Mean density of the ordinates around a line, the line's own left out."""
+def _around(data, i: int, level: float, reach: int) -> float:
+    """Mean density of the ordinates around a line: the line's own left out, other lines cut down to 12 times the level."""
     near = np.concatenate([np.arange(max(1, i - reach), i - 2), np.arange(i + 3, min(len(data.z), i + reach + 1))])
-    return float(np.mean(np.abs(data.z[near]) ** 2) / data.fs)
+    return float(np.mean(np.minimum(np.abs(data.z[near]) ** 2 / data.fs, 12.0 * level)))
 
 
 def _harmonics(found):

@@ -18,10 +18,10 @@ def _posterior(y, a, flip, var):
     p = 0.5
     for k in range(n):
         q = p * (1 - flip) + (1 - p) * flip
-        up = np.exp((a * y[k] * 0.5 - a * a / 8) / var)
-        down = np.exp((-a * y[k] * 0.5 - a * a / 8) / var)
+        odds = a * y[k] / var                              # log of upper to lower, relative to the likelier one: no overflow
+        up, down = (1.0, np.exp(-odds)) if odds > 0 else (np.exp(odds), 1.0)
         total = q * up + (1 - q) * down
-        ll += np.log(total)
+        ll += np.log(total) + 0.5 * abs(odds) - a * a / (8 * var)
         p = q * up / total
         alpha[k] = p
     out = np.empty(n)
@@ -49,7 +49,9 @@ class Telegraph(Effect):
         `density` is N^2 of the white noise; `drift_gain(size)` is the Wiener gain of the base model's own drift on a
         real transform of `size` points at the decimated rate, or None.
         """
-        q = int(max(1, min(round(fs / (12 * start.rate)), len(x) // 64)))
+        # a step is a small part of a dwell, and no longer than it takes to see on which level the signal is
+        seen = 2.0 * density * fs / start.amplitude**2
+        q = int(max(1, min(round(fs / (12 * start.rate)), seen, len(x) // 64)))
         k = len(x) // q
         y = x[:k * q].reshape(k, q).mean(axis=1)
         y = y - 0.5 * (np.quantile(y, 0.1) + np.quantile(y, 0.9))
@@ -58,6 +60,8 @@ class Telegraph(Effect):
         drift = np.zeros(k)
         s = None
         for _ in range(rounds):
+            if not (np.isfinite(a) and a > 0):
+                return None
             flip = 0.5 * -np.expm1(-2 * rate * q / fs)
             s, ll, flips = _posterior(y - drift - middle, a, flip, var)
             w = s - 0.5
