@@ -8,11 +8,23 @@ from scipy.stats import kstest, norm
 
 from imu_lib import preset
 from imu_lib.errors import UndefinedFormError
-from imu_lib.likelihood import (CANDIDATES, Statistics, choose, density, fast_end, fit, flat_level, log_likelihood,
-                                residuals)
+from imu_lib.likelihood import CANDIDATES, Statistics, choose, density, fast_end, fit, flat_level, log_likelihood, residuals
 from imu_lib.likelihood.kernel import weights
-from imu_lib.processes import (Flicker, GaussMarkov, GaussMarkov2, LowPass, Quantization, Ramp, RandomWalk, Saturation,
-                               Sinusoid, Step, Temperature, WarmUp, WhiteNoise)
+from imu_lib.processes import (
+    Flicker,
+    GaussMarkov,
+    GaussMarkov2,
+    LowPass,
+    Quantization,
+    Ramp,
+    RandomWalk,
+    Saturation,
+    Sinusoid,
+    Step,
+    Temperature,
+    WarmUp,
+    WhiteNoise,
+)
 
 FS = 100.0
 GYRO = WhiteNoise(N=7e-4) + GaussMarkov(sigma=2.3e-4, correlation_time=60.0)

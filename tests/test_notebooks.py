@@ -5,8 +5,8 @@ import re
 
 import nbformat
 import pytest
-from conftest import ROOT
 
+from conftest import ROOT
 from imu_lib.book import chapters
 
 CHAPTERS = chapters.chapters(ROOT)

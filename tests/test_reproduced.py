@@ -3,8 +3,8 @@
 import re
 
 import nbformat
-from conftest import ROOT
 
+from conftest import ROOT
 from imu_lib.book import chapters
 
 NAME = r"((?:fig|tab|eq)-(?:2008|2011|2013)-[\w-]+)"

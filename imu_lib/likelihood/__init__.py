@@ -12,4 +12,5 @@ from .fit import Fit, fit
 from .flat import flat_level
 from .statistics import Regressors, Statistics
 
-__all__ = ["CANDIDATES", "Choice", "FastEnd", "Fit", "Regressors", "Statistics", "choose", "density", "fast_end", "fit", "flat_level", "goodness", "log_likelihood", "residuals"]
+__all__ = ["CANDIDATES", "Choice", "FastEnd", "Fit", "Regressors", "Statistics", "choose", "density", "fast_end", "fit", "flat_level",
+           "goodness", "log_likelihood", "residuals"]

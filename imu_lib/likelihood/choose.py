@@ -122,6 +122,7 @@ def fast_end(x, fs):
     fs = stats.rate
     top = fs / 2
     slack = WhiteNoise() + Flicker() + RandomWalk()
+    whole = None
     for share in (1.0, 0.6, 0.35, 0.2, 0.1):
         top = share * fs / 2
         part = stats.between(FAST * fs if share > 0.3 else 0.1 * top, top)
@@ -133,9 +134,9 @@ def fast_end(x, fs):
         if best[2].p_value > 1e-4:
             return FastEnd(best[0], best[1], top, best[2].p_value, best[3] if share == 1.0 else
                            f"the spectrum above {top:.3g} Hz is neither flat nor that of a known filter and is left out")
-        kept = best if share == 1.0 else kept
+        whole = whole or best
     # nothing is explained perfectly: keep the description of the whole, if it earns its place
-    stages, extra, found, note = kept
+    stages, extra, found, note = whole
     return FastEnd(stages, extra, fs / 2, found.p_value, note)
 
 

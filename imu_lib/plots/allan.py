@@ -10,7 +10,6 @@ from imu_lib.processes import Sum
 NAMES = {"Q": "quantization", "N": "random walk of the integral", "B": "bias instability", "K": "rate random walk",
          "R": "ramp", "quantization": "quantization", "white_noise": "white noise", "flicker": "flicker",
          "random_walk": "random walk", "ramp": "ramp", "gauss_markov": "Gauss-Markov", "sinusoid": "sinusoid"}
-_COLOURS = (style.GREEN, style.PURPLE, style.ORANGE, style.SKY, style.GREY)
 
 
 def _axes(ax, channel, size=style.SIZE):
@@ -34,7 +33,7 @@ def allan(curve, model=None, *, channel="", ax=None):
         model = model if isinstance(model, Sum) else Sum((model,))
         # whole numbers of samples: between them an averaging time has no exact closed form
         tau = np.unique(np.rint(np.geomspace(curve.tau[0], curve.tau[-1], 300) * curve.fs)) / curve.fs
-        for colour, term in zip(_COLOURS, [t for t in model.terms if np.any(t.avar(tau, curve.fs) > 0)], strict=False):
+        for colour, term in zip(style.TERMS, [t for t in model.terms if np.any(t.avar(tau, curve.fs) > 0)], strict=False):
             ax.plot(tau, np.sqrt(term.avar(tau, curve.fs)) / factor, "--", color=colour, linewidth=1.0,
                     label=NAMES.get(term.name, term.name))
         ax.plot(tau, np.sqrt(model.avar(tau, curve.fs)) / factor, color=style.FIT, label="model")
@@ -61,12 +60,7 @@ def allan_lines(curve, reading, *, channel="", ax=None):
     """An Allan curve with the lines that were read off it, thick where the stretch was found."""
     ax, factor = _axes(ax, channel)
     ax.plot(curve.tau, curve.adev / factor, ".", color=style.DATA, label="record")
-    for colour, (symbol, line) in zip(_COLOURS, reading.used.items(), strict=False):
-        name, unit = units.datasheet(symbol, channel) if channel else (1.0, "")
-        value = f"{symbol} = {reading[symbol].value / name:.3g} {unit}"
-        ax.plot(curve.tau, line.at(curve.tau) / factor, ":", color=colour, linewidth=1.0)
-        inside = np.array([line.start, line.stop])
-        ax.plot(inside, line.at(inside) / factor, color=colour, linewidth=2.5, label=value)
+    style.lines_read_off(ax, curve.tau, reading, channel, lambda line: line.at(curve.tau) / factor)
     _fit_height(ax, [curve.adev], factor)
     ax.legend()
     return ax
@@ -86,7 +80,7 @@ def allan_panels(curves, readings, *, axes=None):
 def allan_terms(model, tau, *, ax=None, title=""):
     """The closed forms of a sum and of each of its terms: the textbook's picture of the slopes."""
     ax = style.axes(ax, x="averaging time, s", y="Allan deviation, signal unit", log=True, title=title)
-    for colour, term in zip(_COLOURS, model.terms, strict=False):
+    for colour, term in zip(style.TERMS, model.terms, strict=False):
         ax.plot(tau, np.sqrt(term.avar(tau)), "--", color=colour, label=NAMES.get(term.name, term.name))
     total = np.sqrt(model.avar(tau))
     ax.plot(tau, total, color=style.TRUTH, linewidth=2, label="sum")

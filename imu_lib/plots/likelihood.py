@@ -74,7 +74,7 @@ def candidates(choice, *, ax=None):
 def intervals(estimates, *, truth=None, unit="", ax=None):
     """Estimates of one quantity by several methods, a dict of name to Estimate, with the truth as a line."""
     ax = style.axes(ax, x=unit, size=(7.0, 0.4 * len(estimates) + 0.9))
-    for y, (name, e) in enumerate(reversed(estimates.items())):
+    for y, e in enumerate(reversed(estimates.values())):
         if e.value is None:
             if np.isfinite(e.high):
                 ax.plot([e.high], [y], "<", color=style.GREY)
@@ -99,10 +99,9 @@ def _sensor_unit(channel):
 @style.styled
 def characterised_allan(result, sensor, *, ax=None):
     """Allan deviations of a sensor's axes with the chosen models over them, from a Characterisation."""
-    names = [name for name in result.channels if name.startswith(sensor)]
     factor, unit = _sensor_unit(sensor)
     ax = style.axes(ax, x="averaging time, s", y=f"Allan deviation, {unit}", log=True)
-    for name in names:
+    for name in (name for name in result.channels if name.startswith(sensor)):
         curve, colour = result[name].curve, style.channel_colour(name)
         style.band(ax, curve.tau, curve.low / factor, curve.high / factor, color=colour)
         ax.plot(curve.tau, curve.adev / factor, ".", color=colour, label=style.channel_label(name))
@@ -114,10 +113,9 @@ def characterised_allan(result, sensor, *, ax=None):
 @style.styled
 def characterised_spectrum(result, sensor, *, ax=None):
     """Averaged spectra of a sensor's axes with the chosen models over them, from a Characterisation."""
-    names = [name for name in result.channels if name.startswith(sensor)]
     factor, unit = _sensor_unit(sensor)
     ax = style.axes(ax, x="frequency, Hz", y=f"one-sided density, ({unit})$^2$/Hz", log=True)
-    for name in names:
+    for name in (name for name in result.channels if name.startswith(sensor)):
         statistics, colour = result[name].choice.fit.statistics, style.channel_colour(name)
         f, value, _, _ = _bands(statistics)
         ax.plot(f, value / factor**2, ".", color=colour, label=style.channel_label(name))

@@ -7,8 +7,6 @@ from imu_lib.plots import style
 from imu_lib.plots.allan import NAMES
 from imu_lib.processes import Sum
 
-_COLOURS = (style.GREEN, style.PURPLE, style.ORANGE, style.SKY, style.GREY)
-
 
 def _axes(ax, channel, size=style.SIZE):
     factor, unit = units.datasheet("signal", channel) if channel else (1.0, "signal unit")
@@ -58,14 +56,8 @@ def spectrum_lines(averaged, reading, *, channel="", ax=None):
     """An averaged spectrum with the lines that were read off it, thick where the stretch was found."""
     ax, factor = _axes(ax, channel)
     ax.plot(averaged.f, averaged.psd / factor, ".", color=style.DATA, label="record")
-    for colour, (symbol, line) in zip(_COLOURS, reading.used.items(), strict=False):
-        name, unit = units.datasheet(symbol, channel) if channel else (1.0, "")
-        # of samples, a power of sin(pi f / fs)
-        value = line.at(averaged.fs / np.pi * np.sin(np.pi * averaged.f / averaged.fs)) / factor
-        ax.plot(averaged.f, value, ":", color=colour, linewidth=1.0)
-        inside = (averaged.f >= line.start) & (averaged.f <= line.stop)
-        ax.plot(averaged.f[inside], value[inside], color=colour, linewidth=2.5,
-                label=f"{symbol} = {reading[symbol].value / name:.3g} {unit}")
+    bent = averaged.fs / np.pi * np.sin(np.pi * averaged.f / averaged.fs)  # of samples, a power of sin(pi f / fs)
+    style.lines_read_off(ax, averaged.f, reading, channel, lambda line: line.at(bent) / factor)
     ax.set_ylim(averaged.psd.min() / factor / 4, averaged.psd.max() / factor * 4)
     ax.legend()
     return ax
@@ -75,7 +67,7 @@ def spectrum_lines(averaged, reading, *, channel="", ax=None):
 def spectrum_terms(model, f, fs, *, ax=None):
     """The closed forms of a sum and of each of its terms: the textbook's picture of the slopes."""
     ax = style.axes(ax, x="frequency, Hz", y="one-sided density, unit²/Hz", log=True)
-    for colour, term in zip(_COLOURS, model.terms, strict=False):
+    for colour, term in zip(style.TERMS, model.terms, strict=False):
         ax.plot(f, term.psd(f, fs), "--", color=colour, label=NAMES.get(term.name, term.name))
     total = model.psd(f, fs)
     ax.plot(f, total, color=style.TRUTH, linewidth=2, label="sum")

@@ -13,6 +13,8 @@ from functools import wraps
 import matplotlib.pyplot as plt
 import numpy as np
 
+from imu_lib import units
+
 # Choosing a backend also switches interactive display on; done inside `styled` that would be undone with the look,
 # and a notebook would show its first figure alone.
 plt.switch_backend(plt.get_backend())
@@ -24,6 +26,7 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 # what a colour means, the same in every chapter
 DATA, THEORY, FIT, TRUTH, BAND, PAPER = BLUE, VERMILION, VERMILION, BLACK, GREY, PURPLE
 BEFORE, AFTER = VERMILION, GREEN
+TERMS = (GREEN, PURPLE, ORANGE, SKY, GREY)  # the terms of a sum, or the lines read off a curve, in turn
 
 SIZE = (7.0, 4.0)  # inches
 RC = {
@@ -70,6 +73,19 @@ def grid(rows=1, columns=1, *, size=None, sharex=False, sharey=False):
 def band(ax, x, low, high, *, color=BAND, label=None, alpha=0.25):
     """A shaded interval, below the curves."""
     return ax.fill_between(x, low, high, color=color, alpha=alpha, linewidth=0, label=label, zorder=1)
+
+
+def lines_read_off(ax, x, reading, channel, height):
+    """The lines of a reading over x, thick where the stretch was found, their coefficients in the legend.
+
+    `height(line)` gives a line's values at x in the unit of the axes.
+    """
+    for colour, (symbol, line) in zip(TERMS, reading.used.items(), strict=False):
+        factor, unit = units.datasheet(symbol, channel) if channel else (1.0, "")
+        value, inside = height(line), (x >= line.start) & (x <= line.stop)
+        ax.plot(x, value, ":", color=colour, linewidth=1.0)
+        ax.plot(x[inside], value[inside], color=colour, linewidth=2.5,
+                label=f"{symbol} = {reading[symbol].value / factor:.3g} {unit}")
 
 
 def channel_colour(channel: str) -> str:

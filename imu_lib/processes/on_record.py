@@ -10,10 +10,11 @@ import numpy as np
 from imu_lib.errors import InputError
 
 from .base import Parameter, Process
+from .white import WhiteNoise
 
 
 @dataclass(frozen=True)
-class CommonMode(Process):
+class CommonMode(WhiteNoise):
     """White noise that several channels share (supply, reference voltage, vibration).
 
     Parameters
@@ -22,29 +23,14 @@ class CommonMode(Process):
     channels : sequence of str
     """
 
-    N: float | None = None
     channels: tuple[str, ...] = ()
     name: ClassVar[str] = "common_mode"
-    parameters: ClassVar = (Parameter("N", "amplitude", "density, unit/sqrt(Hz)"),)
 
     def __post_init__(self):
         super().__post_init__()
         if isinstance(self.channels, str) or not all(isinstance(c, str) for c in self.channels):
             raise InputError("process common_mode: `channels` must be a list of channel names")
         object.__setattr__(self, "channels", tuple(self.channels))
-
-    def psd(self, f, fs=None):
-        self._require()
-        return np.full(np.shape(f), 2.0 * self.N**2)
-
-    def avar(self, tau, fs=None):
-        self._require()
-        return self.N**2 / np.asarray(tau, dtype=float)
-
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
-        """The shared noise, shape (n,)."""
-        self._require()
-        return rng.standard_normal(n) * (self.N * np.sqrt(fs))
 
     def to_json(self):
         return {**super().to_json(), "channels": list(self.channels)}
