@@ -1,7 +1,11 @@
-"""Coefficients side by side: channels and symbols down, methods across, in datasheet units."""
+"""Tables that several chapters print: coefficients side by side, readings of a Gauss-Markov process, stored coverage."""
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
+import numpy as np
 import pandas as pd
 
 from imu_lib import report
@@ -55,3 +59,55 @@ def coefficients(methods, *, printed=None, symbols=None, digits=4):
     order = [*methods, *(printed or {})]
     frame = pd.DataFrame({f"{c} {s}, {report.unit_name(s, c)}": row for (c, s), row in rows.items()}).T
     return frame.reindex(columns=[title for title in order if title in frame]).fillna("")
+
+
+def held(fits, truths):
+    """Whether the 95 % interval of each parameter that has a true value holds it: {(channel, symbol): bool}.
+
+    `fits` and `truths` map channels to what `values_of` reads.
+    """
+    true = {c: values_of(entry) for c, entry in truths.items()}
+    return {(c, k): e.covers(true[c][k]) for c, fit in fits.items() for k, e in values_of(fit).items() if k in true[c]}
+
+
+def gauss_markov(pairs):
+    """Sigma and correlation time by several ways, way -> (sigma, Tc in s), and the driving density that they make."""
+    values = {way: [getattr(v, "value", v) for v in pair] for way, pair in pairs.items()}
+    return pd.DataFrame({way: {"sigma": sigma, "Tc, s": time, "driving density 2 sigma²/Tc": 2 * sigma**2 / time}
+                         for way, (sigma, time) in values.items()}).T
+
+
+def flat_parts(records, readings, printed=None):
+    """What is read off the flat part, and the standard deviation, by channel; `printed` as {channel: (Tc, std)} beside it."""
+    table = pd.DataFrame({c: {"Tc read, s": readings[c].correlation_time.value, "std": np.std(records[c])} for c in readings}).T
+    if printed:
+        table[["2013: Tc, s", "2013: std"]] = [printed[c] for c in table.index]
+    return table.astype(float)
+
+
+def coverage(path, methods=None):
+    """A study stored by `benchmarks/interval_coverage.py`: one row per method and parameter, pooled over channels.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Number of seeds, share of 95 % intervals that hold the truth, median of estimate / truth, standard deviation of
+        its logarithm, share of draws in which the term was not shown. The row `all` pools a method's parameters.
+    """
+    stored = json.loads(Path(path).read_text())["methods"]
+    rows = {}
+    for method in methods or stored:
+        entry = stored[method]
+        seeds = entry["seeds"][1] - entry["seeds"][0] + 1
+        for name, line in entry["pooled"].items():
+            rows[method, name] = (seeds, line["covered"], line.get("median_ratio"), line.get("sd_of_log"), line["not_shown"])
+        rows[method, "all"] = (seeds, entry["pooled_all"], None, None, None)
+    return pd.DataFrame(rows, index=["seeds", "covered", "median ratio", "scatter of log", "not shown"], dtype=float).T
+
+
+def coverage_by_channel(path, methods, parameters=("N", "sigma", "correlation_time", "K", "flat")):
+    """Of the same study the share of intervals that hold the truth, channels down, (method, parameter) across."""
+    stored = json.loads(Path(path).read_text())["methods"]
+    columns = {(method, k): {c: lines[k]["covered"] for c, lines in stored[method]["channels"].items() if k in lines}
+               for method in methods for k in parameters}
+    return pd.DataFrame(columns)

@@ -43,8 +43,14 @@ def allan(curve, model=None, *, channel="", ax=None):
 
 
 @style.styled
-def allan_curves(curves, *, ax=None):
-    """Several channels of one kind on one set of axes, channel -> AllanCurve, with their intervals."""
+def allan_curves(curves, *, kind="", ax=None):
+    """Several channels of one kind on one set of axes, channel -> AllanCurve, with their intervals.
+
+    `kind` ("gyro", "accel") picks them by name; where there is none, nothing is drawn.
+    """
+    curves = {channel: curve for channel, curve in curves.items() if channel.startswith(kind)}
+    if not curves:
+        return ax
     ax, factor = _axes(ax, next(iter(curves)))
     for channel, curve in curves.items():
         colour = style.channel_colour(channel)
@@ -67,8 +73,9 @@ def allan_lines(curve, reading, *, channel="", ax=None):
 
 
 @style.styled
-def allan_panels(curves, readings, *, axes=None):
-    """`allan_lines` of several channels side by side, channel -> AllanCurve and channel -> Reading."""
+def allan_panels(curves, readings, *, kind="", axes=None):
+    """`allan_lines` of the channels of one kind side by side, channel -> AllanCurve and channel -> Reading."""
+    curves = {channel: curve for channel, curve in curves.items() if channel.startswith(kind)}
     axes = style.grid(1, len(curves), size=(9.5, 3.6)) if axes is None else axes
     for ax, (channel, curve) in zip(np.ravel(axes), curves.items(), strict=True):
         allan_lines(curve, readings[channel], channel=channel, ax=ax)
