@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,15 @@ from imu_lib.errors import InputError
 from imu_lib.record import Record
 
 UNIT = {"gyro": "rad/s", "accel": "m/s^2"}
+
+
+def check_folder(folder) -> None:
+    """InputError where files cannot be made in `folder`, or where the folder cannot be made itself; before long work."""
+    folder = Path(folder).resolve()
+    there = next(path for path in (folder, *folder.parents) if path.exists())
+    effective = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK, **effective):
+        raise InputError(f"{there} may not be written to; choose another place, or change its permissions.")
 
 
 def arrays(record: Record) -> dict[str, np.ndarray]:

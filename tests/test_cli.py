@@ -162,3 +162,16 @@ def test_table_and_numbers():
     assert common.table([("a", 1), ("bb", 22)], ("x", "y")).splitlines() == ["x    y", "--  --", "a    1", "bb  22"]
     with pytest.raises(argparse.ArgumentTypeError):
         common.number("inf")
+
+
+def test_a_place_that_may_not_be_written_is_told_before_the_work(tmp_path, monkeypatch, capsys):
+    file = tmp_path / "r.npz"
+    np.savez(file, gyro_x=np.random.default_rng(5).normal(scale=1e-3, size=500), time=np.arange(500) / 50)
+    monkeypatch.setattr("imu_lib.writers.os.access", lambda *_, **__: False)  # the superuser of a test machine may write anywhere
+    for argv in (("check", file, "--json", tmp_path / "x.json"), ("characterise", file, "--out", tmp_path / "new"),
+                 ("gap", file, "--out", tmp_path / "new"), ("book", file, "--out", tmp_path / "new"),
+                 ("simulate", "preset:isis-imu", "--hours", 1, "--rate", 10, "--seed", 1, "--out", tmp_path / "s.npz")):
+        assert run(*argv) == 2
+        err = capsys.readouterr().err
+        assert f"{tmp_path} may not be written to" in err and len(err.splitlines()) == 1, err
+    assert [path.name for path in tmp_path.iterdir()] == ["r.npz"]

@@ -11,6 +11,7 @@ from pathlib import Path
 from imu_lib.book import chapters as contents
 from imu_lib.book import execute
 from imu_lib.errors import InputError
+from imu_lib.writers import check_folder
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
 MARK = ".imu_lib_book"  # tells a folder that holds an earlier book, which may be replaced, from any other
@@ -107,6 +108,7 @@ def check_target(out: Path):
         raise InputError(f"{out}: this is a file; name a folder for the book with --out.")
     if out.is_dir() and any(out.iterdir()) and not (out / MARK).exists():
         raise InputError(f"{out}: the folder holds other files; name a new or an empty one with --out.")
+    check_folder(out.parent)
 
 
 def move(pages: Path, out: Path) -> Path:

@@ -31,6 +31,7 @@ def add_arguments(parser):
 
 def run(args):
     common.check_writable(args.json)
+    common.check_out(args.out)
     record = common.open_record(args)
     from imu_lib import calibration
 

@@ -31,8 +31,7 @@ def run(args):
         raise InputError("--workers must be at least 1")
     common.check_writable(args.json)
     out = None if args.out is None else Path(args.out)
-    if out is not None and out.exists() and not out.is_dir():
-        raise InputError(f"{out} is a file; --out names a folder.")
+    common.check_out(out)
     for form in formats if out is None else ():
         common.check_writable(export.FORMATS[form][0])
     record = common.open_record(args)

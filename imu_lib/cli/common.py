@@ -81,10 +81,7 @@ def add_json_argument(parser: argparse.ArgumentParser) -> None:
 def atomic_path(path):
     """A temporary path beside `path` that takes its name when the block ends well and vanishes otherwise."""
     path = Path(path)
-    if path.is_dir():
-        raise InputError(f"{path} is a directory; name a file to write.")
-    if not path.parent.is_dir():
-        raise InputError(f"{path.parent} is no folder to write {path.name} into; make it first.")
+    check_writable(path)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
     os.close(handle)
     temporary = Path(temporary)
@@ -102,10 +99,7 @@ def atomic_path(path):
 def atomic_folder(path):
     """A temporary folder whose files move into `path` (made if needed) when the block ends well; otherwise nothing is left."""
     path = Path(path)
-    if path.exists() and not path.is_dir():
-        raise InputError(f"{path} is a file; --out names a folder.")
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"{path.parent} is no folder to make {path.name} in; make it first.")
+    check_out(path)
     with tempfile.TemporaryDirectory(dir=path.resolve().parent, prefix=f".{path.name}-") as temporary:
         yield Path(temporary)
         path.mkdir(exist_ok=True)
@@ -118,7 +112,8 @@ def atomic_folder(path):
 
 
 def check_writable(path) -> None:
-    """InputError at once, before long work, where `path` (a file to be) has no folder or is one. `-` and None pass."""
+    """InputError at once, before long work, where `path` (a file to be) has no folder, is one, or may not be written. `-`
+    and None pass."""
     if path in (None, "-"):
         return
     path = Path(path)
@@ -126,6 +121,25 @@ def check_writable(path) -> None:
         raise InputError(f"{path} is a directory; name a file to write.")
     if not path.parent.is_dir():
         raise InputError(f"{path.parent} is no folder to write {path.name} into; make it first.")
+    _folder(path.parent)
+
+
+def _folder(path) -> None:
+    from imu_lib.writers import check_folder
+
+    check_folder(path)
+
+
+def check_out(path) -> None:
+    """InputError at once, before long work, where `path` (--out, a folder to be) cannot be made or written into. None passes."""
+    if path is None:
+        return
+    path = Path(path)
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path} is a file; --out names a folder.")
+    if not path.resolve().parent.is_dir():
+        raise InputError(f"{path.parent} is no folder to make {path.name} in; make it first.")
+    _folder(path.resolve().parent)  # it is filled beside and then moved
 
 
 def plain(value):

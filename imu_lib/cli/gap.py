@@ -29,6 +29,7 @@ def run(args) -> int:
     from imu_lib.model import Model
 
     common.check_writable(args.json)
+    common.check_out(args.out)
     if args.simulations and args.simulations < 20:
         raise InputError(f"--simulations {args.simulations} is too few for a scatter; give 20 or more, or 0.")
     if args.jobs is not None and args.jobs < 1:

@@ -41,6 +41,7 @@ def run(args):
     if args.windows and (args.duration or args.every):
         raise InputError("Give --windows, or --duration and --every, not both.")
     common.check_writable(args.json)
+    common.check_out(args.out)
     names = tuple(n.strip() for n in args.models.split(",") if n.strip())
     if not names:
         raise InputError("--models names none; the models are 15AV, 18AV, 18AVWD, 15AR and 27AR.")
