@@ -232,3 +232,11 @@ def test_characterise_recovers_the_truth_and_is_quick(x):
 def test_bad_arguments_are_named(x, call, word):
     with pytest.raises(ValueError, match=f"`{word}`"):
         call(x)
+
+
+def test_a_vector_model_of_order_zero_is_its_mean_and_scatter():
+    v = np.random.default_rng(20261122).normal(loc=[1.0, -2.0, 0.5], scale=[1.0, 2.0, 0.1], size=(5000, 3))
+    model = ar.stepwise(v, 3).vector_fit(0)
+    assert model.order == 0 and model.poles.size == 0 and model.stable
+    assert np.allclose(model.intercept, v[3:].mean(axis=0)) and np.allclose(model.C, np.cov(v[3:].T))
+    assert np.allclose(model.residuals(v), v - model.intercept)

@@ -49,6 +49,8 @@ class VectorARModel:
     def poles(self) -> np.ndarray:
         """Eigenvalues of the companion matrix, shape (m p,)."""
         p, m = self.A.shape[:2]
+        if not p:
+            return np.zeros(0, dtype=complex)
         companion = np.eye(m * p, k=-m)
         companion[:m] = self.A.transpose(1, 0, 2).reshape(m, m * p)
         return np.linalg.eigvals(companion)

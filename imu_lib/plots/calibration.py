@@ -47,7 +47,7 @@ def panel_readings(time, reading, fits=(), *, ax=None):
     for k, fit in enumerate(fits):
         model = fit.bias.value + (1 + fit.scale_factor.value) * fit.reference
         ax.plot(time, model, color=style.BLACK, lw=0.8, label="fit" if k == 0 else None)
-    ax.legend(loc="upper right", markerscale=4, ncols=4)
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), markerscale=4, ncols=4)  # the sinusoids fill the axes
     return ax
 
 

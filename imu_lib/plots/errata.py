@@ -36,5 +36,5 @@ def outage_ratios(outages, *, model="18AVWD", than="15AR", ax=None):
     ax.axhline(np.mean(better / worse), color=style.BLUE, label="mean of the ratios")
     ax.axhline(better.sum() / worse.sum(), color=style.VERMILION, linestyle="--", label="ratio of the sums")
     ax.axhline(1.0, color=style.GREY, linewidth=0.8)
-    ax.legend()
+    ax.legend(loc="upper right", bbox_to_anchor=(1.0, 0.97))  # below the line at 1
     return ax
