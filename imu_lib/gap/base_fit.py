@@ -3,10 +3,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from imu_lib.gap.effects import CATALOGUE
+from imu_lib.gap import fast, slow
+from imu_lib.gap.effects import CATALOGUE, SPECTRAL
 from imu_lib.gap.engine import Data
-from imu_lib.gap.search import State
-from imu_lib.processes import Flicker, GaussMarkov, Quantization, RandomWalk, WhiteNoise
+from imu_lib.gap.state import State
+from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
 #: Families of a free base: the noises beside white noise.
 FAMILIES = ((), ("random_walk",), ("flicker",), ("gauss_markov",), ("flicker", "random_walk"), ("gauss_markov", "random_walk"), ("gauss_markov", "gauss_markov"))
@@ -45,3 +46,31 @@ def free_base(data: Data, held=()) -> State:
             if best is None or state.evidence > best.evidence:
                 best = state
     return best.settled()
+
+
+#: An effect is swallowed if the base takes this share of the information on its strength, for this share of its shapes.
+SWALLOWED, FAMILY = 0.5, 0.25
+
+
+def absorbed(state: State) -> list[str]:
+    """Effects that the free base of `state` may have swallowed: those whose spectrum it imitates
+    by a change of its own parameters, to first order in the effect's strength."""
+    data, likelihood, fit = state.data, state.likelihood, state.fit
+    names = [t.name for t in state.base]
+    s, c = likelihood.shapes(fit.vector)
+    slow_s = slow.spectrum(c)
+    weight = np.sqrt(0.5 * np.concatenate([likelihood.nu, np.ones(len(slow_s))]))
+    own = sum(len(slot.names) for slot in state.base_slots)
+    a, b, _ = likelihood.directions(fit.vector)
+    basis, _ = np.linalg.qr((np.hstack([a, b])[:own] * weight).T)
+    for effect in SPECTRAL:
+        taken = []
+        for process in effect.grid(data.fs, data.duration):
+            quick = fast.spectrum([process], fit.low_pass, data.layout, data.fs)[data.layout.slow:] / s
+            v = np.concatenate([quick, slow.spectrum_difference(slow.covariance(process, data.k, data.m, data.fs)) / slow_s]) * weight
+            taken.append(np.sum((basis.T @ v) ** 2) > SWALLOWED * np.sum(v**2))
+        if np.mean(taken) > FAMILY:
+            names.append(effect.name)
+    if "gauss_markov" in names:                            # two levels whose dwells are lost in the noise have its spectrum
+        names.append("telegraph")
+    return list(dict.fromkeys([*names, "parameter_change"]))

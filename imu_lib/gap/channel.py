@@ -6,15 +6,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from imu_lib.gap import effects, electronics, rounds, verdict
-from imu_lib.gap.base_fit import free_base
+from imu_lib.gap.base_fit import absorbed, free_base
+from imu_lib.gap.drifts import profiled
 from imu_lib.gap.engine import Data
 from imu_lib.gap.innovations import Smooth, whitened
-from imu_lib.gap.search import State
+from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
 from imu_lib.processes import Sum
 
 #: Effects whose doubts leave the name without high confidence.
 DOUBTED = 0.5
+#: Confidence at the most where three noises or more had to be added.
+MANY = 0.8
 #: log10 p of the stationarity tests below which only one round is run.
 VETO = -9.0
 
@@ -101,15 +104,17 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         fewer = rounds.prune(state)
         if len(fewer.items) < len(state.items):
             state, rivals = rounds.swap(fewer, passes=1)
+        state = profiled(state)
     # -- what is left ----------------------------------------------------------------------------------------
     say("what is left")
     if state.items and any(i.column is not None or i.signal is not None for i in state.items):
         rest = data.x - _deterministic(state)
-        y = whitened(rest - clean.coarse * 0, Smooth(rest, fs))
     else:
-        y = whitened(data.x, Smooth(data.x, fs))
+        rest = data.x
+    smooth = Smooth(rest, fs)
+    y = whitened(rest, smooth)
     coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(clean.smooth.conditional_variance)
-    tests = verdict.checks(state, y, coarse_steps=coarse_steps or clean.touched > 0.002)
+    tests = verdict.checks(state, y, smooth, coarse_steps=coarse_steps or clean.touched > 0.002)
     worst = min(tests, key=lambda c: c.log_p)
     doubts += [f.doubt for f in findings if f.doubt]
     unexplained = None
@@ -120,13 +125,15 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals, n_base)
     if unexplained is not None:
         steps = [s.capped(DOUBTED) for s in steps]
-    base_sum = given if given is not None else Sum(tuple(state.base[:n_base]))
+    elif len(state.likelihood.slots) - len(state.base_slots) > 2:       # so many noises draw any smooth spectrum
+        steps = [s.capped(MANY) for s in steps]
     held_terms = 1 if shared > 0 else 0
+    base_sum = given if given is not None else Sum(tuple(state.base[held_terms:n_base]))
     model = _grown(base_sum, state, findings, n_base - held_terms, held_terms)
     between = _between(base_sum, model, findings, state)
     refit = _refit(base_sum, state, findings, n_base - held_terms, held_terms) if steps else None
-    absorbed = [] if given is not None else _absorbed(state)
-    return ChannelResult(name, base_sum, model, steps, absorbed, unexplained, tests, mean, between, refit)
+    swallowed = [] if given is not None else absorbed(state)
+    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit)
 
 
 def _levelled(x, ratio, time, fs, base):
@@ -240,14 +247,3 @@ def _refit(base, state, findings, n_base, shared, part: float = 0.6):
 def refitted(result: ChannelResult, part: float) -> Sum | None:
     """The model fitted to the first part of the record, or None where that part does not show every effect."""
     return result.refit
-
-
-def _absorbed(state):
-    """What a free base may have swallowed: its own processes, and their like in the spectrum."""
-    names = []
-    for term in state.base:
-        names.append(term.name)
-    slow_ones = {"flicker", "random_walk", "gauss_markov", "gauss_markov_2"}
-    if slow_ones & set(names):
-        names += [n for n in ("gauss_markov", "random_walk", "flicker") if n not in names]
-    return list(dict.fromkeys(names + ["parameter_change"]))

@@ -14,6 +14,8 @@ from imu_lib.gap import fast, slow
 
 #: Widths of the log-uniform priors: three decades of amplitude, four of time.
 AMPLITUDE_WIDTH, TIME_WIDTH = np.log(1e3), np.log(1e4)
+#: Gain in log-likelihood below which a screened candidate is not fitted.
+SCREEN = 4.0
 
 
 class Data:
@@ -221,6 +223,14 @@ class Likelihood:
         return out
 
     def _derivatives(self, x, shapes, *, gradient: bool = True):
+        """Gradient and expected information of the free parameters."""
+        a, b, g = self.directions(x, shapes, gradient=gradient)
+        return g, 0.5 * (a * self.nu) @ a.T + 0.5 * b @ b.T
+
+    def directions(self, x, shapes=None, *, gradient: bool = False):
+        """Relative change of the spectrum in the fast bins and of the slow spectrum by each free parameter, shapes
+        (parameters, bins) and (parameters, blocks), and the gradient."""
+        shapes = self.shapes(x) if shapes is None else shapes
         k, h = len(x), 2e-3
         g = np.zeros(k)
         fast_d, slow_d = [], []
@@ -234,8 +244,7 @@ class Likelihood:
                 g[i] = (self.value(up, su)[0] - self.value(down, sd)[0]) / (2 * h)
             fast_d.append((su[0] - sd[0]) / (2 * h) / shapes[0])
             slow_d.append(slow.spectrum_difference(su[1] - sd[1]) / (2 * h) / two_sided)
-        a, b = np.array(fast_d), np.array(slow_d)
-        return g, 0.5 * (a * self.nu) @ a.T + 0.5 * b @ b.T
+        return np.array(fast_d), np.array(slow_d), g
 
 
 def amplitude_occam(snr: float) -> float:

@@ -54,11 +54,18 @@ class Smooth:
     def on(self, size: int) -> np.ndarray:
         """The spectrum, unit^2/Hz, at the ordinates of a real transform of `size` points."""
         if size not in self._cache:
-            f = np.arange(size // 2 + 1) * self.fs / size
-            s = np.exp(np.interp(np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(self.level)))
+            s = self._level_on(size)
             # below a thousandth of the mean there is nothing but the arithmetic of a filter's stop band
             self._cache[size] = np.maximum(s, 1e-3 * np.mean(s))
         return self._cache[size]
+
+    def _level_on(self, size: int) -> np.ndarray:
+        f = np.arange(size // 2 + 1) * self.fs / size
+        return np.exp(np.interp(np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(self.level)))
+
+    def stop_band(self, size: int) -> np.ndarray:
+        """Share of its power that whitening leaves at each ordinate: 1, and less in a filter's stop band."""
+        return self._level_on(size) / self.on(size)
 
     @property
     def sample_variance(self) -> float:

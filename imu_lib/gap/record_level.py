@@ -1,6 +1,7 @@
 """What acts on the whole record: noise that channels share, missing samples, jitter of the time stamps."""
 from __future__ import annotations
 
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -70,6 +71,11 @@ def cross_spectra(channels: dict, fs: float, *, segments: int = 512):
     return names, np.array(matrix), np.array(count), np.array(centre)
 
 
+def _loss(gain, members, log_density) -> float:
+    """What is minimised; a density beyond the noise of a member costs all."""
+    return min(-gain(members, np.exp(log_density)), 1e12)
+
+
 def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None, dict, str | None]:
     """Noise in common: the process or None, what was found on the way, and a sentence where another coherence is left.
 
@@ -83,7 +89,7 @@ def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None
         member = np.array([c in process.channels for c in names], float)
         off = np.outer(member, member) * (1 - np.eye(k))
         matrix = matrix - 2 * process.N**2 * off
-    best, plain = None, 0.0
+    best = None
     total = count.sum()
     weight = count / total
     mean = np.einsum("b,bij->ij", weight, matrix).real
@@ -115,7 +121,9 @@ def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None
             guess = np.median([mean[i, j] for i, j in combinations(members, 2)])
             if guess <= 0:
                 continue
-            fit = minimize_scalar(lambda v: -gain(members, np.exp(v)), bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
+            # beyond all of the noise of a member there is nothing to share
+            loss = partial(_loss, gain, members)
+            fit = minimize_scalar(loss, bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
             if best is None or -fit.fun > best[0]:
                 best = (-fit.fun, members, float(np.exp(fit.x)))
     found, note = None, {}

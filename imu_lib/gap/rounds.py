@@ -5,16 +5,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imu_lib.gap import effects, slow
+from imu_lib.gap import effects
+from imu_lib.gap.drifts import drift_candidates, retuned
 from imu_lib.gap.engine import amplitude_occam
-from imu_lib.gap.search import Item, State, change_candidates, drift_candidates, filter_candidates, retuned, spectral_candidates
+from imu_lib.gap.search import change_candidates, filter_candidates, spectral_candidates
+from imu_lib.gap.state import Item, State
 
 #: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records, benchmarks/gap_null.py).
 EVIDENCE, GAIN = 3.0, 9.0
 #: Alternatives within this log evidence of the winner cannot be told from it.
 NEAR = 3.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second effect.
-REPLACED, REACH = 3, 60.0
+REPLACED, REACH = 3, 40.0
+#: Samples that a level has to last on average to be told from noise.
+DWELL = 50
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record exactly of its model.
 TEMPER = 1.5
 
@@ -69,6 +73,8 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
         if w.item.name == "gauss_markov":
             process = w.state.fit.terms[len(state.fit.terms)]
             rate = 0.5 / process.correlation_time
+            if rate > data.fs / DWELL:
+                continue
             starts += [(2 * process.sigma, rate), (2 * process.sigma, 0.4 * rate)]
         elif len(starts) < 4:
             sd = np.std(data.means)
@@ -95,7 +101,7 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
         t = np.arange(data.n) / data.fs
         x = x - sum(b * i.process.mean(t, data.temperature) for b, i in zip(state.fit.beta, state.column_items))
     for amplitude, rate in starts[:6]:
-        found = effect.decode(x, data.fs, effect.process(amplitude=float(amplitude), rate=float(np.clip(rate, 2 / data.duration, data.fs / 8))), density, gain if drift else None)
+        found = effect.decode(x, data.fs, effect.process(amplitude=float(amplitude), rate=float(max(rate, 2 / data.duration))), density, gain if drift else None)
         if found is None:
             continue
         process, signal, flips, path, _ = found

@@ -11,6 +11,21 @@ import numpy as np
 from numba import njit
 
 
+@njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _step(c, phi, old, v, k):
+    """Predictor of order k from that of order k - 1, in place; returns its error variance."""
+    acc = c[k]
+    for i in range(k - 1):
+        acc -= phi[i] * c[k - 1 - i]
+    r = acc / v
+    for i in range(k - 1):
+        old[i] = phi[i]
+    for i in range(k - 1):
+        phi[i] = old[i] - r * old[k - 2 - i]
+    phi[k - 1] = r
+    return v * (1.0 - r * r)
+
+
 @njit(cache=True, nogil=True, fastmath=True)
 def _levinson(c, y):
     n, q = y.shape
@@ -22,16 +37,7 @@ def _levinson(c, y):
     for j in range(q):
         out[0, j] = y[0, j] / np.sqrt(v)
     for k in range(1, n):
-        acc = c[k]
-        for i in range(k - 1):
-            acc -= phi[i] * c[k - 1 - i]
-        r = acc / v
-        for i in range(k - 1):
-            old[i] = phi[i]
-        for i in range(k - 1):
-            phi[i] = old[i] - r * old[k - 2 - i]
-        phi[k - 1] = r
-        v *= 1.0 - r * r
+        v = _step(c, phi, old, v, k)
         if not v > 0.0:
             return np.inf, out
         logdet += np.log(v)
@@ -61,16 +67,7 @@ def _rows(c):
     v = c[0]
     out[0, 0] = 1.0 / np.sqrt(v)
     for k in range(1, n):
-        acc = c[k]
-        for i in range(k - 1):
-            acc -= phi[i] * c[k - 1 - i]
-        r = acc / v
-        for i in range(k - 1):
-            old[i] = phi[i]
-        for i in range(k - 1):
-            phi[i] = old[i] - r * old[k - 2 - i]
-        phi[k - 1] = r
-        v *= 1.0 - r * r
+        v = _step(c, phi, old, v, k)
         s = 1.0 / np.sqrt(v)
         out[k, k] = s
         for i in range(k):

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from imu_lib.gap import fast, rounds
-from imu_lib.gap.effects import CATALOGUE
 
 Z95 = 1.959963984540054
 

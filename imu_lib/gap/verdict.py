@@ -123,21 +123,22 @@ def stationarity(y, fs) -> list[Check]:
     return out
 
 
-def echoes(y, fs) -> Check:
-    """Autocorrelation of the whitened noise at long lags."""
+def echoes(y, fs, smooth) -> Check:
+    """Autocorrelation of the whitened noise at long lags, beyond what the filter's stop band puts there."""
     n = len(y)
     size = 1 << int(np.ceil(np.log2(n + 4096)))
     z = np.fft.irfft(np.abs(np.fft.rfft(y - y.mean(), size)) ** 2, size)
     lags = np.arange(24, min(4000, n // 8))
-    r = z[lags] / z[0] * np.sqrt(n)
+    gone = np.fft.irfft(smooth.stop_band(size))
+    r = (z[lags] / z[0] - gone[lags] / gone[0]) * np.sqrt(n)
     j = int(np.argmax(np.abs(r)))
     return Check("autocorrelation", float(_log10_normal(r[j]) + np.log10(len(lags))), f"autocorrelation of the innovations at a lag of {lags[j] / fs:.3g} s: {r[j] / np.sqrt(n):+.3g}")
 
 
-def checks(state, y, *, coarse_steps: bool = False) -> list[Check]:
-    """All tests; `y` is the whitened fast noise of what the state was fitted to. `coarse_steps`: the output is rounded so
+def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
+    """All tests; `y` is the fast noise of what the state was fitted to, whitened by `smooth`. `coarse_steps`: the output is rounded so
     coarsely that its distribution is no longer normal."""
-    out = [spectrum(state)] + bias(state) + stationarity(y, state.data.fs) + [echoes(y, state.data.fs)]
+    out = [spectrum(state)] + bias(state) + stationarity(y, state.data.fs) + [echoes(y, state.data.fs, smooth)]
     if not coarse_steps:
         out += distribution(y)
     return out
