@@ -197,6 +197,7 @@ def main(argv=None):
     parser.add_argument("--simulations", type=int, default=0, help="size of the ensembles of the gap index; 0 leaves it out")
     parser.add_argument("--log", help="a file of finished cases, one a line; a run that finds it goes on from there")
     parser.add_argument("--name", default="gap_score")
+    parser.add_argument("--part", default="0/1", metavar="I/K", help="run every Kth case from the Ith on, into --log only")
     parser.add_argument("--merge", metavar="NAMES", help="put stored runs together under --name instead of running")
     args = parser.parse_args(argv)
     if args.merge:
@@ -209,6 +210,8 @@ def main(argv=None):
     if log and log.exists():
         results = [json.loads(line) for line in log.read_text().splitlines()]
     done = {(r["kind"], r["seed"]) for r in results}
+    part, parts = map(int, args.part.split("/"))
+    cases = cases[part::parts]
     for case in cases:
         if (case[1], case[0]) in done:
             continue
@@ -236,7 +239,7 @@ def main(argv=None):
             print("     left ", {k: v for k, v in r["unexplained"].items() if v}, flush=True)
     rows = table(results)
     show(rows)
-    if not args.shown:
+    if not args.shown and parts == 1:
         RESULTS.mkdir(exist_ok=True)
         out = {"command": "python " + " ".join(["benchmarks/gap_score.py", *(argv or sys.argv[1:])]), "date": date.today().isoformat(), "first_seed": args.first,
                "free_base": args.free, "table": rows, "cases": results}
