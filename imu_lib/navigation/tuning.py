@@ -70,14 +70,18 @@ def fit_in_motion(cases, *, start=(5e-4, 0.03, 3e-5, 1e-3), turn_on_sd=(3.5e-3, 
     def filter_model(log):
         return FilterModel("in motion", vehicle_model(*np.exp(log)), turn_on_sd=turn_on_sd, constraint_sd=constraint_sd)
 
+    seen = []  # (loss, parameters): the search may end between two steps, not on its best point
+
     def loss(log):
         value = float(np.mean([outage_loss(engine.with_model(filter_model(log)), windows) for engine, windows in engines]))
         value += 0.5 * float(np.sum(((log - np.log(start)) / np.log(100.0)) ** 2)) / 10.0     # two decades are far: keeps what is not seen near the guess
+        seen.append((value, np.array(log)))
         if progress is not None:
             progress(value)
         return value
 
     first = np.log(np.asarray(start, float))
     simplex = np.vstack([first, first + np.eye(4) * np.log(3.0)])
-    best = minimize(loss, first, method="Nelder-Mead", options={"initial_simplex": simplex, "maxfev": evaluations, "xatol": 0.05, "fatol": 1e-3})
-    return Tuned(filter_model(best.x), np.exp(best.x), float(best.fun), int(best.nfev))
+    minimize(loss, first, method="Nelder-Mead", options={"initial_simplex": simplex, "maxfev": evaluations, "xatol": 0.05, "fatol": 1e-3})
+    value, best = min(seen, key=lambda pair: pair[0])
+    return Tuned(filter_model(best), np.exp(best), value, len(seen))

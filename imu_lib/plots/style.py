@@ -63,6 +63,7 @@ def axes(ax=None, *, x="", y="", title="", log=False, size=SIZE):
     return ax
 
 
+@styled
 def grid(rows=1, columns=1, *, size=None, sharex=False, sharey=False):
     """Axes of a new figure, ndarray, shape (rows, columns); by default 3.5 x 2.6 inches each, no wider than 9."""
     size = size or (min(9.0, max(SIZE[0], 3.5 * columns)), max(SIZE[1], 2.6 * rows) if rows > 1 else 3.2)
