@@ -126,3 +126,11 @@ def test_intervals_cover_the_closed_form(model):
     # 300 draws at 95 %: five standard errors are 6 %; the longest averaging times have fewer than three degrees of
     # freedom and the kind of noise is itself read from the curve there
     assert np.all(share[:-2] > 0.89) and np.all(share > 0.85), share
+
+
+def test_holds_at_about_its_level():
+    """Twenty records of white noise: the share of intervals that hold the closed form, neighbours alike, near 95 %."""
+    model = WhiteNoise(N=1.0)
+    held = [allan.deviation(model.simulate(4000, 10.0, np.random.default_rng(seed)), 10.0).holds(model).mean() for seed in range(20)]
+    assert 0.88 < np.mean(held) < 0.99  # each record's mean scatters by some 0.1, twenty of them by 0.02: three of those
+    assert not allan.deviation(model.simulate(4000, 10.0, np.random.default_rng(1)), 10.0).holds(WhiteNoise(N=2.0))[:5].any()

@@ -140,3 +140,38 @@ def test_segments_of_a_pure_slope(slope):
     found = slopes.segments(x, 3.0 * x**slope, np.full(80, 0.01), [-1.0, -0.5, 0.0, 0.5, 1.0])
     assert len(found) == 1 and found[0].slope == slope and found[0].decades == pytest.approx(5.0)
     assert found[0].at(1.0) == pytest.approx(3.0)
+
+
+def test_flat_place_is_the_top_and_stays_with_it():
+    """A bump with a walk behind it: the top is meant, not the trough, whatever the grid; beside the trough, the trough."""
+    markov = GaussMarkov(sigma=1.0, correlation_time=10.0)
+    assert allan.flat_time(markov + WhiteNoise(N=1e-6), 0.1, 1e4) == pytest.approx(1.8926 * 10.0, rel=1e-3)
+    model = WhiteNoise(N=0.3) + markov + RandomWalk(K=0.05)
+    for longest in (1e3, 1.1e3, 2e3, 1e4):
+        top = allan.flat_time(model, 0.1, longest)
+        assert 15 < top < 30
+        around = model.avar(top * np.array([0.97, 1.0, 1.03]))
+        assert around[1] > around[0] and around[1] > around[2]
+    trough = allan.flat_time(model, 0.1, 1e4, beside=150.0)  # where 2 sigma^2 Tc / tau and K^2 tau / 3 cross, 155 s
+    around = model.avar(trough * np.array([0.97, 1.0, 1.03]))
+    assert around[1] < around[0] and around[1] < around[2]
+
+
+def test_flat_gradient():
+    """Against differences of the whole: a bump's level goes with sigma, and with what else reaches under it."""
+    def model_of(log):
+        return WhiteNoise(N=np.exp(log[0])) + GaussMarkov(sigma=np.exp(log[1]), correlation_time=np.exp(log[2]))
+
+    log = np.log([1.8, 1.0, 100.0])
+    place = allan.flat_time(model_of(log), 0.1, 1e4)
+    found = allan.flat_gradient(model_of, log, place)
+    # both amplitudes together scale the level; in time the level depends on N^2 / Tc alone
+    assert found[:2].sum() == pytest.approx(1.0, abs=1e-4) and found[2] == pytest.approx(-found[0] / 2, abs=1e-3)
+
+
+def test_flat_interval_grows_with_the_level():
+    model = WhiteNoise(N=1.8) + GaussMarkov(sigma=1.0, correlation_time=100.0)
+    x = model.simulate(20_000, 1.0, np.random.default_rng(1))
+    flat = allan.fit(allan.deviation(x, 1.0), WhiteNoise() + GaussMarkov()).flat
+    # a standard error fixed at the fit would make the two equal
+    assert np.log(flat.high / flat.value) > 1.1 * np.log(flat.value / flat.low) > 0

@@ -57,6 +57,11 @@ class AllanCurve:
         """Length of the record, s."""
         return self.samples / self.fs
 
+    def holds(self, model):
+        """Whether the 95 % interval at each averaging time holds the deviation of a model, ndarray of bool, shape (j,)."""
+        deviation = np.sqrt(model.avar(self.tau, self.fs))
+        return (self.low <= deviation) & (deviation <= self.high)
+
     @property
     def papers_error(self):
         """Relative standard error by the papers' formula (2013 Eq. 15, 2011 Eq. 23), ndarray, shape (j,)."""
