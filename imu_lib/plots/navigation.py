@@ -28,6 +28,7 @@ def outage_map(study, drive, *, model=None, ax=None):
         if len(study.windows) <= 12:
             ax.annotate(str(i + 1), (real[0, 1], real[0, 0]), textcoords="offset points", xytext=(5, 5))
     ax.set_aspect("equal", adjustable="datalim")
+    ax.locator_params(axis="x", nbins=6)
     ax.legend()
     return ax
 
