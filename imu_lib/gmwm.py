@@ -175,7 +175,9 @@ def fit(x, fs, model, *, weights="optimal", starts=()):
     if len(moments.m) <= len(problem.unknown):
         raise ValueError(f"`x` has {len(moments.m)} dyadic scales, too few for {len(problem.unknown)} parameters")
     given = [np.log([_value(start, label) for label, _ in problem.unknown]) for start in starts]
-    first = [_descend(problem, theta, np.diag(1 / moments.variance)) for theta in given or problem.starts()]
+    # weights as if the scales were independent: with equal ones the few windows of the longest scales choose the start
+    rough = np.diag(np.sqrt(np.maximum(moments.windows / (2 * moments.m), 1.0)) / moments.variance)
+    first = [_descend(problem, theta, rough) for theta in given or problem.starts()]
     theta = min(first, key=lambda one: one.cost).x
     for _ in range(6):
         covariance = problem.covariance(theta)

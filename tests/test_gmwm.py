@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imu_lib import allan, gmwm, likelihood, preset
-from imu_lib.processes import GaussMarkov, RandomWalk, WhiteNoise
+from imu_lib.processes import GaussMarkov, RandomWalk, Sum, WhiteNoise
 
 FS = 100.0
 
@@ -56,3 +56,13 @@ def test_bad_calls_are_refused():
         gmwm.fit(np.random.default_rng(1).standard_normal(1000), FS, WhiteNoise(), weights="none")
     with pytest.raises(ValueError, match="too few"):
         gmwm.fit(np.random.default_rng(1).standard_normal(20), FS, WhiteNoise() + GaussMarkov() + RandomWalk())
+
+
+def test_start_is_not_chosen_by_the_longest_scales():
+    """A draw whose few longest windows, at equal weight, let a slow Gauss-Markov process pass for the walk."""
+    model = preset("3dm-gx3-25")["accel_x"]
+    x = model.simulate(2_520_000, 100.0, np.random.default_rng([9, 3]))
+    found = gmwm.fit(x, 100.0, Sum(tuple(t.with_(**{p.name: None for p in t.parameters}) for t in model.terms), model.stages))
+    # standard errors are 1.5, 4 and 3.5 %: four of each
+    for label, truth, rel in (("sigma", 1.307e-3, 0.06), ("correlation_time", 2.369, 0.16), ("K", 2.914e-4, 0.14)):
+        assert found[label].value == pytest.approx(truth, rel=rel)
