@@ -24,7 +24,7 @@ class AllanFit:
     parameters : dict of str to Estimate
         What was fitted, with 95 % intervals, by the labels of the sum (`N`, `sigma`, `correlation_time`, `sigma_2`).
     flat : Estimate
-        The flat level: the fitted Allan deviation where its slope is nearest to zero (see `flat_level`).
+        The flat level: the fitted Allan deviation where it is flat (see `imu_lib.allan.flat`).
     misfit : float
         Generalised sum of squares of the residuals, about chi-square with `dof` degrees of freedom.
     dof : int

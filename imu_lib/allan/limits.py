@@ -4,7 +4,7 @@ The scatter of an Allan curve grows with the very parameters that are estimated:
 by chance, a standard error taken at the fit is too small as well. So the ends of an interval are where the estimate
 lies 1.96 standard errors away with the error taken *there*, the other parameters moved along with it; amplitudes on
 the scale of the cube root of their square, which makes a chi-square nearly normal (Wilson and Hilferty), time
-constants on the logarithmic one.
+constants on the logarithmic one. The flat level is treated like an amplitude, its place moving along.
 """
 
 from __future__ import annotations
