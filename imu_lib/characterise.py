@@ -220,8 +220,9 @@ def fitted(parts, fs, candidates, notes):
     long = [p.correlation_time for p in choice.fit.model.terms if p.name == "gauss_markov"]
     if long and max(long) > stats.duration / 20:
         notes.append(f"The record holds only {stats.duration / max(long):.2g} correlation times of {max(long):.3g} s.")
-    density = (stats.frequency, stats.power / stats.count, likelihood.density(stats, choice.fit.model.noise))
-    return choice, parameters, density
+    order = np.argsort(stats.frequency, kind="stable")  # stretches come one after the other
+    measured, expected = stats.power / stats.count, likelihood.density(stats, choice.fit.model.noise)
+    return choice, parameters, (stats.frequency[order], measured[order], expected[order])
 
 
 def limits(stats, model, known):

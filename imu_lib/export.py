@@ -93,6 +93,8 @@ def kalibr(model: Model) -> str:
         found = _worst(model, sensor, value)
         lines.append(f"{word}_{key}: {found[0]:.6e}  # {unit}, the worst axis of {found[1]}" if found else
                      f"# {word}_{key}: the model has no {word}")
+        if found and found[0] == 0:
+            lines.append(f"# 0: the record shows none. Kalibr divides by it: put in a longer record's value or the data sheet's for {word}_{key}")
     lines += ["rostopic: /imu0", f"update_rate: {model.rate or 100.0:.6g}  # Hz" + ("" if model.rate else ", not stated by the model")]
     return "\n".join(lines) + "\n"
 

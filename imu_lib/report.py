@@ -9,9 +9,9 @@ from imu_lib import units
 
 TITLES = {"allan": "Allan variance", "psd": "spectrum", "likelihood": "likelihood", "gauss_markov": "autocorrelation"}
 NAMES = {"sigma": "Gauss-Markov sigma", "correlation_time": "correlation time"}
-STYLE = ("body{font-family:system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.45}"
-         "table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums}"
-         "td,th{padding:.2rem .7rem;border-bottom:1px solid #ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
+STYLE = ("body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;line-height:1.45}"
+         "table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}"
+         "td,th{white-space:nowrap;padding:.2rem .6rem;border-bottom:1px solid #ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
          "img{max-width:100%}figcaption{color:#444;font-size:.9rem}.note{color:#444}"
          "@media (prefers-color-scheme:dark){body{background:#1b1b1b;color:#ddd}td,th{border-color:#444}"
          "figcaption,.note{color:#aaa}img{background:#fff}}")

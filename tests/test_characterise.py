@@ -10,7 +10,7 @@ from imu_lib.characterise import characterise, stretches
 from imu_lib.cli.main import main
 from imu_lib.estimate import Estimate
 from imu_lib.export import FORMATS, equivalent_markov, equivalent_walk, text
-from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
+from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, Sum, WhiteNoise
 from imu_lib.readers import read_record as imu_record
 from imu_lib.record import Record
 
@@ -61,6 +61,8 @@ def test_gaps_are_reported_and_every_stretch_used():
     found = characterise(record, workers=1)
     assert any("gap" in note for note in found.notes)
     assert found["gyro_x"].choice.fit.statistics.n == len(keep)
+    f, measured, expected = found["gyro_x"].density
+    assert np.all(np.diff(f) >= 0) and 0.9 < np.median(measured / expected) < 1.1, "one curve to draw, whatever the stretches"
     assert found["gyro_x"].likelihood["N"].value == pytest.approx(TWIN["gyro_x"].terms[0].N, rel=0.02)
 
 
@@ -155,6 +157,7 @@ def test_exports_read_back(form):
 def test_export_of_a_gyro_alone_says_what_is_missing():
     model = Model({"gyro_x": TWIN["gyro_x"]}, rate=100.0)
     assert "# accelerometer_noise_density" in text(model, "kalibr")[1]
+    assert "divides by it" in text(Model({"gyro_x": Sum((WhiteNoise(N=1e-4),))}), "kalibr")[1], "a walk that is not shown"
     assert "no gyro_y" in text(model, "gnss-ins-sim")[1]
 
 
