@@ -5,14 +5,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from imu_lib.gap import effects, electronics, rounds, verdict
+from imu_lib.gap import effects, electronics, fast, rounds, verdict
 from imu_lib.gap.base_fit import absorbed, free_base
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.engine import Data
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
-from imu_lib.processes import Sum
+from imu_lib.processes import Sum, WhiteNoise
 
 #: Effects whose doubts leave the name without high confidence.
 DOUBTED = 0.5
@@ -71,6 +71,8 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     change = effects.CATALOGUE["noise_level_change"].detect(y, fs, None)
     if change is not None:
         if change.doubt is None:
+            if given is not None:
+                change = effects.CATALOGUE["noise_level_change"].anchored(change, y, fs, _level(clean, given, shared, fs))
             findings.append(change)
             x = _levelled(x, change.process.ratio, change.process.time, fs, given)
             y = y / np.where(np.arange(len(y)) >= change.process.time * fs, change.process.ratio, 1.0)
@@ -87,7 +89,6 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     say("candidates")
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]
     if shared > 0:
-        from imu_lib.processes import WhiteNoise
         terms.append(WhiteNoise(N=shared))
     if given is None:
         state = free_base(data, terms)
@@ -95,7 +96,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         state = State(data, terms, low_pass=given.low_pass)
     n_base = len(state.base)
     # a spectrum that does not stand still has no stationary name: one round at the most, and no confidence
-    unsteady = min(verdict.stationarity(y if not lines else whitened(data.x - clean.coarse, clean.smooth), fs), key=lambda c: c.log_p, default=None)
+    unsteady = min(verdict.stationarity(y if not lines else whitened(data.x - clean.coarse, clean.smooth), fs, clean.smooth), key=lambda c: c.log_p, default=None)
     wild = unsteady is not None and unsteady.log_p < VETO
     state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
     rivals = [{} for _ in state.items]
@@ -134,6 +135,16 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     refit = _refit(base_sum, state, findings, n_base - held_terms, held_terms) if steps else None
     swallowed = [] if given is not None else absorbed(state)
     return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit)
+
+
+def _level(clean, given, shared, fs) -> float:
+    """Variance of the fast noise as a multiple of what the given model has."""
+    layout = clean.smooth.layout
+    terms = [t for t in given.terms if not t.deterministic] + ([WhiteNoise(N=shared)] if shared > 0 else [])
+    extra = clean.extra if clean.extra is not None else 2.0 * clean.white / fs
+    s = fast.spectrum(terms, given.low_pass, layout, fs) + extra
+    k = layout.slow
+    return float(np.average(clean.smooth.level[k:] / s[k:], weights=layout.nu[k:]))
 
 
 def _levelled(x, ratio, time, fs, base):

@@ -36,28 +36,31 @@ def drift_candidates(state: State) -> list[Item]:
     for effect in effects.DRIFTS:
         if effect.name in ("ramp", "warm_up", "temperature") and any(i.name == effect.name for i in state.items):
             continue
-        item = _best_drift(state, effect, scan)
+        # a drift beside a transient whose time constant is not yet its own gains only when both are found anew
+        beside = effect.name == "ramp" and any(i.name == "warm_up" for i in state.items)
+        item = _best_drift(state, effect, scan, 0.0 if beside else SCREEN)
         if item is not None:
             out.append(item)
     return out
 
 
-def _best_drift(state, effect, scan) -> Item | None:
+def _best_drift(state, effect, scan, screen: float = SCREEN) -> Item | None:
     data = state.cleaned
     processes = effect.candidates(data)
     if not processes:
         return None
     gain, _, _ = scan(effect, processes)
     j = int(np.argmax(gain))
-    if gain[j] < SCREEN:
+    if gain[j] < screen:
         return None
-    best = processes[j]
-    if effect.shape is not None:
-        best = _refine(effect, best, scan, data, state)
-    column = np.diff(effect.columns([best], data)[:, 0])
-    note = {"screen": float(gain[j])}
+    best, note = processes[j], {"screen": float(gain[j])}
     if effect.name == "step":                              # log of the share of all instants at which the jump may lie
         note["width"] = float(np.log(np.sum(np.exp(gain - gain[j])) / len(gain)))
+    if effect.shape is not None:
+        best, edge = _refine(effect, best, scan, data, state)
+        if edge is not None:                               # seen in the samples: the odds fall off on both sides like exp(-|t|)
+            note["edge"], note["width"] = edge, float(np.log((edge[2] - edge[1]) / 3.0 / data.duration))
+    column = np.diff(effect.columns([best], data)[:, 0])
     return Item(effect.name, best, column=column, note=note)
 
 
@@ -114,17 +117,20 @@ def _grid(effect, best, data, reach, points):
 
 
 def _refine(effect, best, scan, data, state):
+    """The drift with its shape at the best place, and the edge that the samples show of a jump, or None."""
     for reach in (1.0, 0.12, 0.015):
         trial = _grid(effect, best, data, reach, 25)
         gain, amplitude, _ = scan(effect, trial)
         best = trial[int(np.argmax(gain))]
+    edge = None
     if effect.name == "step":
         amplitude = float(amplitude[int(np.argmax(gain))])
-        density = float(np.median(state.likelihood.shapes(state.fit.vector)[0])) / 2
+        s = state.likelihood.shapes(state.fit.vector)[0]
+        density = max(float(np.median(s)), float(np.median(s[:20]))) / 2      # red noise has edges of its own
         edge = sharpen(data.x, data.fs, best.time, data.m / data.fs, amplitude, density)
         if edge is not None:
             best = best.with_(time=edge[0])
-    return best
+    return best, edge
 
 
 def _profile(effect, best, scan, data):

@@ -7,7 +7,7 @@ import numpy as np
 
 from imu_lib.gap import effects
 from imu_lib.gap.drifts import drift_candidates, retuned
-from imu_lib.gap.engine import amplitude_occam
+from imu_lib.gap.engine import SCREEN, amplitude_occam
 from imu_lib.gap.search import change_candidates, filter_candidates, spectral_candidates
 from imu_lib.gap.state import Item, State
 
@@ -36,7 +36,9 @@ class Weighed:
 def weigh(state: State, *, exclude=()) -> list[Weighed]:
     """All candidates that could be added to `state`, the best first."""
     items = spectral_candidates(state, exclude) + change_candidates(state) + filter_candidates(state) + drift_candidates(state)
-    items = _worth_fitting([i for i in items if i.name not in exclude], state)
+    items = [i for i in items if i.name not in exclude]
+    beside = [i for i in items if i.name == "ramp" and i.note["screen"] < SCREEN]
+    items = _worth_fitting([i for i in items if i not in beside], state) + beside
     out = []
     shaped = any(i.column is not None and i.effect.shape is not None for i in state.items)
     for item in items:
@@ -163,7 +165,7 @@ def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
             others = {}
             for w in weighed:
                 others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
-            two = _by_two(weighed, own, exclude)
+            two = _by_two(weighed, own, item, exclude)
             if two is not None and two[0] > EVIDENCE + 0.5:
                 state, changed = retuned(two[1].state).settled(), True
                 break
@@ -176,8 +178,8 @@ def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
     return state, [{} for _ in state.items] if changed else rivals
 
 
-def _by_two(weighed, own, exclude):
-    """The best two effects in the place of one: (log evidence relative to it, second of the two, key of the first), or None.
+def _by_two(weighed, own, item, exclude):
+    """The best two other effects in the place of `item`: (log evidence relative to it, second of the two, key of the first), or None.
 
     A sum of two noises looks like a third: a slow and a fast one like flicker.
     """
@@ -186,7 +188,7 @@ def _by_two(weighed, own, exclude):
         if w.evidence < max(own - REACH, EVIDENCE) or w.item.slot is None and w.item.column is None:
             continue
         more = next((v for v in weigh(w.state.settled(), exclude=(*exclude, "telegraph")) if v.gain > GAIN and v.evidence > EVIDENCE), None)
-        if more is None:
+        if more is None or more.item.key == item.key:
             continue
         total = w.evidence + more.evidence - own
         if best is None or total > best[0]:

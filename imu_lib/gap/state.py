@@ -97,7 +97,7 @@ class State:
         if self._fit is None:
             data = self.cleaned
             terms, slots, low_pass, columns, column_items = self.assemble()
-            sharp = [i for i, item in enumerate(column_items) if item.effect.sharp]
+            sharp = [i for i, item in enumerate(column_items) if item.effect.sharp and "edge" in item.note]
             likelihood = Likelihood(data, terms, slots, low_pass=low_pass, columns=columns, power=None)
             if sharp:
                 _, beta, _ = likelihood.value(likelihood.start())

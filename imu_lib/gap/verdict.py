@@ -96,8 +96,8 @@ def distribution(y) -> list[Check]:
             Check("distribution", float(_log10_normal(excess / np.sqrt(24 / n))), f"distribution of the innovations: excess kurtosis {excess:+.3g}")]
 
 
-def stationarity(y, fs) -> list[Check]:
-    """Variance at several scales, as a whole and in bands of frequency."""
+def stationarity(y, fs, smooth) -> list[Check]:
+    """Variance at several scales, as a whole and in bands of frequency outside the stop band of a filter."""
     out = []
     found = unsteady(y, fs)
     if found is not None:
@@ -108,7 +108,10 @@ def stationarity(y, fs) -> list[Check]:
         window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
         power = np.abs(np.fft.rfft(y[:k * m].reshape(k, m) * window, axis=1)) ** 2
         edges = np.unique(np.round(np.geomspace(3, m // 2, 9)).astype(int))
+        passed = smooth.stop_band(m)
         for a, b in zip(edges[:-1], edges[1:]):
+            if passed[a:b].mean() < 0.9:                   # little but what leaks in from elsewhere
+                continue
             band = power[:, a:b].sum(axis=1)
             for join in (4, 32):
                 g = k // join
@@ -138,7 +141,7 @@ def echoes(y, fs, smooth) -> Check:
 def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
     """All tests; `y` is the fast noise of what the state was fitted to, whitened by `smooth`. `coarse_steps`: the output is rounded so
     coarsely that its distribution is no longer normal."""
-    out = [spectrum(state)] + bias(state) + stationarity(y, state.data.fs) + [echoes(y, state.data.fs, smooth)]
+    out = [spectrum(state)] + bias(state) + stationarity(y, state.data.fs, smooth) + [echoes(y, state.data.fs, smooth)]
     if not coarse_steps:
         out += distribution(y)
     return out

@@ -55,7 +55,8 @@ class Finding:
 class Drift(Effect):
     """A deterministic drift: a shape whose amplitude is a regression coefficient, perhaps with one shape parameter.
 
-    `sharp` drifts reach into the fast end of the spectrum, so the record is cleaned of them before it is looked at again.
+    `sharp` drifts reach into the fast end of the spectrum: where the samples show the edge, the record is cleaned of it
+    before it is looked at again.
     """
 
     domain = "mean"

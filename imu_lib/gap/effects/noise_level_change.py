@@ -1,6 +1,8 @@
 """A change of the noise level at one instant."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.stats import chi2
 
@@ -78,6 +80,20 @@ class NoiseLevelChange(Effect):
         if left is not None and left[0] < -5:
             found.doubt = left[1]
         return found
+
+    @staticmethod
+    def anchored(found: Finding, y, fs, level: float) -> Finding:
+        """The change measured from the given model's level where the noise before it has that level.
+
+        `level` is the variance of `y` as a multiple of the model's.
+        """
+        k = int(round(found.process.time * fs))
+        before, after = level * np.mean(y[:k] ** 2), level * np.mean(y[k:] ** 2)
+        if abs(before - 1.0) > 4.0 * np.sqrt(2.0 / k):
+            return found
+        ratio, sd = float(np.sqrt(after)), np.sqrt(0.5 / (len(y) - k))
+        return replace(found, process=found.process.with_(ratio=ratio),
+                       intervals={**found.intervals, "ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)]})
 
     @staticmethod
     def _time_slack(y, k) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import ndtr
-from scipy.stats import kstest
+from scipy.stats import chi2, kstest
 
 from imu_lib.processes import Spikes as Stage
 
@@ -12,6 +12,8 @@ from .base import Effect, Finding
 
 #: From here on a surprise is looked at as a spike of its own, standard deviations.
 OUTLIER = 5.0
+#: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two normals does not fill them.
+EDGES, SHAPE = np.array([1.0, 1.5, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.5, 5.0, 6.0, 8.0, 11.0, 15.0, np.inf]), -5.0
 
 
 def mixture(y):
@@ -37,6 +39,17 @@ def mixture(y):
         if best is None or r.fun < best.fun:
             best = r
     return -best.fun, 1 / (1 + np.exp(-best.x[0])), float(np.exp(best.x[1])), s
+
+
+def shape(height, tail) -> float:
+    """log10 of the p-value of the heights from one standard deviation on against `tail`, the share expected beyond each.
+
+    Two per cent of every class are allowed for the whitening.
+    """
+    count = np.histogram(height, EDGES)[0]
+    beyond = np.array([tail(e) for e in EDGES[:-1]] + [0.0])
+    want = len(height) * -np.diff(beyond)
+    return float(chi2.logsf(np.sum((count - want) ** 2 / (want + 1.0 + (0.02 * want) ** 2)), len(want) - 3) / np.log(10))
 
 
 class Spikes(Effect):
@@ -84,10 +97,7 @@ class Spikes(Effect):
         positive = np.count_nonzero(y[hit] > 0)
         if abs(positive - k / 2) > 4 * np.sqrt(k / 4):
             return "distribution of the innovations: the outliers have mostly one sign"
-        # the odds within the bulk: heavy tails fill the shoulder between 3 and 5 standard deviations
-        want = len(y) * (tail(3.2) - tail(OUTLIER))
-        got = np.count_nonzero((np.abs(y) > 3.2) & (np.abs(y) <= OUTLIER))
-        if abs(got - want) > 5 * np.sqrt(want) + 0.08 * want:
+        if shape(np.abs(y), tail) < SHAPE:
             return "distribution of the innovations: the shoulders are not those of spikes on normal noise"
         if kstest(hit / len(y), "uniform").pvalue < 1e-4:
             return "distribution of the innovations: the outliers crowd at certain times"
