@@ -10,7 +10,8 @@ from imu_lib.gap.state import State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
 #: Families of a free base: the noises beside white noise.
-FAMILIES = ((), ("random_walk",), ("flicker",), ("gauss_markov",), ("flicker", "random_walk"), ("gauss_markov", "random_walk"), ("gauss_markov", "gauss_markov"))
+FAMILIES = ((), ("random_walk",), ("flicker",), ("gauss_markov",), ("flicker", "random_walk"),
+            ("gauss_markov", "random_walk"), ("gauss_markov", "gauss_markov"))
 
 
 def _starts(data: Data, family):
@@ -20,10 +21,11 @@ def _starts(data: Data, family):
     low = float(np.median(s[2:8]))
     f_low = float(np.median(data.layout.f[2:8]))
     excess = max(low - top, 0.1 * top)
+    strong = max(excess, 0.3 * top)
     N = np.sqrt(top / 2)
     make = {"random_walk": lambda _: RandomWalk(K=float(np.sqrt(excess / 2) * 2 * np.pi * f_low)),
             "flicker": lambda _: Flicker(B=float(np.sqrt(excess * np.pi * f_low))),
-            "gauss_markov": lambda t: GaussMarkov(sigma=float(np.sqrt(max(excess, 0.3 * top) * (1 + (2 * np.pi * f_low * t) ** 2) / (4 * t))), correlation_time=t)}
+            "gauss_markov": lambda t: GaussMarkov(sigma=float(np.sqrt(strong * (1 + (2 * np.pi * f_low * t) ** 2) / (4 * t))), correlation_time=t)}
     times = [0.003 * data.duration, 0.02 * data.duration, 0.1 * data.duration]
     if "gauss_markov" not in family:
         yield [WhiteNoise(N=N)] + [make[n](None) for n in family]

@@ -83,7 +83,8 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     data = Data(x, fs, white=clean.white, temperature=temperature, extra=clean.extra)
     lines, data = effects.CATALOGUE["sinusoid"].find(data)
     if given is not None:
-        lines = [(item, s) for item, s in lines if not any(t.name == "sinusoid" and t.phase is None and abs(t.frequency - item.process.frequency) < 2 / data.duration for t in given.terms)]
+        foreseen = [t.frequency for t in given.terms if t.name == "sinusoid" and t.phase is None]
+        lines = [(item, s) for item, s in lines if not any(abs(f - item.process.frequency) < 2 / data.duration for f in foreseen)]
     findings += [item for item, _ in lines]
     # -- the competition -------------------------------------------------------------------------------------
     say("candidates")
@@ -96,7 +97,8 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         state = State(data, terms, low_pass=given.low_pass)
     n_base = len(state.base)
     # a spectrum that does not stand still has no stationary name: one round at the most, and no confidence
-    unsteady = min(verdict.stationarity(y if not lines else whitened(data.x - clean.coarse, clean.smooth), fs, clean.smooth), key=lambda c: c.log_p, default=None)
+    quiet = whitened(data.x - clean.coarse, clean.smooth) if lines else y
+    unsteady = min(verdict.stationarity(quiet, fs, clean.smooth), key=lambda c: c.log_p, default=None)
     wild = unsteady is not None and unsteady.log_p < VETO
     state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
     rivals = [{} for _ in state.items]

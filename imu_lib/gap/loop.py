@@ -34,7 +34,8 @@ class ChannelReport:
         by_domain = {}
         if self.before is not None:
             by_domain = {d: {"before": round(v, 3), "after": round(self.after.domains[d], 3)} for d, v in self.before.domains.items()}
-        return {"gap_before": None if self.before is None else round(self.before.value, 4), "gap_after": None if self.after is None else round(self.after.value, 4),
+        before, after = (None if index is None else round(index.value, 4) for index in (self.before, self.after))
+        return {"gap_before": before, "gap_after": after,
                 "gap_held_out": self.held_out, "gap_by_domain": by_domain, "steps": [s.to_json() for s in r.steps], "absorbed": list(r.absorbed),
                 "unexplained": r.unexplained}
 
@@ -64,7 +65,8 @@ class Report:
         return [(name, s) for name, c in self.channels.items() for s in c.result.steps] + [("record", s) for s in self.record_steps]
 
 
-def close(record: Record, model: Model | None = None, *, channels=None, seed: int = 0, simulations: int = ensemble.SIZE, jobs: int | None = None, progress=None) -> Report:
+def close(record: Record, model: Model | None = None, *, channels=None, seed: int = 0, simulations: int = ensemble.SIZE,
+          jobs: int | None = None, progress=None) -> Report:
     """Find where simulations of `model` and `record` disagree, name what is missing, add it, and measure the gap again.
 
     Parameters
@@ -206,4 +208,4 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
             r.steps = [replace(s, gap_before=a, gap_after=b) for s, a, b in zip(r.steps, values[:-1], values[1:])]
         if (name, "held after") in rows:
             part = battery(x[cut:], fs, None if temperature is None else temperature[cut:])
-            report.held_out = {"before": round(ensemble.index(part, rows[(name, "held before")]).value, 4), "after": round(ensemble.index(part, rows[(name, "held after")]).value, 4)}
+            report.held_out = {when: round(ensemble.index(part, rows[(name, f"held {when}")]).value, 4) for when in ("before", "after")}

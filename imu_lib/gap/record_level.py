@@ -169,5 +169,6 @@ def common_step(process, note) -> Step:
     """Noise in common as a step of the record."""
     names = ", ".join(process.channels)
     return Step("common_mode", {"N": process.N, "channels": list(process.channels)}, {"N": note["interval"]},
-                f"coherence between {names}: {note['coherence']:.2g} where independent channels have none", float(1 / (1 + np.exp(-(min(note["gain"], 300) - 12)))),
+                f"coherence between {names}: {note['coherence']:.2g} where independent channels have none",
+                float(1 / (1 + np.exp(-(min(note["gain"], 300) - 12)))),
                 {"effect": "none", "confidence": 0.0}, [], gain=note["gain"], gap_before=note["z_before"], gap_after=note["z_after"], cause=CommonMode.cause)

@@ -103,7 +103,8 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
         t = np.arange(data.n) / data.fs
         x = x - sum(b * i.process.mean(t, data.temperature) for b, i in zip(state.fit.beta, state.column_items))
     for amplitude, rate in starts[:6]:
-        found = effect.decode(x, data.fs, effect.process(amplitude=float(amplitude), rate=float(max(rate, 2 / data.duration))), density, gain if drift else None)
+        start = effect.process(amplitude=float(amplitude), rate=float(max(rate, 2 / data.duration)))
+        found = effect.decode(x, data.fs, start, density, gain if drift else None)
         if found is None:
             continue
         process, signal, flips, path, _ = found

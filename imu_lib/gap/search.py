@@ -68,7 +68,8 @@ def change_candidates(state: State) -> list[Item]:
             continue
         for p in term.parameters:
             key = f"parameter_change:{index}:{p.name}"
-            if key in taken or p.kind not in ("amplitude", "time", "rate") or p.name == "rate" and term.name == "autoregressive" or term.deterministic or getattr(term, p.name) <= 0:
+            sampling = p.name == "rate" and term.name == "autoregressive"
+            if key in taken or sampling or term.deterministic or p.kind not in ("amplitude", "time", "rate") or getattr(term, p.name) <= 0:
                 continue
             value = np.log(getattr(term, p.name))
             slots.append(Slot(index, (p.name,), (value - 9.0,), (value + 9.0,), (CHANGE_WIDTH,)))

@@ -62,7 +62,8 @@ def steps_of_findings(findings, fs) -> list[Step]:
     out = []
     for f in findings:
         sure = 1.0 / (1.0 + np.exp(-(min(f.gain, 500.0) - 9.0)))
-        out.append(Step(f.process.name, _parameters(f.process), f.intervals, f.where, 0.5 if f.doubt else float(sure), {"effect": "none", "confidence": float(1 - sure)},
+        rival = {"effect": "none", "confidence": float(1 - sure)}
+        out.append(Step(f.process.name, _parameters(f.process), f.intervals, f.where, 0.5 if f.doubt else float(sure), rival,
                         [], gain=float(f.gain), cause=f.effect.cause))
     return out
 
@@ -143,7 +144,9 @@ def where(state, item) -> str:
             return f"regression on the temperature between {data.temperature.min():.1f} and {data.temperature.max():.1f} degC"
         if item.name == "telegraph":
             return f"distribution of the bias: two levels, about {item.note['flips']:.0f} flips in {data.duration:.0f} s"
-        return f"mean of the signal: a drift over the {data.duration:.0f} s of the record" if item.name == "ramp" else f"mean of the signal: a transient over the first {3 * item.process.time_constant:.0f} s"
+        if item.name == "ramp":
+            return f"mean of the signal: a drift over the {data.duration:.0f} s of the record"
+        return f"mean of the signal: a transient over the first {3 * item.process.time_constant:.0f} s"
     without = state.with_items([i for i in state.items if i is not item])
     layout, fs = state.data.layout, state.data.fs
     a = fast.spectrum(state.fit.terms, state.fit.low_pass, layout, fs) + state.data.extra

@@ -51,7 +51,8 @@ def spectrum(state) -> Check:
         corrected = p[i] + np.log10(len(nu))
         if corrected < worst.log_p:
             decibel = 10 * np.log10(excess[i] / dof[i])
-            worst = Check("psd", float(corrected), f"power spectral density between {f[i]:.3g} and {f[min(i + width, len(f)) - 1]:.3g} Hz, {decibel:+.2g} dB from the fitted model")
+            worst = Check("psd", float(corrected), f"power spectral density between {f[i]:.3g} and {f[min(i + width, len(f)) - 1]:.3g} Hz, "
+                                                   f"{decibel:+.2g} dB from the fitted model")
     return worst
 
 
@@ -79,11 +80,14 @@ def bias(state) -> list[Check]:
         lp = _log10_chi2(total, 2 * width)
         i = int(np.argmin(lp))
         f = np.array([i + 1, i + width]) / n * data.fs / data.m
-        out.append(Check("allan", float(lp[i] + np.log10(len(p))), f"slow variation with periods of {1 / f[1]:.4g} to {1 / f[0]:.4g} s, {10 * np.log10(total[i] / (2 * width)):+.2g} dB from the fitted model"))
+        decibel = 10 * np.log10(total[i] / (2 * width))
+        out.append(Check("allan", float(lp[i] + np.log10(len(p))), f"slow variation with periods of {1 / f[1]:.4g} to {1 / f[0]:.4g} s, "
+                                                                   f"{decibel:+.2g} dB from the fitted model"))
     j = int(np.argmax(np.abs(r)))
     out.append(Check("mean", float(_log10_normal(r[j]) + np.log10(n)), f"mean of the signal: an unforeseen jump near {data.block_time[j + 1]:.0f} s"))
     k4 = np.mean((r / r.std()) ** 4) - 3
-    out.append(Check("mean", float(_log10_normal(max(k4, 0) / np.sqrt(24 / n) * 0.7)), "mean of the signal: its jumps from block to block are not normally distributed"))
+    out.append(Check("mean", float(_log10_normal(max(k4, 0) / np.sqrt(24 / n) * 0.7)),
+                     "mean of the signal: its jumps from block to block are not normally distributed"))
     return out
 
 
@@ -122,7 +126,8 @@ def stationarity(y, fs, smooth) -> list[Check]:
                 free = 2.0 * (b - a) * join * (1.0 if b - a == 1 else 0.62)
                 z2 = free / 2 * (e / e.mean() - 1) ** 2
                 lp = chi2.logsf(z2.sum(), g - 1) / np.log(10) + np.log10(2 * (len(edges) - 1))
-                out.append(Check("stationarity", float(lp), f"spectrum between {a * fs / m:.3g} and {b * fs / m:.3g} Hz: its level changes over {join * m / fs:.3g} s"))
+                where = f"spectrum between {a * fs / m:.3g} and {b * fs / m:.3g} Hz: its level changes over {join * m / fs:.3g} s"
+                out.append(Check("stationarity", float(lp), where))
     return out
 
 
@@ -135,7 +140,8 @@ def echoes(y, fs, smooth) -> Check:
     gone = np.fft.irfft(smooth.stop_band(size))
     r = (z[lags] / z[0] - gone[lags] / gone[0]) * np.sqrt(n)
     j = int(np.argmax(np.abs(r)))
-    return Check("autocorrelation", float(_log10_normal(r[j]) + np.log10(len(lags))), f"autocorrelation of the innovations at a lag of {lags[j] / fs:.3g} s: {r[j] / np.sqrt(n):+.3g}")
+    where = f"autocorrelation of the innovations at a lag of {lags[j] / fs:.3g} s: {r[j] / np.sqrt(n):+.3g}"
+    return Check("autocorrelation", float(_log10_normal(r[j]) + np.log10(len(lags))), where)
 
 
 def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:

@@ -39,7 +39,8 @@ def unsteady(y, fs) -> tuple[float, str] | None:
         log_line = (np.log(len(line)) - line.max()) / np.log(10)
         low = min(log_p, log_line)
         if low < worst[0]:
-            worst = (low, f"variance of the innovations over {seconds:g} s: it wanders by {100 * np.std(e) / e.mean():.2g} % where chance allows {100 * np.sqrt(kurt / m):.2g} %")
+            wander, chance = 100 * np.std(e) / e.mean(), 100 * np.sqrt(kurt / m)
+            worst = (low, f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where chance allows {chance:.2g} %")
     return worst if worst[1] else None
 
 

@@ -72,7 +72,8 @@ class Spikes(Effect):
         count = max(p * len(y), 1.0)
         a, b = 1.96 / np.sqrt(count), 1.96 / np.sqrt(2 * count)
         found = Finding(self, Stage(rate=rate, scale=height), gain,
-                        f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard deviations, the furthest at {np.abs(y).max() / s:.3g}",
+                        f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard deviations, "
+                        f"the furthest at {np.abs(y).max() / s:.3g}",
                         {"rate": [rate * np.exp(-a), rate * np.exp(a)], "scale": [height * np.exp(-b), height * np.exp(b)]})
         # a sample is a spike where the mixture says so with more than even odds
         z2 = (y / s) ** 2
