@@ -35,7 +35,8 @@ def run(seed, *, free=False):
     made = generator.make(seed, (), duration=duration, fs=fs, channels=("gyro_x",))
     base = Sum.of(from_json(e) for e in made.base["gyro_x"])
     found = analyse("gyro_x", made.channels["gyro_x"], fs, None if free else base, temperature=made.temperature)
-    return {"seed": seed, "base": [e["process"] for e in made.base["gyro_x"]], "duration": duration, "found": [(s.effect, round(s.confidence, 3), round(min(s.gain, 1e6), 2)) for s in found.steps],
+    return {"seed": seed, "base": [e["process"] for e in made.base["gyro_x"]], "duration": duration,
+            "found": [(s.effect, round(s.confidence, 3), round(min(s.gain, 1e6), 2)) for s in found.steps],
             "unexplained": found.unexplained, "checks": {c.where[:40]: round(c.log_p, 2) for c in sorted(found.checks, key=lambda c: c.log_p)[:1]}}
 
 

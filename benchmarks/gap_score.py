@@ -31,6 +31,8 @@ from imu_lib.record import Record  # noqa: E402
 
 RESULTS = ROOT / "benchmarks" / "results"
 SURE = 0.9
+#: Parameters that describe an effect and are not estimated.
+DESCRIBES = ("process", "name", "from", "reference", "channels", "taps", "order", "phi")
 
 
 def plan(kinds, cases, first):
@@ -94,8 +96,9 @@ def same_spectrum(step, truth):
 
 
 def judge(r):
-    """named (all detectable truths named), listed (named or given as a name that the record cannot tell apart), wrong (a name that is not there, with high confidence), false (anything found or
-    left unexplained where nothing was hidden), said (an unknown effect answered with `unexplained`)."""
+    """named (all detectable truths named), listed (named or given as a name that the record cannot tell apart), wrong (a name
+    that is not there, with high confidence), false (anything found or left unexplained where nothing was hidden), said (an
+    unknown effect answered with `unexplained`)."""
     swallowed = {(c, e) for c, names in r.get("absorbed", {}).items() for e in names}
     known = [t for t in r["truths"] if t["effect"] != "unknown" and t["gain"] >= 20]
     # what a free base says that it may have absorbed counts as detectable only where it was named all the same
@@ -109,7 +112,8 @@ def judge(r):
     touched = {t["channel"] for t in r["truths"]} | {c for t in r["truths"] for c in t.get("parameters", {}).get("channels", [])}
     clean = [c for c in r["channels"] if c not in touched]
     false = [c for c in clean if any(s["channel"] == c for s in r["steps"]) or r["unexplained"].get(c)]
-    return {"detectable": len(known), "named": int(sum(named)), "listed": int(sum(listed)), "weak": len(weak), "wrong": [s["effect"] for s in extra if s["confidence"] >= SURE],
+    return {"detectable": len(known), "named": int(sum(named)), "listed": int(sum(listed)), "weak": len(weak),
+            "wrong": [s["effect"] for s in extra if s["confidence"] >= SURE],
             "extra": [s["effect"] for s in extra], "clean": len(clean), "false": len(false),
             "said": bool(unknown) and any(r["unexplained"].get(t["channel"]) or r["unexplained"].get("record") for t in unknown)}
 
@@ -133,7 +137,7 @@ def covered(results):
             if s is None:
                 continue
             for name, value in t["parameters"].items():
-                if name in ("process", "name", "from", "reference", "channels", "taps", "order", "phi", "rate") and not (name == "rate" and t["effect"] in ("telegraph", "spikes")):
+                if name in DESCRIBES or name == "rate" and t["effect"] not in ("telegraph", "spikes"):
                     continue
                 got = s["parameters"].get(name)
                 if got is None or isinstance(value, str):
@@ -156,7 +160,8 @@ def table(results):
         ok, cover, count = covered(part)
         clean, false = sum(r["clean"] for r in part), sum(r["false"] for r in part)
         unknown = [r for r in part if any(t["effect"] == "unknown" for t in r["truths"])]
-        rows.append({"kind": kind, "cases": len(part), "detectable": len(judged), "named": named, "listed": sum(r["listed"] == r["detectable"] for r in judged), "named_interval": wilson(named, len(judged)),
+        rows.append({"kind": kind, "cases": len(part), "detectable": len(judged), "named": named, "listed": sum(r["listed"] == r["detectable"] for r in judged),
+                     "named_interval": wilson(named, len(judged)),
                      "wrong": sum(bool(r["wrong"]) for r in part), "missed": sum(r["named"] < r["detectable"] and not r["extra"] for r in judged),
                      "clean_channels": clean, "false": false, "unexplained": sum(r["said"] for r in unknown), "unknown": len(unknown),
                      "parameters": count, "within": ok, "covering": cover, "seconds": round(float(np.median([r["seconds"] for r in part])), 2)})
@@ -164,7 +169,8 @@ def table(results):
 
 
 def show(rows):
-    print(f"{'kind':<20}{'cases':>6}{'detect.':>8}{'named':>7}{'listed':>7}{'95 %':>16}{'wrong':>7}{'false':>9}{'unexpl.':>9}{'param ok':>10}{'cover':>8}{'s':>7}")
+    print(f"{'kind':<20}{'cases':>6}{'detect.':>8}{'named':>7}{'listed':>7}{'95 %':>16}{'wrong':>7}{'false':>9}{'unexpl.':>9}"
+          f"{'param ok':>10}{'cover':>8}{'s':>7}")
     for r in rows:
         print(f"{r['kind']:<20}{r['cases']:>6}{r['detectable']:>8}{r['named']:>7}{r['listed']:>7}{str(r['named_interval']):>16}{r['wrong']:>7}"
               f"{str(r['false']) + '/' + str(r['clean_channels']):>9}{str(r['unexplained']) + '/' + str(r['unknown']):>9}"
@@ -235,13 +241,15 @@ def main(argv=None):
             for t in r["truths"]:
                 print("     hid  ", t["channel"], t["effect"], t.get("kind", ""), f"{t['gain']:.0f}", t.get("parameters"))
             for s in r["steps"]:
-                print("     found", s["channel"], s["effect"], {k: (float(f"{v:.4g}") if isinstance(v, float) else v) for k, v in s["parameters"].items()}, f"{s['confidence']:.2f}", s["indistinguishable"])
+                values = {k: (float(f"{v:.4g}") if isinstance(v, float) else v) for k, v in s["parameters"].items()}
+                print("     found", s["channel"], s["effect"], values, f"{s['confidence']:.2f}", s["indistinguishable"])
             print("     left ", {k: v for k, v in r["unexplained"].items() if v}, flush=True)
     rows = table(results)
     show(rows)
     if not args.shown and parts == 1:
         RESULTS.mkdir(exist_ok=True)
-        out = {"command": "python " + " ".join(["benchmarks/gap_score.py", *(argv or sys.argv[1:])]), "date": date.today().isoformat(), "first_seed": args.first,
+        command = " ".join(["python", "benchmarks/gap_score.py", *(argv or sys.argv[1:])])
+        out = {"command": command, "date": date.today().isoformat(), "first_seed": args.first,
                "free_base": args.free, "table": rows, "cases": results}
         (RESULTS / f"{args.name}.json").write_text(json.dumps(out, default=float) + "\n")
 

@@ -292,8 +292,9 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
     t = np.arange(n) / fs
     temperature = None
     if with_temperature or "temperature" in effects or rng.random() < 0.3:
-        temperature = 25 + rng.uniform(2, 10) * (1 - np.exp(-t / rng.uniform(300, 1500))) + rng.uniform(0.2, 2) * np.sin(2 * np.pi * t / rng.uniform(900, 3000)) \
-            + 0.02 * rng.standard_normal(n)
+        warming = rng.uniform(2, 10) * (1 - np.exp(-t / rng.uniform(300, 1500)))
+        waves = rng.uniform(0.2, 2) * np.sin(2 * np.pi * t / rng.uniform(900, 3000))
+        temperature = 25 + warming + waves + 0.02 * rng.standard_normal(n)
     x, model = {}, {}
     for c in channels:
         kind = base or rng.choice(["gm", "gm", "walk", "gm+walk", "flicker", "white"])
@@ -302,7 +303,8 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
     case = Case(seed, fs, x, model, temperature=temperature)
     # stages of the output come after what happens before them, as in an instrument: noise changes its level in the sensor
     chain = ("noise_level_change", *STAGES)
-    order = sorted(effects, key=lambda e: 99 if e in RECORD else chain.index(e) + 1 if e in chain else 0)
+    chain += ("time_gaps", "jitter")                          # the clock comes last, noise in common before the electronics
+    order = sorted(effects, key=lambda e: chain.index(e) + 1 if e in chain else 0)
     channel = rng.choice(list(x))
     for e in order:
         if rng.random() < 0.5:
@@ -330,7 +332,8 @@ def _hide_record(effect, case, rng, gain):
         for c in names:
             x[c] = x[c] + w
         rho = [N**2 / (N**2 + case.base[c][0]["N"] ** 2) for c in names]
-        case.truths.append({"effect": effect, "channel": "record", "parameters": {"N": N, "channels": [str(c) for c in names]}, "gain": n / 2 * rho[0] * rho[1]})
+        parameters = {"N": N, "channels": [str(c) for c in names]}
+        case.truths.append({"effect": effect, "channel": "record", "parameters": parameters, "gain": n / 2 * rho[0] * rho[1]})
     elif effect == "time_gaps":
         fraction = 10 ** rng.uniform(-3, -1.5)
         keep = np.ones(n, bool)

@@ -24,7 +24,8 @@ def _case(seed, effect, **more):
 
 
 @pytest.mark.parametrize("effect", ["quantization", "flicker", "random_walk", "autoregressive", "ramp", "warm_up", "temperature", "step", "sinusoid",
-                                    "telegraph", "gauss_markov", "gauss_markov_2", "low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck", "change_N"])
+                                    "telegraph", "gauss_markov",
+                                    "gauss_markov_2", "low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck", "change_N"])
 def test_a_plain_effect_is_named(effect):
     made, base = _case(31, effect)
     found = analyse("gyro_x", made.channels["gyro_x"], FS, base, temperature=made.temperature)
@@ -47,7 +48,8 @@ def test_a_parameter_that_is_off_is_named_with_its_value(name, factor):
     assert abs(step.parameters["to"] - factor * entries[1][name]) < high - low      # four standard deviations
 
 
-@pytest.mark.parametrize("effects", [("ramp", "warm_up"), ("step", "sinusoid"), ("low_pass", "noise_level_change"), ("spikes", "resolution"), ("quantization", "gauss_markov"),
+@pytest.mark.parametrize("effects", [("ramp", "warm_up"), ("step", "sinusoid"), ("low_pass", "noise_level_change"), ("spikes", "resolution"),
+                                     ("quantization", "gauss_markov"),
                                      ("telegraph", "change_N"), ("autoregressive", "temperature"), ("saturation", "ramp")])
 def test_two_plain_effects_in_one_channel_are_both_named(effects):
     made = generator.make(51, effects, duration=DURATION, fs=FS, channels=("gyro_x",), base="gm", gain=PLAIN)
@@ -63,7 +65,8 @@ def test_two_levels_that_stand_out_of_the_noise_leave_nothing_behind(rate, ampli
     made = generator.make(61, [], duration=DURATION, fs=FS, channels=("gyro_x",), base="gm")
     base = made.base["gyro_x"]
     size = amplitude * base[0]["N"] * np.sqrt(FS)
-    x = made.channels["gyro_x"] + generator._noise({"process": "telegraph", "rate": rate, "amplitude": size}, len(made.channels["gyro_x"]), FS, np.random.default_rng(62))
+    entry = {"process": "telegraph", "rate": rate, "amplitude": size}
+    x = made.channels["gyro_x"] + generator._noise(entry, int(FS * DURATION), FS, np.random.default_rng(62))
     found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in base))
     assert [s.effect for s in found.steps] == ["telegraph"] and found.unexplained is None
     low, high = found.steps[0].intervals["amplitude"]

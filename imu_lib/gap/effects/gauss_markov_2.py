@@ -14,7 +14,6 @@ class GaussMarkov2(Spectral):
     domain = "allan"
     process = Process
     amplitude = "sigma"
-    rarity = 1.0
 
     def grid(self, fs, duration):
         return [Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)]
