@@ -244,6 +244,8 @@ def main(argv=None):
                 values = {k: (float(f"{v:.4g}") if isinstance(v, float) else v) for k, v in s["parameters"].items()}
                 print("     found", s["channel"], s["effect"], values, f"{s['confidence']:.2f}", s["indistinguishable"])
             print("     left ", {k: v for k, v in r["unexplained"].items() if v}, flush=True)
+    order = {kind: i for i, kind in enumerate(args.kinds.split(","))}
+    results.sort(key=lambda r: (order[r["kind"]], r["seed"]))
     rows = table(results)
     show(rows)
     if not args.shown and parts == 1:

@@ -11,6 +11,7 @@ from imu_lib.book import chapters
 
 CHAPTERS = chapters.chapters(ROOT)
 CODE_LINES, CELL_LINES, BYTES = 130, 14, 1_200_000  # a chapter is read, not maintained; most have about 80 lines
+COLUMNS = 110  # of code fit a page on a laptop; a longer line is scrolled sideways by every reader
 each = pytest.mark.parametrize("chapter", CHAPTERS, ids=lambda chapter: chapter.slug)
 
 
@@ -53,6 +54,7 @@ def test_holds_no_algorithms(chapter):
     cells = code_cells(read(chapter))
     for cell in cells:
         assert len(statements(cell)) <= CELL_LINES, cell.source
+        assert max(map(len, cell.source.splitlines())) <= COLUMNS, cell.source
         kinds = {type(node) for node in ast.walk(ast.parse(cell.source))}
         assert not kinds & {ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef}, cell.source
     assert sum(len(statements(cell)) for cell in cells) <= CODE_LINES
