@@ -236,8 +236,7 @@ def _stage(effect, x, fs, rng, truth, white, target):
     if effect == "spikes":
         rate, scale = 10 ** rng.uniform(-2.3, 0), white * rng.uniform(6, 30)
         hit = rng.random(n) < rate / fs
-        truth["parameters"] = {"rate": rate, "scale": scale}
-        truth["gain"] = float(hit.sum()) * 5
+        truth.update(parameters={"rate": rate, "scale": scale}, gain=float(hit.sum()) * 5)
         return x + hit * rng.standard_normal(n) * scale, truth
     if effect == "saturation":
         limit = np.quantile(np.abs(x), 1 - 10 ** rng.uniform(-4, -1.3))
@@ -292,9 +291,8 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
     t = np.arange(n) / fs
     temperature = None
     if with_temperature or "temperature" in effects or rng.random() < 0.3:
-        warming = rng.uniform(2, 10) * (1 - np.exp(-t / rng.uniform(300, 1500)))
-        waves = rng.uniform(0.2, 2) * np.sin(2 * np.pi * t / rng.uniform(900, 3000))
-        temperature = 25 + warming + waves + 0.02 * rng.standard_normal(n)
+        temperature = 25 + rng.uniform(2, 10) * (1 - np.exp(-t / rng.uniform(300, 1500)))
+        temperature += rng.uniform(0.2, 2) * np.sin(2 * np.pi * t / rng.uniform(900, 3000)) + 0.02 * rng.standard_normal(n)
     x, model = {}, {}
     for c in channels:
         kind = base or rng.choice(["gm", "gm", "walk", "gm+walk", "flicker", "white"])
@@ -302,8 +300,7 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
         x[c] = sum(_noise(e, n, fs, rng) for e in model[c]) + (-9.8 if c == "accel_z" else rng.normal() * 0.01)
     case = Case(seed, fs, x, model, temperature=temperature)
     # stages of the output come after what happens before them, as in an instrument: noise changes its level in the sensor
-    chain = ("noise_level_change", *STAGES)
-    chain += ("time_gaps", "jitter")                          # the clock comes last, noise in common before the electronics
+    chain = ("noise_level_change", *STAGES, "time_gaps", "jitter")     # the clock last, noise in common before the electronics
     order = sorted(effects, key=lambda e: chain.index(e) + 1 if e in chain else 0)
     channel = rng.choice(list(x))
     for e in order:
@@ -314,14 +311,14 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
             x[channel] = _unknown(e, x[channel], fs, rng, white)
             case.truths.append({"effect": "unknown", "kind": e, "channel": str(channel), "gain": 1e3})
         elif e in RECORD:
-            _hide_record(e, case, rng, gain)
+            _hide_record(e, case, rng)
         else:
             x[channel], truth = _hide(e, x[channel], model[channel], fs, rng, temperature, gain)
             case.truths.append({**truth, "channel": str(channel)})
     return case
 
 
-def _hide_record(effect, case, rng, gain):
+def _hide_record(effect, case, rng):
     x, fs = case.channels, case.fs
     n = len(next(iter(x.values())))
     if effect == "common_mode":
@@ -332,8 +329,8 @@ def _hide_record(effect, case, rng, gain):
         for c in names:
             x[c] = x[c] + w
         rho = [N**2 / (N**2 + case.base[c][0]["N"] ** 2) for c in names]
-        parameters = {"N": N, "channels": [str(c) for c in names]}
-        case.truths.append({"effect": effect, "channel": "record", "parameters": parameters, "gain": n / 2 * rho[0] * rho[1]})
+        p = {"N": N, "channels": [str(c) for c in names]}
+        case.truths.append({"effect": effect, "channel": "record", "parameters": p, "gain": n / 2 * rho[0] * rho[1]})
     elif effect == "time_gaps":
         fraction = 10 ** rng.uniform(-3, -1.5)
         keep = np.ones(n, bool)

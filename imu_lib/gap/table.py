@@ -1,7 +1,16 @@
 """The result as text for the terminal, in datasheet units where there are any."""
 from __future__ import annotations
 
+from textwrap import wrap
+
 from imu_lib import units
+
+#: Columns of a terminal, or of a page of the book.
+WIDTH = 110
+
+
+def _folded(indent: int, text: str) -> list[str]:
+    return wrap(text, WIDTH, initial_indent=" " * indent, subsequent_indent=" " * (indent + 2), break_long_words=False)
 
 
 def value(symbol: str, x, channel: str) -> str:
@@ -40,14 +49,14 @@ def table(found) -> str:
         lines.append(f"{name:<9}{before:>11}{after:>7}{held:>15}  {'' if r.steps or r.unexplained else 'nothing: simulation and measurement agree'}")
         lines += _steps(r.steps, name)
         if r.absorbed:
-            lines.append(f"{'':<11}fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: {', '.join(r.absorbed)}")
+            lines += _folded(11, f"fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: {', '.join(r.absorbed)}")
         if r.unexplained:
-            lines.append(f"{'':<11}UNEXPLAINED: {r.unexplained}")
+            lines += _folded(11, f"UNEXPLAINED: {r.unexplained}")
     if found.record_steps or found.record_unexplained:
         lines.append("record")
         lines += _steps(found.record_steps, "record")
         if found.record_unexplained:
-            lines.append(f"{'':<11}UNEXPLAINED: {found.record_unexplained}")
+            lines += _folded(11, f"UNEXPLAINED: {found.record_unexplained}")
     lines.append(f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from simulations as they do among themselves.")
     return "\n".join(lines)
 
@@ -56,7 +65,7 @@ def _steps(steps, name):
     out = []
     for s in steps:
         out.append(f"{'':<11}{describe(s, name)}   (confidence {s.confidence:.3g})")
-        out.append(f"{'':<13}where: {s.where}")
+        out += _folded(13, f"where: {s.where}")
         if s.indistinguishable:
-            out.append(f"{'':<13}this record cannot tell it from: {', '.join(s.indistinguishable)}")
+            out += _folded(13, f"this record cannot tell it from: {', '.join(s.indistinguishable)}")
     return out
