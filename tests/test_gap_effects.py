@@ -4,7 +4,7 @@ import gap_generator as generator
 import numpy as np
 import pytest
 
-from imu_lib import gap
+from imu_lib import gap, presets
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects import CATALOGUE
 from imu_lib.gap.innovations import Smooth, impute
@@ -115,6 +115,15 @@ def test_a_free_base_says_what_it_absorbed():
     found = analyse("gyro_x", made.channels["gyro_x"], FS, None)
     assert {"white_noise", "random_walk"} <= set(found.absorbed)
     assert not [s for s in found.steps if s.confidence >= 0.9]
+
+
+def test_a_free_base_leaves_the_filter_of_the_sensor_to_be_named():
+    """Fifteen taps at a kilohertz roll off by 4 dB at half the output rate: flicker or a quick Gauss-Markov process would do so too."""
+    model = presets.preset("3dm-gx3-25")["accel_z"]
+    found = analyse("accel_z", model.simulate(180_000, FS, np.random.default_rng(11)), FS, None)
+    step, = found.steps
+    assert (step.effect, step.parameters["taps"], step.parameters["rate"]) == ("low_pass", 15, 1000.0)
+    assert abs(found.model.find("white_noise").N / model.find("white_noise").N - 1) < 0.02
 
 
 def test_filled_in_samples_have_the_spectrum_of_the_rest():

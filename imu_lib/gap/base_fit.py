@@ -1,14 +1,22 @@
 """A base where none is given: the family and its parameters fitted to the record, so that only what it cannot express shows."""
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import replace
+
 import numpy as np
 
 from imu_lib.gap import fast, slow
 from imu_lib.gap.effects import CATALOGUE, SPECTRAL
 from imu_lib.gap.engine import Data
+from imu_lib.gap.search import filter_candidates
 from imu_lib.gap.state import State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
+#: What a filter in the sensor has to add to the evidence of a free base.
+FILTER = 6.0
+#: Samples in the shortest correlation time of a free base.
+QUICKEST = 50
 #: Families of a free base: the noises beside white noise.
 FAMILIES = ((), ("random_walk",), ("flicker",), ("gauss_markov",), ("flicker", "random_walk"),
             ("gauss_markov", "random_walk"), ("gauss_markov", "gauss_markov"))
@@ -37,17 +45,41 @@ def _starts(data: Data, family):
             yield [WhiteNoise(N=N), make["gauss_markov"](times[a]), make["gauss_markov"](times[b])]
 
 
+def _slow(slot, fs):
+    """The slot with its time constant long enough for a drift: a shorter one would imitate a filter in the sensor."""
+    low = tuple(np.log(QUICKEST / fs) if name == "correlation_time" else v for name, v in zip(slot.names, slot.low))
+    return replace(slot, low=low)
+
+
 def free_base(data: Data, held=()) -> State:
-    """The best family by evidence, as a state whose base is free."""
+    """The best family by evidence, as a state whose base is free.
+
+    A filter in the sensor is tried at once, beside a base fitted to the lowest tenth of the band: fitted to all of it,
+    flicker or a quick Gauss-Markov process would imitate the roll-off.
+    """
+    best = _best_family(data, held)
+    low = copy(data)
+    low.layout = replace(data.layout, nu=np.where(data.layout.f < data.fs / 10, data.layout.nu, 0.0))
+    below = _best_family(low, held).settled()
+    plain = State(data, below.base, base_slots=below.base_slots)
+    plain.hold()
+    for item in filter_candidates(plain):
+        trial = State(data, below.base, [item], base_slots=below.base_slots)
+        if trial.evidence > best.evidence + FILTER:
+            best = trial
+    return best.settled()
+
+
+def _best_family(data, held):
     best = None
     for family in FAMILIES:
         for terms in _starts(data, family):
             terms = list(held) + terms
-            slots = [CATALOGUE[t.name].slot(i, data.fs, data.duration) for i, t in enumerate(terms) if i >= len(held)]
+            slots = [_slow(CATALOGUE[t.name].slot(i, data.fs, data.duration), data.fs) for i, t in enumerate(terms) if i >= len(held)]
             state = State(data, terms, base_slots=slots)
             if best is None or state.evidence > best.evidence:
                 best = state
-    return best.settled()
+    return best
 
 
 #: An effect is swallowed if the base takes this share of the information on its strength, for this share of its shapes.
@@ -65,7 +97,10 @@ def absorbed(state: State) -> list[str]:
     own = sum(len(slot.names) for slot in state.base_slots)
     a, b, _ = likelihood.directions(fit.vector)
     basis, _ = np.linalg.qr((np.hstack([a, b])[:own] * weight).T)
+    inside = fit.low_pass is not None and fit.low_pass.rate != data.fs
     for effect in SPECTRAL:
+        if inside and effect.name == "autoregressive":     # no spectrum at the filter's inner rate
+            continue
         taken = []
         for process in effect.grid(data.fs, data.duration):
             quick = fast.spectrum([process], fit.low_pass, data.layout, data.fs)[data.layout.slow:] / s
