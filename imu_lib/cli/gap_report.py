@@ -10,8 +10,10 @@ def write(found, path) -> None:
     """Write the page for a `gap.Report`."""
     names = list(found.channels)
     start = "a model that was given, its parameters held" if found.given else "a model fitted to the record itself"
-    parts = [report.paragraph(f"Record: {found.record.name or found.record.source or 'static record'}, {found.record.duration:.0f} s at {found.record.rate:.6g} Hz. "
-                              f"Compared with {start}. The gap index is the distance of the measurement from an ensemble of simulations over the median distance "
+    name = found.record.name or found.record.source or "static record"
+    parts = [report.paragraph(f"Record: {name}, {found.record.duration:.0f} s at {found.record.rate:.6g} Hz. "
+                              f"Compared with {start}. The gap index is the distance of the measurement "
+                              "from an ensemble of simulations over the median distance "
                               f"that one simulation has from the others: 1 where the measurement differs no more than simulations do."),
              report.table_html(["channel", "gap before", "gap after", "held out before", "held out after", "found", "unexplained"],
                                [_row(name, found.channels[name]) for name in names])]
@@ -52,7 +54,8 @@ def _row(name, c):
 def _steps(steps, name):
     out = []
     for s in steps:
-        lines = [f"Where: {s.where}.", f"Physical cause: {s.cause}", f"Confidence {s.confidence:.3g}; runner-up: {s.runner_up['effect']} ({s.runner_up['confidence']:.2g})."]
+        lines = [f"Where: {s.where}.", f"Physical cause: {s.cause}",
+                 f"Confidence {s.confidence:.3g}; runner-up: {s.runner_up['effect']} ({s.runner_up['confidence']:.2g})."]
         for key, (low, high) in s.intervals.items():
             lines.append(f"95 % interval of {key}: {low:.4g} to {high:.4g} (SI).")
         if s.indistinguishable:
