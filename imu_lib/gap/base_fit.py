@@ -61,9 +61,7 @@ def free_base(data: Data, held=()) -> State:
     low = copy(data)
     low.layout = replace(data.layout, nu=np.where(data.layout.f < data.fs / 10, data.layout.nu, 0.0))
     below = _best_family(low, held).settled()
-    plain = State(data, below.base, base_slots=below.base_slots)
-    plain.hold()
-    for item in filter_candidates(plain):
+    for item in filter_candidates(State(data, below.base)):
         trial = State(data, below.base, [item], base_slots=below.base_slots)
         if trial.evidence > best.evidence + FILTER:
             best = trial
@@ -97,9 +95,8 @@ def absorbed(state: State) -> list[str]:
     own = sum(len(slot.names) for slot in state.base_slots)
     a, b, _ = likelihood.directions(fit.vector)
     basis, _ = np.linalg.qr((np.hstack([a, b])[:own] * weight).T)
-    inside = fit.low_pass is not None and fit.low_pass.rate != data.fs
     for effect in SPECTRAL:
-        if inside and effect.name == "autoregressive":     # no spectrum at the filter's inner rate
+        if not effect.beside(fit.low_pass, data.fs):
             continue
         taken = []
         for process in effect.grid(data.fs, data.duration):

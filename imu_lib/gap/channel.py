@@ -18,6 +18,8 @@ from imu_lib.processes import Sum, WhiteNoise
 DOUBTED = 0.5
 #: Confidence at the most where three noises or more had to be added.
 MANY = 0.8
+#: Part of the record, from its beginning, that the held-out comparison is fitted on.
+FITTED = 0.6
 #: log10 p of the stationarity tests below which only one round is run.
 VETO = -9.0
 
@@ -27,7 +29,8 @@ class ChannelResult:
     """What was found in a channel.
 
     `base` is the model it started from (fitted where none was given), `model` the grown one, `steps` the effects in the
-    order found, `absorbed` what a free base may have swallowed, `unexplained` None or a sentence.
+    order found, `absorbed` what a free base may have swallowed, `unexplained` None or a sentence, `refit` the grown
+    model fitted to the first part of the record, None where that part does not show every effect.
     """
 
     name: str
@@ -61,6 +64,9 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     x = clean.x - drift
     findings = list(clean.findings)
     doubts = []
+    terms = [] if given is None else [t for t in given.terms if not t.deterministic]
+    if shared > 0:
+        terms.append(WhiteNoise(N=shared))
     # -- noise level ---------------------------------------------------------------------------------------
     say("noise level")
     y = whitened(clean.x - clean.coarse, clean.smooth)
@@ -72,7 +78,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     if change is not None:
         if change.doubt is None:
             if given is not None:
-                change = effects.CATALOGUE["noise_level_change"].anchored(change, y, fs, _level(clean, given, shared, fs))
+                change = effects.CATALOGUE["noise_level_change"].anchored(change, y, fs, _level(clean, terms, given.low_pass, fs))
             findings.append(change)
             x = _levelled(x, change.process.ratio, change.process.time, fs, given)
             y = y / np.where(np.arange(len(y)) >= change.process.time * fs, change.process.ratio, 1.0)
@@ -88,9 +94,6 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     findings += [item for item, _ in lines]
     # -- the competition -------------------------------------------------------------------------------------
     say("candidates")
-    terms = [] if given is None else [t for t in given.terms if not t.deterministic]
-    if shared > 0:
-        terms.append(WhiteNoise(N=shared))
     if given is None:
         state = free_base(data, terms)
     else:
@@ -110,10 +113,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         state = profiled(state)
     # -- what is left ----------------------------------------------------------------------------------------
     say("what is left")
-    if state.items and any(i.column is not None or i.signal is not None for i in state.items):
-        rest = data.x - _deterministic(state)
-    else:
-        rest = data.x
+    rest = data.x - _deterministic(state)
     smooth = Smooth(rest, fs)
     y = whitened(rest, smooth)
     coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(clean.smooth.conditional_variance)
@@ -139,12 +139,11 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit)
 
 
-def _level(clean, given, shared, fs) -> float:
-    """Variance of the fast noise as a multiple of what the given model has."""
+def _level(clean, terms, low_pass, fs) -> float:
+    """Variance of the fast noise as a multiple of what the given noises have."""
     layout = clean.smooth.layout
-    terms = [t for t in given.terms if not t.deterministic] + ([WhiteNoise(N=shared)] if shared > 0 else [])
     extra = clean.extra if clean.extra is not None else 2.0 * clean.white / fs
-    s = fast.spectrum(terms, given.low_pass, layout, fs) + extra
+    s = fast.spectrum(terms, low_pass, layout, fs) + extra
     k = layout.slow
     return float(np.average(clean.smooth.level[k:] / s[k:], weights=layout.nu[k:]))
 
@@ -231,11 +230,11 @@ def _between(base, model, findings, state):
     return out
 
 
-def _refit(base, state, findings, n_base, shared, part: float = 0.6):
+def _refit(base, state, findings, n_base, shared):
     """The grown model with its free parameters fitted to the first part of the record alone; None where an effect
     happens only in the rest."""
     data = state.data
-    n = int(part * data.n)
+    n = int(FITTED * data.n)
     late = [i for i in state.items if i.name == "step" and i.process.time > 0.95 * n / data.fs]
     late += [f for f in findings if f.process.name == "noise_level_change" and f.process.time > 0.95 * n / data.fs]
     if late:
@@ -255,8 +254,3 @@ def _refit(base, state, findings, n_base, shared, part: float = 0.6):
             items.append(item)
     again = State(first, state.base, items, low_pass=state.base_low_pass, base_slots=state.base_slots)
     return _grown(base, again, findings, n_base, shared)
-
-
-def refitted(result: ChannelResult, part: float) -> Sum | None:
-    """The model fitted to the first part of the record, or None where that part does not show every effect."""
-    return result.refit

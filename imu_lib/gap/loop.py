@@ -10,13 +10,10 @@ from joblib import Parallel, delayed
 
 from imu_lib.gap import ensemble, record_level
 from imu_lib.gap.battery import battery
-from imu_lib.gap.channel import ChannelResult, analyse, refitted
+from imu_lib.gap.channel import FITTED, ChannelResult, analyse
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
 from imu_lib.record import Record
-
-#: Part of the record, from its beginning, that the held-out comparison is fitted on.
-FITTED = 0.6
 
 
 @dataclass
@@ -181,9 +178,8 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
                 keys.append((name, "held before"))
                 levels.append(r.mean)
         if r.steps:
-            again = refitted(r, FITTED)
-            if again is not None:
-                work.append((again, cut, n, noise[name], lost))
+            if r.refit is not None:
+                work.append((r.refit, cut, n, noise[name], lost))
                 keys.append((name, "held after"))
                 levels.append(r.mean)
     seeds = [[seed, 7919, i] for i in range(simulations)]

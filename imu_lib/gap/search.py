@@ -33,8 +33,8 @@ def spectral_candidates(state: State, exclude=()) -> list[Item]:
             continue
         if effect.name in ("quantization", "flicker", "random_walk") and any(t.name == effect.name for t in fit.terms):
             continue
-        if effect.name == "autoregressive" and fit.low_pass is not None and fit.low_pass.rate != fs:
-            continue                                      # a resonance of the samples has no spectrum at the filter's inner rate
+        if not effect.beside(fit.low_pass, fs):
+            continue
         rows = []
         for process in effect.grid(fs, data.duration):
             shape = fast.spectrum([process], fit.low_pass, layout, fs)
@@ -111,8 +111,7 @@ def filter_candidates(state: State) -> list[Item]:
     extra = data.extra[data.layout.slow:]
     s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
     rows = list(zip(-0.5 * np.sum(nu * (np.log(s) + power / s), axis=1) - base, stages))
-    if any(t.name == "autoregressive" for t in state.fit.terms):
-        rows = [r for r in rows if r[1].rate == data.fs]
+    rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in state.fit.terms)]
     rows.sort(key=lambda r: -r[0])
     out, kinds = [], set()
     for gain, stage in rows:

@@ -109,12 +109,6 @@ class State:
             self._fit = likelihood.maximise()
         return self._fit
 
-    def hold(self) -> None:
-        """Take the parameters as they are for the fit."""
-        terms, slots, low_pass, columns, self._column_items = self.assemble()
-        self._likelihood = Likelihood(self.cleaned, terms, slots, low_pass=low_pass, columns=columns)
-        self._fit = self._likelihood.maximise(iterations=0)
-
     @property
     def likelihood(self) -> Likelihood:
         """What the fit is the maximum of."""

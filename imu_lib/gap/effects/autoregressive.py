@@ -33,6 +33,10 @@ class Autoregressive(Spectral):
     amplitude = "sigma"
     rarity = 1.0
 
+    def beside(self, low_pass, fs):
+        # a resonance of the samples has no spectrum at a filter's inner rate
+        return low_pass is None or low_pass.rate == fs
+
     def grid(self, fs, duration):
         return [Process(phi=(2 * r * np.cos(w), -r * r), sigma=np.sqrt(1 - r * r), rate=fs)
                 for r in (0.7, 0.9, 0.97, 0.99) for w in np.linspace(0.08, 0.95, 12) * np.pi]

@@ -16,6 +16,10 @@ class Effect:
     cause: ClassVar[str] = ""
     domain: ClassVar[str] = "psd"
 
+    def beside(self, low_pass, fs: float) -> bool:
+        """Whether the effect can stand beside a filter (or None) in the sensor."""
+        return True
+
 
 class Spectral(Effect):
     """A noise that is known by its spectrum: a process added to the sum, its parameters free."""
