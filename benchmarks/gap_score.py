@@ -24,6 +24,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 import gap_generator as generator  # noqa: E402
 import numpy as np  # noqa: E402
+from statsmodels.stats.proportion import proportion_confint  # noqa: E402
 
 from imu_lib.gap import close  # noqa: E402
 from imu_lib.model import Model  # noqa: E402
@@ -119,13 +120,9 @@ def judge(r):
 
 
 def wilson(k, n):
-    """95 % interval of a share."""
-    if n == 0:
-        return [0.0, 1.0]
-    z = 1.96
-    p = k / n
-    middle, half = (p + z * z / (2 * n)) / (1 + z * z / n), z / (1 + z * z / n) * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    return [round(float(max(0.0, middle - half)), 4), round(float(min(1.0, middle + half)), 4)]
+    """95 % interval of a share (Wilson's); [0, 1] where nothing was counted."""
+    low, high = proportion_confint(k, n, method="wilson") if n else (0.0, 1.0)
+    return [round(float(low), 4), round(float(high), 4)]
 
 
 def covered(results):
