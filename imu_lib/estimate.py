@@ -58,6 +58,11 @@ class Estimate:
         value = None if self.value is None else self.value * factor
         return Estimate(value, self.low * factor, self.high * factor)
 
+    def __format__(self, spec: str) -> str:
+        """`value [low, high]`, each number in `spec` (four digits by default); `< high` where there is no value."""
+        value, low, high = (None if v is None else format(v, spec or ".4g") for v in (self.value, self.low, self.high))
+        return f"{value} [{low}, {high}]" if self.shown else f"< {high}"
+
     def to_json(self) -> dict:
         """`{"value", "low", "high"}` with numbers that JSON can hold (infinity becomes None)."""
         return {key: None if v is None or not np.isfinite(v) else float(v)

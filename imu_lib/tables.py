@@ -11,6 +11,9 @@ import pandas as pd
 from imu_lib import report
 from imu_lib.units import datasheet
 
+#: The parameters that the usual sums have, in the order in which a table lists them.
+USUAL = ("N", "B", "sigma", "correlation_time", "K")
+
 
 def values_of(entry):
     """Symbol -> Estimate or SI value of what a method returned: a mapping, a fit or reading, or a Sum."""
@@ -70,19 +73,31 @@ def held(fits, truths):
     return {(c, k): e.covers(true[c][k]) for c, fit in fits.items() for k, e in values_of(fit).items() if k in true[c]}
 
 
-def gauss_markov(pairs):
-    """Sigma and correlation time by several ways, way -> (sigma, Tc in s), and the driving density that they make."""
-    values = {way: [getattr(v, "value", v) for v in pair] for way, pair in pairs.items()}
+def gauss_markov(truth, reading, fit):
+    """Sigma and correlation time of a Gauss-Markov process by several ways, and the driving density that they make.
+
+    `truth` is the Sum that has the process, `reading` what `allan.read_off` says of its curve (taken as the flat part, and as
+    the process's peak), `fit` an AllanFit.
+    """
+    process, found = truth.find("gauss_markov"), values_of(fit)
+    ways = {"truth": (process.sigma, process.correlation_time), "flat part": (reading.flat, reading.correlation_time),
+            "peak": (reading.sigma, reading.peak_correlation_time), "fit": (found["sigma"], found["correlation_time"])}
+    values = {way: np.array([getattr(v, "value", v) for v in pair], dtype=float) for way, pair in ways.items()}
     return pd.DataFrame({way: {"sigma": sigma, "Tc, s": time, "driving density 2 sigma²/Tc": 2 * sigma**2 / time}
                          for way, (sigma, time) in values.items()}).T
 
 
 def flat_parts(records, readings, printed=None):
-    """What is read off the flat part, and the standard deviation, by channel; `printed` as {channel: (Tc, std)} beside it."""
+    """What is read off the flat part, and the standard deviation, by channel; `printed` as {channel: (Tc, std)} beside it.
+
+    Returns
+    -------
+    pandas.DataFrame of str
+    """
     table = pd.DataFrame({c: {"Tc read, s": readings[c].correlation_time.value, "std": np.std(records[c])} for c in readings}).T
     if printed:
         table[["2013: Tc, s", "2013: std"]] = [printed[c] for c in table.index]
-    return table.astype(float)
+    return table.astype(float).map("{:.4g}".format).replace("nan", "none found")
 
 
 def coverage(path, methods=None):

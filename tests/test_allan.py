@@ -12,6 +12,7 @@ from imu_lib import allan
 from imu_lib.allan import confidence
 from imu_lib.allan.clusters import squared_differences
 from imu_lib.processes import GaussMarkov, RandomWalk, WhiteNoise
+from imu_lib.record import Record
 
 
 def plain(x, m):
@@ -33,6 +34,25 @@ def test_equals_allantools(signal):
     # 1e-10 is what the two sums, taken in another order, may differ by at this length
     assert np.abs(curve.adev[same] / adev - 1).max() < 1e-10
     assert np.array_equal(curve.n[same], n_windows)
+
+
+def test_kinds_of_deviation_take_rates():
+    """The white noise of a rate falls as 1/sqrt(tau) in all of them; taken for a phase it would fall as 1/tau."""
+    x = np.random.default_rng(3).standard_normal(40_000)
+    kinds = allan.by_allantools(x, 10.0, taus=[1.0, 16.0])
+    assert set(kinds) == {"Allan", "modified", "Hadamard", "total"}
+    for _, value in kinds.values():
+        assert np.log2(value[0] / value[1]) / 4 == pytest.approx(0.5, abs=0.06)  # 250 clusters at 16 s: 4 %, 0.015 of slope
+    with pytest.raises(ValueError, match="`kinds`"):
+        allan.by_allantools(x, 10.0, kinds=["parabolic"])
+
+
+def test_a_record_is_read_channel_by_channel():
+    x = np.random.default_rng(4).standard_normal((2, 3000))
+    curves, readings = allan.of_record(Record({"gyro_x": x[0], "accel_z": x[1]}, 50.0))
+    assert list(curves) == list(readings) == ["gyro_x", "accel_z"]
+    assert np.array_equal(curves["accel_z"].adev, allan.deviation(x[1], 50.0).adev)
+    assert readings["gyro_x"]["N"] == allan.read_off(curves["gyro_x"])["N"]
 
 
 @settings(max_examples=40, deadline=None)

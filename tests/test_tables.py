@@ -1,9 +1,9 @@
 """Tables that chapters print: numbers land in the cells that their names say."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from imu_lib import tables
 from imu_lib.estimate import Estimate
@@ -17,8 +17,22 @@ def test_held_counts_only_what_has_a_truth():
 
 
 def test_driving_density():
-    table = tables.gauss_markov({"truth": (2.0, 100.0)})
-    assert table.loc["truth", "driving density 2 sigma²/Tc"] == pytest.approx(0.08)
+    truth = WhiteNoise(N=1.0) + GaussMarkov(sigma=2.0, correlation_time=100.0)
+    reading = SimpleNamespace(flat=Estimate(1.0, 0.9, 1.1), correlation_time=Estimate(50.0, 1.0, 99.0), sigma=Estimate(1.5, 1.0, 2.0),
+                              peak_correlation_time=Estimate.absent(1.0))
+    table = tables.gauss_markov(truth, reading, {"sigma": Estimate(2.1, 2.0, 2.2), "correlation_time": Estimate(90.0, 50.0, 200.0)})
+    assert table["driving density 2 sigma²/Tc"].round(3).fillna(-1).tolist() == [0.08, 0.04, -1, 0.098]
+
+
+def test_flat_parts_say_where_there_is_none():
+    readings = {"gyro_x": SimpleNamespace(correlation_time=Estimate.absent(9.0))}
+    table = tables.flat_parts({"gyro_x": np.array([0.0, 2.0])}, readings, {"gyro_x": (490.9, 0.0055)})
+    assert table.loc["gyro_x"].tolist() == ["none found", "1", "490.9", "0.0055"]
+
+
+def test_an_estimate_prints_itself_with_its_interval():
+    assert f"{Estimate(1.23456, 1.0, 2.0):.3f}" == "1.235 [1.000, 2.000]"
+    assert f"{Estimate.absent(5.92e-4)}" == "< 0.000592"
 
 
 def test_coverage_reads_a_stored_study(tmp_path):

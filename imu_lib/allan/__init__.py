@@ -9,8 +9,9 @@ from imu_lib.allan.confidence import degrees_of_freedom, papers_error
 from imu_lib.allan.deviation import AllanCurve, cluster_lengths, deviation
 from imu_lib.allan.fit import AllanFit, fit, fit_best
 from imu_lib.allan.flat import flat_gradient, flat_time
-from imu_lib.allan.read_off import FLAT, LINES, PEAK, PEAK_TIME, Reading, read_off
+from imu_lib.allan.kinds import by_allantools
+from imu_lib.allan.read_off import FLAT, LINES, PEAK, PEAK_TIME, Reading, of_record, read_off
 
-__all__ = ["FLAT", "LINES", "PEAK", "PEAK_TIME", "AllanCurve", "AllanFit", "Reading", "characterise", "cluster_lengths",
-           "degrees_of_freedom", "deviation", "fit", "fit_any", "fit_best", "flat_gradient", "flat_time", "papers_error",
-           "read_off", "short_filter"]
+__all__ = ["FLAT", "LINES", "PEAK", "PEAK_TIME", "AllanCurve", "AllanFit", "Reading", "by_allantools", "characterise",
+           "cluster_lengths", "degrees_of_freedom", "deviation", "fit", "fit_any", "fit_best", "flat_gradient", "flat_time", "of_record",
+           "papers_error", "read_off", "short_filter"]

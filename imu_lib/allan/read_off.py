@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imu_lib.allan.confidence import interval
+from imu_lib.allan.deviation import deviation
 from imu_lib.estimate import Estimate
 from imu_lib.slopes import Segment, rising, segments
 
@@ -93,6 +94,12 @@ def read_off(curve, *, least=0.3, longest=None):
         line = used["B"]
         middle = Estimate((line.start * line.stop) ** 0.5, line.start, line.stop)
     return Reading(coefficients, found, used, flat, middle, flat.scaled(1 / PEAK), middle.scaled(1 / PEAK_TIME))
+
+
+def of_record(record):
+    """Curve and reading of every channel of a `Record`: (dict of AllanCurve, dict of Reading) by channel."""
+    curves = {channel: deviation(record[channel], record.rate) for channel in record.channel_names}
+    return curves, {channel: read_off(curve) for channel, curve in curves.items()}
 
 
 def _on_line(line, edf, place):
