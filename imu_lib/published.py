@@ -43,6 +43,17 @@ OUTAGES_2013 = (
     _outage(7, 60.0, 112.42, (39.40, 92.51, 40.85, 96.32, 8.74, 17.20, 49.62, 181.38, 32.27, 82.74), 122.73, (279.22, 279.03, 274.74)),
 )
 
+
+def outage_errors_2013(what):
+    """Errors of the seven outages by error model, {model: (float, ...)}, m; `what` is "max" or "mean"."""
+    return {model: tuple(getattr(o, f"{what}_m")[model] for o in OUTAGES_2013) for model in MODELS_2013}
+
+
+def level_errors_2013():
+    """Maximum errors of Table 6 by wavelet level, {level: (float, ...)}, m."""
+    return {level: tuple(o.max_by_level_m[level] for o in OUTAGES_2013) for level in (0, 3, 7)}
+
+
 #: Durations of Table 6 where they differ from Tables 9 and 10: there outage 2 has 30 s and outage 6 has 60 s.
 DURATIONS_TABLE6_2013_S = (30.0, 30.0, 30.0, 30.0, 30.0, 60.0, 60.0)
 

@@ -1,4 +1,4 @@
-"""Tables that several chapters print: coefficients side by side, readings of a Gauss-Markov process, stored coverage."""
+"""Tables that chapters print: coefficients side by side, readings of a Gauss-Markov process, outages, stored studies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imu_lib import report
+from imu_lib import published, report
 from imu_lib.units import datasheet
 
 #: The parameters that the usual sums have, in the order in which a table lists them.
@@ -126,3 +126,55 @@ def coverage_by_channel(path, methods, parameters=("N", "sigma", "correlation_ti
     columns = {(method, k): {c: lines[k]["covered"] for c, lines in stored[method]["channels"].items() if k in lines}
                for method in methods for k in parameters}
     return pd.DataFrame(columns)
+
+
+def stored(path):
+    """What a benchmark stored (benchmarks/results/*.json): its tables with `command` and `date`."""
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+def medians(columns, *, digits=1, predicted=None):
+    """Median errors with their 95 % intervals, models down: `columns` {title: {model: {"median": (value, low, high), ...}}}.
+
+    `predicted` names the column whose predicted standard deviation stands beside.
+
+    Returns
+    -------
+    pandas.DataFrame of str
+    """
+    text = "{0:.{3}f} [{1:.{3}f}, {2:.{3}f}]".format
+    table = {title: {name: text(*m["median"], digits) for name, m in entries.items()} for title, entries in columns.items()}
+    if predicted:
+        table[f"predicted, {predicted}"] = {name: f"{m['predicted']:.{digits}f}" for name, m in columns[predicted].items()}
+    return pd.DataFrame(table)
+
+
+def outage_errors(studies):
+    """Mean and maximum errors of the 2013 paper's seven outages, m, models across; in brackets what the paper prints.
+
+    `studies` are the `OutageStudy` of its drives, whose outages are numbered on.
+
+    Returns
+    -------
+    pandas.DataFrame of str
+    """
+    names, rows = list(studies[0].models), {}
+    for what in ("mean", "max"):
+        ours = {n: np.concatenate([s.errors(n, what=what) for s in studies]) for n in names}
+        theirs = published.outage_errors_2013(what)
+        for k, o in enumerate(published.OUTAGES_2013):
+            rows[o.number, what] = {n: f"{ours[n][k]:.3g} ({theirs[n][k]:.3g})" for n in names}
+    return pd.DataFrame({f"{o.number}, {o.duration_s:.0f} s, {what}": rows[o.number, what]
+                         for o in published.OUTAGES_2013 for what in ("mean", "max")}).T
+
+
+def level_errors(ours):
+    """Maximum errors of the 2013 paper's Table 6 by wavelet level, m: as printed, and `ours` {level: (7,)} beside it.
+
+    Returns
+    -------
+    pandas.DataFrame of float
+    """
+    printed = {f"paper, {level}": values for level, values in published.level_errors_2013().items()}
+    index = [f"{o.number}*, {o.speed_table6_km_h:.0f} km/h" for o in published.OUTAGES_2013]
+    return pd.DataFrame(printed | {f"ours, {level}": values for level, values in ours.items()}, index=index)

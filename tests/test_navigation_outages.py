@@ -13,7 +13,7 @@ from imu_lib.navigation import alignment, earth, ensemble, models, outages, prep
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled, run
 from imu_lib.navigation.preparation import Gnss
 from imu_lib.processes import RandomWalk, WhiteNoise
-from imu_lib.published import IMPROVEMENT_2013, OUTAGES_2013, WAVELET_IMPROVEMENT_2013
+from imu_lib.published import IMPROVEMENT_2013, OUTAGES_2013, WAVELET_IMPROVEMENT_2013, level_errors_2013, outage_errors_2013
 from imu_lib.record import CHANNELS
 
 PAPER = preset("3dm-gx3-25-2013")
@@ -77,15 +77,16 @@ def test_errors_grow_and_the_filter_says_so(study):
 def test_improvements_by_both_definitions_are_the_papers():
     """50.95 % is the mean of per-outage ratios (ratio of sums: 64.0 %); Table 6's 4.3 % is a ratio of sums (mean of ratios: 6.0 %)."""
     for what in ("max", "mean"):
-        ours = [getattr(o, f"{what}_m")["18AVWD"] for o in OUTAGES_2013]
+        errors = outage_errors_2013(what)
         for other, stated in IMPROVEMENT_2013[what].items():
-            theirs = [getattr(o, f"{what}_m")[other] for o in OUTAGES_2013]
-            assert statistics.improvement(ours, theirs, how="mean_of_ratios") == pytest.approx(stated, abs=0.06)
-    ours, theirs = [o.max_m["18AVWD"] for o in OUTAGES_2013], [o.max_m["15AR"] for o in OUTAGES_2013]
-    assert statistics.improvement(ours, theirs, how="ratio_of_sums") == pytest.approx(64.0, abs=0.05)
-    seven, none = [o.max_by_level_m[7] for o in OUTAGES_2013], [o.max_by_level_m[0] for o in OUTAGES_2013]
-    assert statistics.improvement(seven, none, how="ratio_of_sums") == pytest.approx(WAVELET_IMPROVEMENT_2013, abs=0.05)
-    assert statistics.improvement(seven, none, how="mean_of_ratios") == pytest.approx(6.0, abs=0.05)
+            assert statistics.improvement(errors["18AVWD"], errors[other], how="mean_of_ratios") == pytest.approx(stated, abs=0.06)
+    worst, levels = outage_errors_2013("max"), level_errors_2013()
+    assert worst["18AV"][1] == 38.04 and levels[3][6] == 279.03                       # as printed
+    ours, theirs = worst["18AVWD"], worst["15AR"]
+    assert statistics.improvements(ours, theirs)["ratio_of_sums"] == pytest.approx(64.0, abs=0.05)
+    wavelets = statistics.improvements(levels[7], levels[0])
+    assert wavelets["ratio_of_sums"] == pytest.approx(WAVELET_IMPROVEMENT_2013, abs=0.05)
+    assert wavelets["mean_of_ratios"] == pytest.approx(6.0, abs=0.05)
     with pytest.raises(ValueError, match="how"):
         statistics.improvement(ours, theirs, how="mean")
 
@@ -102,6 +103,14 @@ def test_paired_intervals_cover():
     assert 0.92 < hits / 400 < 0.98                                  # 95 % within three standard errors
     same = statistics.paired(first, second, clusters=np.repeat(np.arange(8), 5))
     assert same.clusters == 8 and same.outages == 40
+
+
+def test_pairs_are_found_in_either_order():
+    pair = statistics.paired([1.0, 2.0, 3.0], [2.0, 4.5, 5.0], ("a", "b"))
+    again = statistics.Pairs([json.loads(json.dumps(pair.to_json()))])
+    assert again["a", "b"] == again["b", "a"] == pair and str(pair).startswith("a over b, 0.5")
+    with pytest.raises(KeyError, match="no comparison of 'a' and 'c'"):
+        again["a", "c"]
 
 
 def _square(rng, number):

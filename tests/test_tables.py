@@ -45,3 +45,20 @@ def test_coverage_reads_a_stored_study(tmp_path):
     assert table.loc["a", "N"].tolist() == [2, 0.75, 1.5, 0.1, 0.5]
     assert table.loc[("b", "all"), "covered"] == 0.7 and np.isnan(table.loc[("b", "K"), "median ratio"])
     assert list(tables.coverage(path, ["b"]).index) == [("b", "K"), ("b", "all")]
+
+
+def test_medians_stand_under_their_titles():
+    entry = {"a": {"median": [1.26, 1.0, 1.5], "predicted": 2.04}, "b": {"median": [3.0, 2.0, 4.0], "predicted": 5.0}}
+    table = tables.medians({"30 s": entry, "60 s": {"a": entry["b"]}}, predicted="30 s")
+    assert table.loc["a"].tolist() == ["1.3 [1.0, 1.5]", "3.0 [2.0, 4.0]", "2.0"]
+    assert tables.medians({"30 s": entry}, digits=0).loc["b", "30 s"] == "3 [2, 4]"
+
+
+def test_outages_of_two_drives_are_numbered_on():
+    def study(count, offset):
+        return SimpleNamespace(models={"18AV": None}, errors=lambda name, what: np.arange(count) + offset + (100.0 if what == "max" else 0.0))
+
+    table = tables.outage_errors([study(3, 1), study(4, 4)])
+    assert len(table) == 14 and table.loc["2, 60 s, mean", "18AV"] == "2 (14.1)" and table.loc["7, 60 s, max", "18AV"] == "107 (96.3)"
+    levels = tables.level_errors({"0": np.arange(7.0)})
+    assert levels.loc["6*, 103 km/h"].tolist() == [232.54, 232.74, 217.28, 5.0]

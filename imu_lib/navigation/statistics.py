@@ -4,6 +4,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+#: The two definitions of an improvement.
+HOW = ("mean_of_ratios", "ratio_of_sums")
+
 
 def improvement(better, worse, *, how):
     """Improvement of `better` over `worse`, per cent.
@@ -17,6 +20,11 @@ def improvement(better, worse, *, how):
     if how == "ratio_of_sums":
         return 100.0 * float(1.0 - better.sum() / worse.sum())
     raise ValueError(f"`how` must be 'mean_of_ratios' or 'ratio_of_sums', not {how!r}")
+
+
+def improvements(better, worse):
+    """`improvement` by both definitions, per cent: {how: float}."""
+    return {how: improvement(better, worse, how=how) for how in HOW}
 
 
 @dataclass(frozen=True)
@@ -36,6 +44,10 @@ class Paired:
     outages: int
     clusters: int
 
+    def __str__(self):
+        return (f"{self.better} over {self.than}, {self.ratio:.2f} [{self.low:.2f}, {self.high:.2f}], "
+                f"ahead in {100 * self.wins:.0f} % of the outages")
+
     @property
     def decided(self):
         """Whether the interval leaves out 1."""
@@ -44,6 +56,23 @@ class Paired:
     def to_json(self):
         return {"better": self.better, "than": self.than, "ratio": self.ratio, "low": self.low, "high": self.high, "wins": self.wins,
                 "p": self.p, "outages": self.outages, "clusters": self.clusters}
+
+
+class Pairs:
+    """Comparisons by the two names, in either order: `pairs["18AV", "15AV"]` is a `Paired`.
+
+    comparisons : sequence of Paired, or of what their `to_json` stored
+    """
+
+    def __init__(self, comparisons):
+        found = [c if isinstance(c, Paired) else Paired(**c) for c in comparisons]
+        self._by_names = {frozenset((c.better, c.than)): c for c in found}
+
+    def __getitem__(self, names):
+        try:
+            return self._by_names[frozenset(names)]
+        except KeyError:
+            raise KeyError(f"no comparison of {' and '.join(map(repr, names))}") from None
 
 
 def paired(first, second, names=("first", "second"), *, clusters=None) -> Paired:

@@ -45,6 +45,11 @@ def outages_of(drive, *, table_6=False):
     return tuple(o for o in (OUTAGES_TABLE_6 if table_6 else OUTAGES) if o.drive == drive)
 
 
+def windows(drive, *, table_6=False):
+    """The same as (start s, duration s), for `outages.compare`."""
+    return tuple((o.start, o.duration) for o in outages_of(drive, table_6=table_6))
+
+
 def drive(number) -> trajectory.Trajectory:
     """The path of drive 1 or 2: half a minute at rest, then town streets; drive 2 has a stretch of motorway."""
     if number not in (1, 2):

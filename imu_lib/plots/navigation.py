@@ -1,7 +1,9 @@
 """Figures of drives, filters and outages."""
 import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.stats import chi2
 
+from imu_lib import published
 from imu_lib.navigation import consistency, earth
 
 from . import style
@@ -31,6 +33,15 @@ def outage_map(study, drive, *, model=None, ax=None):
     ax.locator_params(axis="x", nbins=6)
     ax.legend()
     return ax
+
+
+@style.styled
+def outage_maps(studies, drives, *, model=None, axes=None):
+    """`outage_map` of several drives side by side."""
+    axes = style.grid(1, len(drives), size=(9.0, 4.2)) if axes is None else axes
+    for study, drive, ax in zip(studies, drives, np.ravel(axes), strict=True):
+        outage_map(study, drive, model=model, ax=ax)
+    return axes
 
 
 @style.styled
@@ -65,6 +76,16 @@ def outage_growth(study, index, *, names=None, against=None, sigma=True, ax=None
     ax.set_ylim(0.0, 1.15 * max(m.error[against][index].max() for m in study.models.values()))
     ax.legend()
     return ax
+
+
+@style.styled
+def outage_details(study, indices, *, against=None, axes=None):
+    """A row for each outage: `outage_tracks` and `outage_growth` (2013 paper, Figs. 21, 22, 24, 25)."""
+    axes = style.grid(len(indices), 2, size=(9.0, 3.5 * len(indices))) if axes is None else axes
+    for row, index in zip(axes, indices, strict=True):
+        outage_tracks(study, index, ax=row[0])
+        outage_growth(study, index, against=against, ax=row[1])
+    return axes
 
 
 @style.styled
@@ -123,6 +144,15 @@ def outage_errors(studies, *, what="max", against=None, published=None, ax=None)
 
 
 @style.styled
+def outage_errors_2013(studies, *, against="full_gnss", axes=None):
+    """Maximum and mean errors of the two simulated drives, the paper's values over them (2013 paper, Fig. 26)."""
+    axes = style.grid(2, 1, size=(8.0, 6.0)) if axes is None else axes
+    for what, ax in zip(("max", "mean"), np.ravel(axes), strict=True):
+        outage_errors(studies, what=what, against=against, published=published.outage_errors_2013(what), ax=ax)
+    return axes
+
+
+@style.styled
 def solution_errors(solution, drive, *, ax=None):
     """Errors of a solution against the truth of a simulated drive, with the filter's two-sigma bands: position, velocity, attitude."""
     time, error, p = consistency.errors(solution, drive)
@@ -170,15 +200,18 @@ def free_inertial(error_time, errors, *, labels, ax=None):
 def paired_intervals(rows, *, ax=None):
     """Ratios of errors with their 95 % intervals, one per line; left of 1 the first model is better.
 
-    rows : sequence of (label, ratio, low, high)
+    rows : sequence of `statistics.Paired`
     """
     ax = style.axes(ax, x="ratio of maximum errors (geometric mean, 95 % interval)", size=(7.0, 0.4 * len(rows) + 1.2))
-    for i, (_, ratio, low, high) in enumerate(rows):
-        decided = high < 1.0 or low > 1.0
-        ax.plot([low, high], [i, i], color=style.BLUE if decided else style.GREY, lw=2.0)
-        ax.plot(ratio, i, "o", color=style.BLUE if decided else style.GREY)
+    for i, pair in enumerate(rows):
+        colour = style.BLUE if pair.decided else style.GREY
+        ax.plot([pair.low, pair.high], [i, i], color=colour, lw=2.0)
+        ax.plot(pair.ratio, i, "o", color=colour)
     ax.axvline(1.0, color=style.BLACK, lw=0.8)
-    ax.set_yticks(range(len(rows)), [r[0] for r in rows])
+    ax.set_yticks(range(len(rows)), [f"{pair.better} over {pair.than}" for pair in rows])
     ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter(NullFormatter())
     ax.invert_yaxis()
     return ax
