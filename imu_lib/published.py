@@ -145,3 +145,9 @@ ACCEL_RUNS_2008 = MappingProxyType({
     "accel_y": {"bias_mg": (2.4233, 1.1304), "scale_percent": (-0.1284, 0.0256)},
     "accel_z": {"bias_mg": (2.0901, 0.8356), "scale_percent": (-0.0962, 0.0357)},
 })
+
+
+def accel_runs_2008():
+    """The same by quantity: {"bias_mg": (x, y, z), "scale_percent": (x, y, z)} of the means, and of the St.D."""
+    return tuple({quantity: tuple(axis[quantity][k] for axis in ACCEL_RUNS_2008.values()) for quantity in ("bias_mg", "scale_percent")}
+                 for k in (0, 1))

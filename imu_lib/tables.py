@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from imu_lib import published, report
+from imu_lib.calibration import repeatability as repeats
 from imu_lib.units import datasheet
 
 #: The parameters that the usual sums have, in the order in which a table lists them.
@@ -178,3 +179,36 @@ def level_errors(ours):
     printed = {f"paper, {level}": values for level, values in published.level_errors_2013().items()}
     index = [f"{o.number}*, {o.speed_table6_km_h:.0f} km/h" for o in published.OUTAGES_2013]
     return pd.DataFrame(printed | {f"ours, {level}": values for level, values in ours.items()}, index=index)
+
+
+def repeatability(results, means, deviations):
+    """How results repeat: {quantity: (runs, axes)} with the `means` and `deviations` {quantity: (axes or more)} that a paper prints.
+
+    Returns
+    -------
+    pandas.DataFrame of str
+    """
+    rows = {}
+    for quantity, values in results.items():
+        for axis, column, mean, deviation in zip("xyz", np.asarray(values).T, means[quantity], deviations[quantity]):
+            found = repeats(column)
+            rows[f"{quantity} {axis}"] = {"mean": f"{found.mean.value:.3f}", "St.D.": f"{found.sd:.3f}",
+                                          "paper, mean": f"{mean:g}", "paper, St.D.": f"{deviation:g}"}
+    return pd.DataFrame(rows).T
+
+
+def calibration_coverage(study):
+    """What `benchmarks/calibration_coverage.py` stored, numbers of poses across: share of 95 % intervals that hold the truth by
+    sensor and quantity, and the median half width of the scale factors'.
+
+    Returns
+    -------
+    pandas.DataFrame of str
+    """
+    rows = {}
+    for name, entry in study["results"].items():
+        poses, sensor, quantity = name.split(", ")
+        rows.setdefault(f"{sensor}, {quantity}", {})[poses] = f"{entry['coverage_percent']:.0f} %"
+        if quantity == "scale factor":
+            rows.setdefault(f"{sensor}, half width", {})[poses] = f"{100 * entry['median_half_width']:.2g} %"
+    return pd.DataFrame(rows).T

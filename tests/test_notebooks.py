@@ -10,7 +10,7 @@ from conftest import ROOT
 from imu_lib.book import chapters
 
 CHAPTERS = chapters.chapters(ROOT)
-CODE_LINES, CELL_LINES, BYTES = 130, 14, 1_200_000  # a chapter is read, not maintained; most have about 80 lines
+CODE_LINES, CELL_LINES, BYTES = 110, 14, 1_200_000  # a chapter is read, not maintained; most have about 80 lines
 COLUMNS = 110  # of code fit a page on a laptop; a longer line is scrolled sideways by every reader
 each = pytest.mark.parametrize("chapter", CHAPTERS, ids=lambda chapter: chapter.slug)
 

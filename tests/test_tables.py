@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from imu_lib import tables
+from imu_lib import published, tables
 from imu_lib.estimate import Estimate
 from imu_lib.processes import GaussMarkov, WhiteNoise
 
@@ -62,3 +62,16 @@ def test_outages_of_two_drives_are_numbered_on():
     assert len(table) == 14 and table.loc["2, 60 s, mean", "18AV"] == "2 (14.1)" and table.loc["7, 60 s, max", "18AV"] == "107 (96.3)"
     levels = tables.level_errors({"0": np.arange(7.0)})
     assert levels.loc["6*, 103 km/h"].tolist() == [232.54, 232.74, 217.28, 5.0]
+
+
+def test_repeated_runs_stand_beside_the_papers():
+    mean, deviation = published.accel_runs_2008()
+    table = tables.repeatability({"bias_mg": np.array([[1.0, 2.0], [3.0, 2.0]])}, mean, deviation)
+    assert table.loc["bias_mg x"].tolist()[0] == "2.000" and table.loc["bias_mg x", "St.D."].startswith("1.414 [0.631, ")
+    assert table.loc["bias_mg y"].tolist()[2:] == ["2.4233", "1.1304"]
+
+
+def test_calibration_coverage_reads_a_stored_study():
+    entry = {"coverage_percent": 94.6, "median_half_width": 0.000374}
+    table = tables.calibration_coverage({"results": {"12 poses, gyroscopes, scale factor": entry}})
+    assert table["12 poses"].to_dict() == {"gyroscopes, scale factor": "95 %", "gyroscopes, half width": "0.037 %"}

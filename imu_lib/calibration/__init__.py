@@ -10,7 +10,7 @@
 
 from . import simulated
 from .gyro import from_turns, turns
-from .poses import ferraris, from_gravity, from_reference
+from .poses import ferraris, from_gravity, from_reference, held_out
 from .rest import RestWindows, moving_deviation, rest_windows
 from .table import (
     CALGARY,
@@ -22,6 +22,7 @@ from .table import (
     repeatability,
     rotation,
     steps,
+    values,
 )
 from .triad import AXES, Triad, triad
 from .whole import Calibration, Section, calibrate, calibrate_record, read_poses
@@ -43,6 +44,7 @@ __all__ = [
     "from_gravity",
     "from_reference",
     "from_turns",
+    "held_out",
     "line",
     "moving_deviation",
     "read_poses",
@@ -53,4 +55,5 @@ __all__ = [
     "steps",
     "triad",
     "turns",
+    "values",
 ]

@@ -181,3 +181,9 @@ def ferraris(positive: np.ndarray, negative: np.ndarray, *, gravity: float = G) 
     """
     positive, negative = np.asarray(positive, float), np.asarray(negative, float)
     return (positive - negative).T / (2 * gravity), np.diag(positive + negative) / 2
+
+
+def held_out(reading: np.ndarray, *, gravity: float = G, nominal: float | None = None) -> np.ndarray:
+    """|specific force| - gravity of every second pose, calibrated by `from_gravity` from the others, ndarray, shape (k // 2,), m/s^2."""
+    half = from_gravity(reading[::2], gravity=gravity, nominal=nominal)
+    return np.linalg.norm(half.correct(reading[1::2]), axis=1) - gravity

@@ -129,6 +129,13 @@ def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY,
     )
 
 
+def values(fits, name: str) -> np.ndarray:
+    """A result (`bias`, `scale_factor`) of repeated runs, ndarray of the shape of `fits`: a list of `Line`, or of lists of them."""
+    if isinstance(fits, Line):
+        return np.asarray(getattr(fits, name).value)
+    return np.array([values(fit, name) for fit in fits])
+
+
 @dataclass(frozen=True)
 class Repeatability:
     """Mean and standard deviation of repeated runs with their 95 % intervals (normal runs, independent)."""

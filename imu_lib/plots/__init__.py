@@ -25,6 +25,7 @@ _HOME = {
     "rate_table": "calibration",
     "line_residuals": "calibration",
     "repeatability": "calibration",
+    "repeatability_panels": "calibration",
     "triad_intervals": "calibration",
     "fitted_spectrum": "likelihood",
     "fit_residuals": "likelihood",

@@ -92,6 +92,16 @@ def repeatability(values, *, truth=None, unit="", labels=None, ax=None):
 
 
 @style.styled
+def repeatability_panels(results, *, truth, units, axes=None):
+    """`repeatability` of several quantities side by side: results {quantity: (r, k)} and truth {quantity: (r, k or more)}, columns
+    x, y, z; `units` label the panels in turn."""
+    axes = style.grid(1, len(results), size=(9.0, 3.4)) if axes is None else axes
+    for ax, (name, found), unit in zip(np.ravel(axes), results.items(), units, strict=True):
+        repeatability(dict(zip("xyz", found.T)), truth=dict(zip("xyz", truth[name].T)), unit=unit, ax=ax)
+    return axes
+
+
+@style.styled
 def triad_intervals(triads, *, quantity="scale_factors", factor=100.0, unit="scale factor error, %", truth=None, ax=None):
     """A quantity of several triads side by side with 95 % intervals; `triads` {name: Triad}, `truth` (3,)."""
     ax = style.axes(ax, x=unit, y="")
