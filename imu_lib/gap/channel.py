@@ -8,7 +8,7 @@ import numpy as np
 from imu_lib.gap import effects, electronics, fast, rounds, verdict
 from imu_lib.gap.base_fit import absorbed, free_base
 from imu_lib.gap.drifts import profiled
-from imu_lib.gap.engine import Data
+from imu_lib.gap.engine import Data, measured
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
@@ -69,7 +69,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         terms.append(WhiteNoise(N=shared))
     # -- noise level ---------------------------------------------------------------------------------------
     say("noise level")
-    y = whitened(clean.x - clean.coarse, clean.smooth)
+    y = whitened(clean.x - clean.coarse, clean.smooth) / clean.swing
     held = None if given is None else given.find("noise_level_change")
     if held is not None:
         x = _levelled(x, held.ratio, held.time, fs, given)
@@ -100,8 +100,9 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         state = State(data, terms, low_pass=given.low_pass)
     n_base = len(state.base)
     # a spectrum that does not stand still has no stationary name: one round at the most, and no confidence
-    quiet = whitened(data.x - clean.coarse, clean.smooth) if lines else y
-    unsteady = min(verdict.stationarity(quiet, fs, clean.smooth), key=lambda c: c.log_p, default=None)
+    quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else y
+    coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(clean.smooth.conditional_variance)
+    unsteady = min(verdict.stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps), key=lambda c: c.log_p, default=None)
     wild = unsteady is not None and unsteady.log_p < VETO
     state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
     rivals = [{} for _ in state.items]
@@ -115,8 +116,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     say("what is left")
     rest = data.x - _deterministic(state)
     smooth = Smooth(rest, fs)
-    y = whitened(rest, smooth)
-    coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(clean.smooth.conditional_variance)
+    y = whitened(rest, smooth) / clean.swing
     tests = verdict.checks(state, y, smooth, coarse_steps=coarse_steps or clean.touched > 0.002)
     worst = min(tests, key=lambda c: c.log_p)
     doubts += [f.doubt for f in findings if f.doubt]
@@ -142,8 +142,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
 def _level(clean, terms, low_pass, fs) -> float:
     """Variance of the fast noise as a multiple of what the given noises have."""
     layout = clean.smooth.layout
-    extra = clean.extra if clean.extra is not None else 2.0 * clean.white / fs
-    s = fast.spectrum(terms, low_pass, layout, fs) + extra
+    s = measured(fast.spectrum(terms, low_pass, layout, fs), clean.extra if clean.extra is not None else 2.0 * clean.white / fs)
     k = layout.slow
     return float(np.average(clean.smooth.level[k:] / s[k:], weights=layout.nu[k:]))
 

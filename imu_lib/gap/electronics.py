@@ -9,14 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imu_lib.gap import engine, fast
+from imu_lib.gap import engine
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.saturation import Saturation
 from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.effects.spikes import Spikes
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.stuck import Stuck
-from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises, trend
+from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises
+from imu_lib.gap.rounding import COARSE, Rounding
+
+
+#: Steps of the grid, in standard deviations of what the other samples leave open, from which on the levels show in the innovations.
+DITHER = 0.3
 
 
 @dataclass
@@ -24,7 +29,8 @@ class Clean:
     """A channel with the electronics undone.
 
     `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside meanwhile, `findings` what was
-    found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x - coarse`, `step` the grid.
+    found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x - coarse`, `step` the grid,
+    `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
     """
 
     x: np.ndarray
@@ -35,6 +41,7 @@ class Clean:
     step: float | None
     touched: float
     extra: np.ndarray | None = None
+    swing: np.ndarray | float = 1.0
 
 
 def gross_jumps(x, fs) -> np.ndarray:
@@ -98,7 +105,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
     for _, signal in lines:
         coarse = coarse + signal
     smooth = Smooth(x - coarse, fs)
-    stuck = Stuck().detect(x, side != 0, None if step is None else _twin(x, smooth, step, rng), held.get("stuck"))
+    stuck = Stuck().detect(x, side != 0, None if step is None else Rounding(x, smooth, grid).twin(rng), held.get("stuck"))
     bad = missing.copy()
     if stuck is not None:
         findings.append(stuck)
@@ -115,12 +122,15 @@ def undo(raw, fs: float, base, rng) -> Clean:
         else:
             clean = rest
         probe = np.where(hidden, clean, rest)             # spikes are looked for in what was measured
-        y = surprises(probe, smooth)
-        if step is not None and step > 1.5 * np.sqrt(smooth.conditional_variance):
-            y = y * np.sqrt(smooth.conditional_variance) / (step / 1.5)
+        even = smooth
+        if step is not None and step > DITHER * np.sqrt(smooth.conditional_variance):
+            # a few levels have no median and no shoulders: spread each over its own width
+            probe = probe + step * (rng.random(len(probe)) - 0.5)
+            even = Smooth(probe, fs)
+        y = surprises(probe, even)
         y[hidden | _edges(probe, y)] = 0.0
         y[:64] = y[-64:] = 0.0                          # a filter that starts up is no spike
-        new = Spikes().detect(y[~hidden], smooth, held.get("spikes"))
+        new = Spikes().detect(y[~hidden], even, held.get("spikes"))
         if new is None and "spikes" not in held:
             spikes = None
             break
@@ -139,11 +149,13 @@ def undo(raw, fs: float, base, rng) -> Clean:
         clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng)
         smooth = Smooth(clean, fs)
     white, extra = 0.0 if step is None else step**2 / 12.0, None
-    if step is not None and step > 0.9 * np.sqrt(smooth.sample_variance):
-        extra = _coarse_rounding(clean + coarse, smooth, step, rng)
+    swing = 1.0
+    if step is not None and step > COARSE * np.sqrt(smooth.sample_variance):
+        rounding = Rounding(clean + coarse, smooth, grid)
+        extra, swing = rounding.extra(rng), rounding.swing
         k = smooth.layout.slow
         white = float(np.mean(extra[k:k + 12]) * fs / 2)
-    return Clean(clean + coarse, coarse, findings, white, smooth, step, float((hidden | spiked).mean()), extra)
+    return Clean(clean + coarse, coarse, findings, white, smooth, step, float((hidden | spiked).mean()), extra, swing)
 
 
 def _edges(x, y, *, reach: int = 4) -> np.ndarray:
@@ -162,30 +174,6 @@ def _edges(x, y, *, reach: int = 4) -> np.ndarray:
     return out
 
 
-def _coarse_rounding(x, smooth, step, rng, *, draws: int = 3) -> np.ndarray:
-    """What rounding to a step as wide as the noise does to the spectrum in the bins, by simulation: it is neither white nor
-    independent of the signal then."""
-    base, k, fs = trend(x, smooth.m), smooth.layout.slow, smooth.fs
-    size = len(x) + len(x) % 2
-    extra = np.full(len(smooth.layout.f), step**2 / 6.0 / fs)
-    for _ in range(3):
-        level = np.maximum(smooth.level - extra, 0.02 * smooth.level)
-        f = np.arange(size // 2 + 1) * fs / size
-        density = np.exp(np.interp(np.log(np.maximum(f, smooth.layout.f[0])), np.log(smooth.layout.f), np.log(level)))
-        new = np.zeros_like(extra)
-        for _ in range(draws):
-            noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(density * fs / 2), size)[:len(x)]
-            smooth_part = base + noise
-            out = np.rint(smooth_part / step) * step
-            new += fast.average(np.abs(fast.transform(out)) ** 2 - np.abs(fast.transform(smooth_part)) ** 2, smooth.layout) / fs / draws
-        # rounding changes a spectrum smoothly: average over neighbours, leave the slow end to its own level
-        kernel = np.ones(15) / 15
-        new = np.convolve(np.pad(new, 7, mode="edge"), kernel, "valid")
-        new[:k] = np.mean(new[k:k + 12])
-        extra = new
-    return extra
-
-
 def _fill(rest, bad, above, below, coarse, smooth, rng):
     if not (above[0].any() or below[0].any()):
         return impute(rest, bad, smooth, rng)
@@ -194,10 +182,3 @@ def _fill(rest, bad, above, below, coarse, smooth, rng):
     out = impute(rest, bad, smooth, rng, above=(above[0], above[1] - float(np.median(coarse[above[0]]))) if above[0].any() else None,
                  below=(below[0], below[1] - float(np.median(coarse[below[0]]))) if below[0].any() else None)
     return np.where(bad & ~above[0] & ~below[0], whole, out)
-
-
-def _twin(x, smooth, step, rng):
-    """A rounded simulation of the channel: its own trend with noise of its own spectrum."""
-    size = len(x) + len(x) % 2
-    noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(smooth.on(size) * smooth.fs / 2), size)[:len(x)]
-    return np.rint((trend(x, smooth.m) + noise) / step)

@@ -18,6 +18,11 @@ AMPLITUDE_WIDTH, TIME_WIDTH = np.log(1e3), np.log(1e4)
 SCREEN = 4.0
 
 
+def measured(s, extra):
+    """A model's spectrum `s` with the density that the electronics add; coarse rounding may add less than nothing, but leaves a rest."""
+    return np.maximum(s + extra, 1e-3 * s)
+
+
 class Data:
     """A clean, evenly sampled channel and what the likelihood needs of it.
 
@@ -105,6 +110,10 @@ class Slot:
     def write(self, process, vector):
         return process.with_(**{name: float(np.exp(v)) for name, v in zip(self.names, vector)})
 
+    def relative(self, process, name: str) -> np.ndarray:
+        """Relative change of the process's parameter `name` with each entry of the vector."""
+        return (np.array(self.names) == name).astype(float)
+
 
 class Likelihood:
     """The likelihood of a `Data` as a function of the free slots of a list of terms."""
@@ -120,7 +129,7 @@ class Likelihood:
         self.held_c = sum((slow.covariance(t, data.k, data.m, data.fs) for t in held), np.zeros(data.k))
         self.held_c = self.held_c + self._white_c()
         self.filter_free = -1 in self.free_index
-        self.held_s = None if self.low_pass is not None else (fast.spectrum(held, None, data.layout, data.fs) + data.extra)[data.layout.slow:]
+        self.held_s = None if self.low_pass is not None else fast.spectrum(held, None, data.layout, data.fs)[data.layout.slow:]
 
     def _white_c(self):
         c = np.zeros(self.data.k)
@@ -154,10 +163,10 @@ class Likelihood:
         for t in free:
             c += slow.covariance(t, data.k, data.m, data.fs)
         if self.low_pass is not None:
-            s = (fast.spectrum(terms, low_pass, data.layout, data.fs) + data.extra)[data.layout.slow:]
+            s = fast.spectrum(terms, low_pass, data.layout, data.fs)[data.layout.slow:]
         else:
             s = self.held_s + fast.spectrum(free, None, data.layout, data.fs)[data.layout.slow:] if free else self.held_s
-        return s, c
+        return measured(s, data.extra[data.layout.slow:]), c
 
     def value(self, vector, shapes=None):
         """log L up to a constant of the data, with the regression profiled out: (ll, beta, beta_cov)."""

@@ -10,6 +10,7 @@ from imu_lib.gap.drifts import drift_candidates, retuned
 from imu_lib.gap.engine import SCREEN, amplitude_occam
 from imu_lib.gap.search import change_candidates, filter_candidates, spectral_candidates
 from imu_lib.gap.state import Item, State
+from imu_lib.processes import GaussMarkov
 
 #: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records, benchmarks/gap_null.py).
 EVIDENCE, GAIN = 3.0, 9.0
@@ -107,11 +108,16 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
         found = effect.decode(x, data.fs, start, density, gain if drift else None)
         if found is None:
             continue
-        process, signal, flips, path, _ = found
+        process, signal, flips, beyond, sd = found
         if flips < 2.5 or process.amplitude <= 0:
             continue
-        occam = amplitude_occam(process.amplitude / np.sqrt(density * 4 / data.duration)) + np.log(np.sqrt(2 * np.pi / max(flips, 1)) / np.log(1e4))
-        item = Item("telegraph", process, signal=signal, bonus=float(path + occam), note={"ll": float(path), "flips": flips, "density": density})
+        occam = amplitude_occam(process.amplitude / sd) + np.log(np.sqrt(2 * np.pi / max(flips, 1)) / np.log(1e4))
+        note = {"flips": flips, "sd": sd}
+        trial = state.plus(Item("telegraph", process, signal=signal, note={**note, "ll": 0.0}))
+        twin = GaussMarkov(sigma=process.amplitude / 2, correlation_time=0.5 / process.rate)
+        alike = State(state.data, state.base + (twin,), state.items, low_pass=state.base_low_pass, base_slots=state.base_slots)
+        item = Item("telegraph", process, signal=signal, bonus=float(alike.evidence - trial.evidence + beyond + occam),
+                    note={**note, "ll": float(alike.ll - trial.ll + beyond)})
         trial = state.plus(item)
         w = Weighed(item, trial, trial.evidence - state.evidence, trial.ll - state.ll)
         if best is None or w.evidence > best.evidence:
@@ -197,11 +203,10 @@ def _by_two(weighed, own, item, exclude):
     return best
 
 
-def confidence(rivals: dict, name: str = "") -> tuple[float, dict]:
-    """Posterior weight of the item called `name` and of each rival."""
+def confidence(rivals: dict) -> tuple[float, dict]:
+    """Posterior weight of the item and of each rival."""
     keys = [k for k in rivals]
-    # the evidence of a decoded path is an approximation, good to some parts in a hundred
-    values = np.array([0.0] + [rivals[k] / (3.0 if k == "telegraph" and name != "step" else 1.0) for k in keys]) / TEMPER
+    values = np.array([0.0] + [rivals[k] for k in keys]) / TEMPER
     weight = np.exp(values - values.max())
     weight /= weight.sum()
     return float(weight[0]), {k: float(w) for k, w in zip(keys, weight[1:])}

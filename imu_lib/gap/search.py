@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from imu_lib.gap import effects, fast
-from imu_lib.gap.engine import SCREEN, Data, Likelihood, Slot
+from imu_lib.gap.engine import SCREEN, Data, Likelihood, Slot, measured
 from imu_lib.gap.state import CHANGE_WIDTH, Item, State
 
 
@@ -20,13 +20,33 @@ def _log_ladder(s0, shape, nu, power):
     return float(gain[j]), float(u[j])
 
 
+def _free_directions(state: State, s0) -> np.ndarray:
+    """Relative change of the spectrum in all bins by each free parameter of the state, orthonormal under the bins' weights."""
+    like, x, layout, fs = state.likelihood, state.fit.vector, state.data.layout, state.data.fs
+    h, rows = 2e-3, []
+    for i in range(len(x)):
+        up, down = (like.unpack(x + sign * h * (np.arange(len(x)) == i)) for sign in (1, -1))
+        rows.append((fast.spectrum(*up, layout, fs) - fast.spectrum(*down, layout, fs)) / (2 * h) / s0)
+    return np.linalg.qr((np.array(rows) * np.sqrt(layout.nu / 2)).T)[0]
+
+
+def _score(s0, shape, layout, power, free):
+    """Gain of a little of an added shape with the free parameters found anew beside it, to second order: (gain, strength)."""
+    weight = np.sqrt(layout.nu / 2)
+    h = weight * shape / s0
+    h = h - free @ (free.T @ h)
+    g, information = h @ (weight * (power / s0 - 1.0)), max(h @ h, 1e-300)
+    return (float(0.5 * g * g / information), float(g / information)) if g > 0 else (0.0, 0.0)
+
+
 def spectral_candidates(state: State, exclude=()) -> list[Item]:
     """Noises whose spectrum would fill what is missing, each started at its best shape."""
     data = state.cleaned
     fit = state.fit
     layout, fs = data.layout, data.fs
     power = state_power(state)
-    s0 = fast.spectrum(fit.terms, fit.low_pass, layout, fs) + data.extra
+    s0 = measured(fast.spectrum(fit.terms, fit.low_pass, layout, fs), data.extra)
+    free = _free_directions(state, s0) if len(fit.vector) else None
     out = []
     for effect in effects.SPECTRAL:
         if effect.name in exclude or effect.name == "white_noise" and any(t.name == "white_noise" for t in fit.terms):
@@ -39,6 +59,8 @@ def spectral_candidates(state: State, exclude=()) -> list[Item]:
         for process in effect.grid(fs, data.duration):
             shape = fast.spectrum([process], fit.low_pass, layout, fs)
             gain, u = _log_ladder(s0, shape, layout.nu, power)
+            if free is not None:                           # what is there already may stand in for what is missing
+                gain, u = max((gain, u), _score(s0, shape, layout, power, free))
             rows.append((gain, process.with_(**{effect.amplitude: getattr(process, effect.amplitude) * np.sqrt(u)})))
         rows.sort(key=lambda r: -r[0])
         if rows[0][0] < SCREEN:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from imu_lib.gap import fast, rounds
+from imu_lib.gap.engine import measured
 
 Z95 = 1.959963984540054
 
@@ -105,21 +106,21 @@ def steps_of_items(state, rivals, n_base) -> list[Step]:
         elif item.signal is not None:
             process = item.process
             parameters = _parameters(process)
-            flips, density = item.note["flips"], item.note["density"]
-            sd = np.sqrt(4 * density / state.data.duration)
-            spread = Z95 / np.sqrt(max(flips, 1))
+            sd, spread = item.note["sd"], Z95 / np.sqrt(max(item.note["flips"], 1))
             intervals = {"amplitude": [process.amplitude - Z95 * sd, process.amplitude + Z95 * sd],
                          "rate": [process.rate * np.exp(-spread), process.rate * np.exp(spread)]}
         else:
             process = fit.terms[index]
             parameters = _parameters(process)
-            for name in item.slot.names:
-                if (index, name) in place and hasattr(process, name):
-                    sd = sds[place[(index, name)]]
-                    value = getattr(process, name)
+            slot = next(s for s in fit.slots if s.index == index)
+            at = place[(index, slot.names[0])] + np.arange(len(slot.names))
+            for name in slot.names:
+                if hasattr(process, name):
+                    g, value = slot.relative(process, name), getattr(process, name)
+                    sd = np.sqrt(max(g @ fit.cov[np.ix_(at, at)] @ g, 0.0))
                     intervals[name] = [value * np.exp(-Z95 * sd), value * np.exp(Z95 * sd)]
             index += 1
-        sure, weights = rounds.confidence(others, item.name) if others else (1.0, {})
+        sure, weights = rounds.confidence(others) if others else (1.0, {})
         by_name = {}
         for key, w in weights.items():
             by_name[key.split(":")[0] or "none"] = max(by_name.get(key.split(":")[0] or "none", 0.0), w)
@@ -149,8 +150,7 @@ def where(state, item) -> str:
         return f"mean of the signal: a transient over the first {3 * item.process.time_constant:.0f} s"
     without = state.with_items([i for i in state.items if i is not item])
     layout, fs = state.data.layout, state.data.fs
-    a = fast.spectrum(state.fit.terms, state.fit.low_pass, layout, fs) + state.data.extra
-    b = fast.spectrum(without.fit.terms, without.fit.low_pass, layout, fs) + state.data.extra
+    a, b = (measured(fast.spectrum(s.fit.terms, s.fit.low_pass, layout, fs), state.data.extra) for s in (state, without))
     decibel = 10 * np.log10(np.maximum(a, 1e-300) / np.maximum(b, 1e-300))
     weight = np.abs(decibel)
     on = weight > 0.5 * weight.max()

@@ -1,13 +1,14 @@
 """Is anything left? Tests of the residual against the fitted model, each with a p-value and a sentence of where."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2, norm
 
-from imu_lib.gap import slow
+from imu_lib.gap import fast, slow
 from imu_lib.gap.effects.noise_level_change import unsteady
+from imu_lib.gap.engine import measured
 
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests, benchmarks/gap_null.py).
 LIMIT = -5.0
@@ -100,34 +101,71 @@ def distribution(y) -> list[Check]:
             Check("distribution", float(_log10_normal(excess / np.sqrt(24 / n))), f"distribution of the innovations: excess kurtosis {excess:+.3g}")]
 
 
-def stationarity(y, fs, smooth) -> list[Check]:
+def stationarity(y, fs, smooth, *, coarse_steps: bool = False) -> list[Check]:
     """Variance at several scales, as a whole and in bands of frequency outside the stop band of a filter."""
     out = []
+    # the powers of all bands move together where a few levels of the output make the energy of a block scatter
+    excess = max(float(np.mean(y**4) / np.mean(y**2) ** 2) - 3.0, 0.0) if coarse_steps else 0.0
     found = unsteady(y, fs)
     if found is not None:
         out.append(Check("stationarity", float(found[0] + np.log10(8)), found[1]))
     m = 256
     k = len(y) // m
     if k >= 32:
-        window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
-        power = np.abs(np.fft.rfft(y[:k * m].reshape(k, m) * window, axis=1)) ** 2
         edges = np.unique(np.round(np.geomspace(3, m // 2, 9)).astype(int))
         passed = smooth.stop_band(m)
-        for a, b in zip(edges[:-1], edges[1:]):
-            if passed[a:b].mean() < 0.9:                   # little but what leaks in from elsewhere
-                continue
-            band = power[:, a:b].sum(axis=1)
-            for join in (4, 32):
-                g = k // join
-                if g < 8:
-                    continue
-                e = band[:g * join].reshape(g, join).mean(axis=1)
-                # neighbouring ordinates of a sine window overlap: their share of independent ones is about 0.6
-                free = 2.0 * (b - a) * join * (1.0 if b - a == 1 else 0.62)
-                z2 = free / 2 * (e / e.mean() - 1) ** 2
-                lp = chi2.logsf(z2.sum(), g - 1) / np.log(10) + np.log10(2 * (len(edges) - 1))
-                where = f"spectrum between {a * fs / m:.3g} and {b * fs / m:.3g} Hz: its level changes over {join * m / fs:.3g} s"
-                out.append(Check("stationarity", float(lp), where))
+        # outside of what is little but leakage from elsewhere
+        bands = [(a, b) for a, b in zip(edges[:-1], edges[1:]) if passed[a:b].mean() >= 0.9]
+        out += _levels(y, fs, m, bands, (4, 32), excess)
+    return out
+
+
+def _levels(y, fs, m, bands, joins, excess=0.0) -> list[Check]:
+    """Whether bands (first and last ordinate of blocks of `m` samples) keep their level over `joins` blocks, singly and all in all."""
+    k = len(y) // m
+    window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
+    power = np.abs(np.fft.rfft(y[:k * m].reshape(k, m) * window, axis=1)) ** 2
+    out = []
+    for join in joins:
+        g, total = k // join, 0.0
+        if g < 8:
+            continue
+        span = f"its level changes over {join * m / fs:.3g} s"
+        for a, b in bands:
+            e = power[:g * join, a:b].sum(axis=1).reshape(g, join).mean(axis=1)
+            # neighbouring ordinates of a sine window overlap: their share of independent ones is about 0.6
+            free = 2.0 * (b - a) * join * (1.0 if b - a == 1 else 0.62)
+            z2 = np.sum((e / e.mean() - 1) ** 2) / (2 / free + excess / (m * join))
+            total += z2
+            lp = chi2.logsf(z2, g - 1) / np.log(10) + np.log10(2 * (len(bands) + 1))
+            out.append(Check("stationarity", float(lp), f"spectrum between {a * fs / m:.3g} and {b * fs / m:.3g} Hz: {span}"))
+        if len(bands) > 1:
+            # the overlap ties neighbouring bands of few ordinates to one another
+            lp = chi2.logsf(total / 1.3, len(bands) * (g - 1) / 1.3) / np.log(10) + np.log10(2)
+            out.append(Check("stationarity", float(lp), f"spectrum between {bands[0][0] * fs / m:.3g} and {bands[-1][1] * fs / m:.3g} Hz: {span}"))
+    return out
+
+
+#: log10 of how much likelier than other disagreements a tone that wanders is where a resonance was found.
+DOUBTFUL = 1.5
+
+
+def resonances(state, y) -> list[Check]:
+    """Whether a noise that was added at a place in the spectrum is there all the time and all over its width: a tone that
+    wanders or sweeps fills the same place on average."""
+    out, layout, fs = [], state.data.layout, state.data.fs
+    for term in state.fit.terms[len(state.base):]:
+        share = (term.psd(layout.f, fs) / measured(fast.spectrum(state.fit.terms, None, layout, fs), state.data.extra))[layout.slow:]
+        on = layout.f[layout.slow:][share > 0.5 * share.max()]
+        low, high = on.min(), on.max()
+        if term.name != "autoregressive":
+            continue
+        m = int(2 ** np.floor(np.log2(min(32 * fs / max(high - low, 1e-3 * fs), len(y) / 32))))
+        k = len(y) // m
+        edges = np.unique(np.round(np.linspace(low * m / fs, max(high * m / fs, low * m / fs + 1), 9)).astype(int))
+        joins = sorted({max(1, k // g) for g in (8, 32, 128)})
+        for bands in ([(edges[0], edges[-1])], [*zip(edges[:-1], edges[1:])]):
+            out += [replace(c, log_p=c.log_p - DOUBTFUL) for c in _levels(y, fs, m, bands, joins)]
     return out
 
 
@@ -147,7 +185,7 @@ def echoes(y, fs, smooth) -> Check:
 def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
     """All tests; `y` is the fast noise of what the state was fitted to, whitened by `smooth`. `coarse_steps`: the output is rounded so
     coarsely that its distribution is no longer normal."""
-    out = [spectrum(state)] + bias(state) + stationarity(y, state.data.fs, smooth) + [echoes(y, state.data.fs, smooth)]
+    out = [spectrum(state)] + bias(state) + stationarity(y, state.data.fs, smooth, coarse_steps=coarse_steps) + resonances(state, y) + [echoes(y, state.data.fs, smooth)]
     if not coarse_steps:
         out += distribution(y)
     return out

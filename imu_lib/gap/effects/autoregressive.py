@@ -24,6 +24,11 @@ class Resonance(Slot):
         r = np.exp(-damping)
         return process.with_(phi=(2 * r * np.cos(w), -r * r), sigma=float(gain * np.sqrt(1 - r * r)))
 
+    def relative(self, process, name):
+        # the innovations' sigma is gain sqrt(1 - r^2) with r = exp(-damping)
+        square = -process.phi[1]
+        return np.array([1.0, -0.5 * np.log(square) * square / (1 - square), 0.0])
+
 
 class Autoregressive(Spectral):
     name = "autoregressive"

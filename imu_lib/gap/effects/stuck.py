@@ -31,9 +31,10 @@ class Stuck(Effect):
         if twin is not None:
             chance = runs(twin)[1]
             if len(chance):
-                # chance runs are geometric: the length that not one in a hundred such records would reach
-                p = min(max(1 - 1 / (1 + chance.mean()), 1e-6), 0.999)
-                least = max(int(chance.max()) + 2, int(np.ceil(np.log(0.01 / max(len(chance), 1)) / np.log(p))) + 1)
+                # the longest chance runs, all on one level, are geometric: the length that not one in a thousand such records would reach
+                far = np.quantile(chance, 0.99)
+                more = max(float(np.mean(chance[chance >= far] - far)), 0.2)
+                least = max(int(chance.max()) + 2, int(np.ceil(far + np.log(10 * len(chance)) / np.log1p(1 / more))) + 1)
         hit = length >= least
         start, length = start[hit], length[hit]
         repeats = int(length.sum())

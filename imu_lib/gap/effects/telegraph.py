@@ -36,6 +36,41 @@ def _posterior(y, a, flip, var):
     return out, ll, flips
 
 
+def _mirrored(x):
+    """Transform of a series and its mirror image, less the mean, shape (n + 1,)."""
+    x = x - x.mean()
+    return np.fft.rfft(np.concatenate([x, x[::-1]]))
+
+
+def _amplitude(y, w, v, var, quiet):
+    """Distance of the two levels by generalised least squares of `y` on the expected states `w` - of variance `v` each - and its
+    standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at each ordinate."""
+    n = len(y)
+    both = _mirrored(y), _mirrored(w)
+    inside = np.full(n + 1, 2.0)
+    inside[[0, -1]] = 1.0                                  # ordinates that a real transform holds once
+    weight = quiet * inside / (4 * n)                      # the mirror image counts everything twice
+    square = float(np.sum(weight * np.abs(both[1]) ** 2) + 2 * n * v * np.sum(weight))
+    return float(np.sum(weight * (both[0] * both[1].conj()).real) / max(square, 1e-300)), float(np.sqrt(var / max(square, 1e-300)))
+
+
+def _beyond_spectrum(y, rest, w, a, flip, ll, var, quiet) -> float:
+    """Log-likelihood of two levels beyond that of the Gaussian process of the same spectrum.
+
+    The first is a lower bound: the expectation over the paths, of probability `ll` under white noise of variance `var` in
+    `rest` = `y` less its drift, of the likelihood of `y` under the noise with its drift, less their divergence from what
+    the flips foretell. The second is Whittle's, on the same cosine transform. Equal where the noise is white.
+    """
+    n = len(y)
+    power, left = np.abs(_mirrored(y))[1:n] ** 2 / (2 * n), np.abs(_mirrored(y - a * w))[1:n] ** 2 / (2 * n)
+    noise = var / (np.full(n + 1, quiet) if np.ndim(quiet) == 0 else quiet)[1:n]
+    unknown = 0.5 * a * a * np.mean(1 / noise) * np.sum(0.25 - w**2)
+    levels = 0.5 * np.sum((power - left) / noise) - unknown + ll - np.sum(a * rest * w - a * a / 8) / var
+    phi = 1 - 2 * flip
+    both = noise + 0.25 * a * a * (1 - phi * phi) / np.abs(1 - phi * np.exp(-1j * np.pi * np.arange(1, n) / n)) ** 2
+    return float(levels + 0.5 * np.sum(np.log(both / noise) + power / both - power / noise))
+
+
 class Telegraph(Effect):
     name = "telegraph"
     cause = "A single trap or contact switches between two states at random (burst or popcorn noise)."
@@ -43,14 +78,14 @@ class Telegraph(Effect):
     process = Process
 
     def decode(self, x, fs, start: Process, density: float, drift_gain=None, *, rounds: int = 12):
-        """Two levels by expectation maximisation: (process, signal of shape (n,), expected flips, log evidence of the
-        path, samples per step), or None.
+        """Two levels by expectation maximisation: (process, signal of shape (n,), expected flips, log-likelihood
+        beyond that of a Gauss-Markov process of the same spectrum, standard deviation of the amplitude), or None.
 
         `density` is N^2 of the white noise; `drift_gain(size)` is the Wiener gain of the base model's own drift on a
         real transform of `size` points at the decimated rate, or None.
         """
         # a step is a small part of a dwell, and no longer than it takes to see on which level the signal is
-        seen = 2.0 * density * fs / start.amplitude**2
+        seen = density * fs / start.amplitude**2
         q = int(max(1, min(round(fs / (12 * start.rate)), seen, len(x) // 64)))
         k = len(x) // q
         y = x[:k * q].reshape(k, q).mean(axis=1)
@@ -58,6 +93,8 @@ class Telegraph(Effect):
         var = density * fs / q
         a, rate, middle = start.amplitude, start.rate, 0.0
         drift = np.zeros(k)
+        gain = None if drift_gain is None else drift_gain(2 * k, fs / q)
+        quiet = 1.0 if gain is None else 1.0 - gain           # share of the noise that is white at each ordinate
         s = None
         for _ in range(rounds):
             if not (np.isfinite(a) and a > 0):
@@ -71,20 +108,15 @@ class Telegraph(Effect):
             if min(up, down) < 2:
                 return None
             high, low = np.sum(s * rest) / up, np.sum((1 - s) * rest) / down
-            # soft states shrink the means: solve for the levels with the states' own variance
-            v = np.mean(s * (1 - s))
-            a = abs(np.mean((w - w.mean()) * (rest - rest.mean())) / max(np.var(s) + v, 1e-12)) if v > 0.02 else abs(high - low)
+            a, sd = _amplitude(y, w, np.mean(s * (1 - s)), var, quiet)
             middle = 0.5 * (high + low)
             rate = float(np.clip(-0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q, 2.0 * fs / len(x), fs / q / 4))
-            if drift_gain is not None:
-                e = y - a * w
-                e = e - e.mean()
-                pad = np.concatenate([e, e[::-1]])
-                drift = np.fft.irfft(np.fft.rfft(pad) * drift_gain(2 * k, fs / q), 2 * k)[:k]
-        # the evidence of the path: what summing over all paths gives beyond taking out their mean
-        s, ll, flips = _posterior(y - drift - middle, a, 0.5 * -np.expm1(-2 * rate * q / fs), var)
+            if gain is not None:
+                drift = np.fft.irfft(_mirrored(y - a * w) * gain, 2 * k)[:k]
+        flip = 0.5 * -np.expm1(-2 * rate * q / fs)
+        s, ll, flips = _posterior(y - drift - middle, a, flip, var)
         w = s - 0.5
-        path = ll - np.sum(a * (y - drift - middle) * w - 0.5 * (a * w) ** 2) / var
+        beyond = _beyond_spectrum(y, y - drift - middle, w, a, flip, ll, var, quiet)
         signal = np.repeat(a * w, q)
         signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
-        return Process(amplitude=float(a), rate=rate), signal, float(flips), float(path), q
+        return Process(amplitude=float(a), rate=rate), signal, float(flips), beyond, float(sd)

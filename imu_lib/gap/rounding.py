@@ -1,0 +1,94 @@
+"""What lies behind samples that are rounded to a step as wide as their noise, and what the rounding does to their spectrum."""
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr
+
+from imu_lib.gap import fast
+from imu_lib.gap.innovations import trend
+
+#: Steps in standard deviations of the rounded noise from which on rounding is more than white noise of step^2 / 12.
+COARSE = 0.9
+
+
+def moments(sd: float, points: int = 129):
+    """Mean and variance of round(mu + sd z), z standard normal, for mu over half a step either side of a level: (mu, mean, variance)."""
+    mu = np.linspace(-0.5, 0.5, points)
+    top = int(np.ceil(6 * sd)) + 1
+    edge = np.arange(-top, top) + 0.5
+    beyond = ndtr((mu[:, None] - edge) / sd)              # share above each edge between two levels
+    mean = -top + beyond.sum(axis=1)
+    square = top**2 + beyond @ (2 * edge)
+    return mu, mean, square - mean**2
+
+
+class Rounding:
+    """Rounded samples `x`, shape (n,), of fast noise `smooth` on a `grid` (step, offset).
+
+    `base` (n,) is the slow part before the rounding and `variance` that of the fast noise before it, both in steps;
+    `slope` is how much faster the variance after it grows, `swing` (n,) how the noise after it rises and falls as the slow
+    part moves between two levels (1 where that is less than a per cent).
+    """
+
+    def __init__(self, x, smooth, grid):
+        self.smooth, (self.step, offset), self.n = smooth, grid, len(x)
+        level = (trend(x, smooth.m) - offset) / self.step
+        after = smooth.sample_variance / self.step**2
+        self.coarse = after < 1 / COARSE**2
+        self.base, self.variance, self.slope, self.swing = level, max(after - 1 / 12, 0.0), 1.0, 1.0
+        if self.coarse:
+            self._before(level, after)
+
+    def _before(self, level, variance):
+        whole = np.rint(level)
+        few = (level - whole)[::max(1, len(level) // 4000)]
+
+        def after(sd, part=few):
+            mu, mean, spread = moments(sd)
+            before = np.interp(part, mean, mu)
+            return before, np.interp(before, mu, spread)
+        low, high = 0.05, max(2.0, 2 * np.sqrt(variance))
+        excess = lambda sd: float(np.mean(after(sd)[1])) - variance  # noqa: E731
+        sd = low if excess(low) >= 0 else brentq(excess, low, high, xtol=1e-5)
+        part, spread = after(sd, level - whole)
+        self.base, self.variance = whole + part, sd**2
+        self.slope = max((excess(1.02 * sd) - excess(0.98 * sd)) / (sd**2 * (1.02**2 - 0.98**2)), 1.0)
+        swing = np.sqrt(spread / np.mean(spread))
+        self.swing = swing if np.std(swing) > 0.01 else 1.0
+
+    @cached_property
+    def _before_level(self):
+        smooth = self.smooth
+        return smooth.level * self.variance * self.step**2 / smooth.sample_variance
+
+    def _drawn(self, level, rng):
+        """The signal before the rounding with noise of the spectrum `level` in the bins, and after it."""
+        layout, fs = self.smooth.layout, self.smooth.fs
+        size = self.n + self.n % 2
+        f = np.arange(size // 2 + 1) * fs / size
+        density = np.exp(np.interp(np.log(np.maximum(f, layout.f[0])), np.log(layout.f), np.log(level)))
+        noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(density * fs / 2), size)[:self.n]
+        before = self.base * self.step + noise
+        return before, np.rint(before / self.step)
+
+    def twin(self, rng) -> np.ndarray:
+        """A simulation of the rounded samples, in steps, shape (n,)."""
+        return self._drawn(np.maximum(self._before_level, 1e-12 * self.step**2), rng)[1]
+
+    def extra(self, rng, *, draws: int = 3) -> np.ndarray:
+        """Density that the rounding adds in the bins, by simulation: it is neither white nor independent of the signal."""
+        smooth, k = self.smooth, self.smooth.layout.slow
+        level, kernel = self._before_level, np.ones(15) / 15
+        for _ in range(3):
+            extra = np.zeros_like(level)
+            for _ in range(draws):
+                before, after = self._drawn(level, rng)
+                extra += fast.average(np.abs(fast.transform(after * self.step)) ** 2 - np.abs(fast.transform(before)) ** 2, smooth.layout) / smooth.fs / draws
+            # rounding changes a spectrum smoothly: average over neighbours, leave the slow end to its own level
+            extra = np.convolve(np.pad(extra, 7, mode="edge"), kernel, "valid")
+            extra[:k] = np.mean(extra[k:k + 12])
+            level = np.maximum(level + (smooth.level - level - extra) / self.slope, 0.02 * smooth.level)
+        return extra
