@@ -4,6 +4,10 @@ from __future__ import annotations
 import os
 import sys
 
+#: Beyond these shares a channel is left out (missing; stuck at one value; one value scattered all over), and a record is cut to
+#: its longest stretch: there is no noise left to compare, or a filled hole would be taken for what the sensor does.
+MOST_LOST, LONGEST_STUCK, MOST_ALIKE, LONGEST_HOLES = 0.5, 0.1, 0.95, 0.2
+
 NAME = "gap"
 HELP = "Where simulation and measurement disagree, what is missing, and how far the gap shrinks when it is added."
 
@@ -32,12 +36,14 @@ def run(args) -> int:
     common.check_out(args.out)
     if args.simulations and args.simulations < 20:
         raise InputError(f"--simulations {args.simulations} is too few for a scatter; give 20 or more, or 0.")
+    if args.seed < 0:
+        raise InputError(f"--seed {args.seed} must be 0 or above.")
     if args.jobs is not None and args.jobs < 1:
         raise InputError(f"--jobs {args.jobs} is not above 0.")
     model = Model.load(args.model) if args.model else None
-    record = common.open_record(args)
+    record = _sound(common.open_record(args), args.file or f"{args.gyro or args.accel}")
     if record.n < 2000:
-        raise InputError(f"{args.file or args.gyro}: {record.n} samples are too few; the gap workflow needs 2000 or more.")
+        raise InputError(f"{args.file or args.gyro or args.accel}: {record.n:,} samples are too few; the gap workflow needs 2000 or more.")
     if model is not None:
         absent = [c for c in record.channel_names if c not in model]
         if len(absent) == len(record.channel_names):
@@ -48,7 +54,6 @@ def run(args) -> int:
             if any(t.name == "temperature" for t in channel.terms) and record.temperature is None and name in record:
                 raise InputError(f"{args.model} has a temperature term for {name}, but the record has no temperature.")
     found = close(record, model, seed=args.seed, simulations=args.simulations, jobs=args.jobs, progress=_progress)
-    print(file=sys.stderr)
     if args.json:
         common.write_json(found.to_json(), args.json)
     if args.out:
@@ -61,7 +66,45 @@ def run(args) -> int:
     return 0
 
 
+def _sound(record, name):
+    """The record without channels that say next to nothing and without long holes; what is left out is told on standard error."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from imu_lib.errors import InputError
+
+    kept = {}
+    for channel, x in record.channels.items():
+        lost = np.isnan(x).mean()
+        run = np.diff(np.flatnonzero(np.concatenate([[True], np.diff(x) != 0, [True]]))).max() / len(x)
+        same = (x == np.nanmedian(x)).mean()
+        reason = (f"is missing in {lost:.0%} of the samples" if lost > MOST_LOST
+                  else "never changes" if same == 1
+                  else f"is stuck at one value for {run:.0%} of the record" if run > LONGEST_STUCK
+                  else f"has one value in {same:.0%} of its samples, which hides its noise" if same > MOST_ALIKE else None)
+        if reason:
+            print(f"note: {channel} {reason}; it is left out.", file=sys.stderr)
+        else:
+            kept[channel] = x
+    if not kept:
+        raise InputError(f"{name}: no channel says anything of its noise (stuck, missing or rounded away); check the logger.")
+    record = replace(record, channels=kept)
+    whole = int(record.slots()[-1]) + 1
+    lost = 1 - (record.n - record.missing().sum()) / whole
+    if lost <= LONGEST_HOLES:
+        return record
+    part = record.longest_stretch()
+    if part.n < 2000 and whole <= 10 * record.n:  # samples lost all over the record: the workflow knows how to miss them
+        return record
+    print(f"note: {lost:.0%} of the samples are missing; the longest stretch without a gap is taken, {part.duration:.4g} s.", file=sys.stderr)
+    return part
+
+
 def _progress(done, total, text):
+    """A bar that a terminal draws over; nothing where standard error is a file."""
+    if not sys.stderr.isatty():
+        return
     width = 24
     bar = "#" * int(width * min(done, total) / total)
-    print(f"\r[{bar:<{width}}] {text[:70]:<70}", end="", file=sys.stderr, flush=True)
+    print(f"\r[{bar:<{width}}] {text[:70]:<70}", end="\n" if done >= total else "", file=sys.stderr, flush=True)
