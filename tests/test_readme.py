@@ -15,6 +15,13 @@ def test_example_runs():
     assert fit.parameters["N"].low < fit.parameters["N"].value < fit.parameters["N"].high
 
 
+def test_the_record_at_hand_needs_no_flags(capsys):
+    from imu_lib.cli.main import main
+
+    file = re.search(r"`(data/\S+\.csv)` states its units", TEXT)[1]
+    assert main(["check", str(ROOT / file)]) == 0 and "rate             100 Hz" in capsys.readouterr().out
+
+
 def test_commands_and_files_exist():
     from imu_lib.cli.main import COMMANDS
 

@@ -58,7 +58,7 @@ def report(health) -> str:
 
     clock, motion = health.clock, health.motion
     stamps = (
-        "none (even sampling taken)"
+        "perfectly even, or none in the file"
         if not clock.stamped
         else f"jitter {clock.jitter * 1e3:.3g} ms" + (", in bursts" if clock.bursts else "")
     )
