@@ -7,6 +7,7 @@ import numpy as np
 
 from imu_lib import published, tables
 from imu_lib.estimate import Estimate
+from imu_lib.gap.table import describe
 from imu_lib.processes import GaussMarkov, WhiteNoise
 
 
@@ -75,3 +76,12 @@ def test_calibration_coverage_reads_a_stored_study():
     entry = {"coverage_percent": 94.6, "median_half_width": 0.000374}
     table = tables.calibration_coverage({"results": {"12 poses, gyroscopes, scale factor": entry}})
     assert table["12 poses"].to_dict() == {"gyroscopes, scale factor": "95 %", "gyroscopes, half width": "0.037 %"}
+
+
+def test_noise_in_common_has_the_unit_of_its_channels():
+    def told(*channels):
+        return describe(SimpleNamespace(effect="common_mode", parameters={"N": 1e-4, "channels": list(channels)}), "record")
+
+    assert told("gyro_x", "gyro_y") == "common_mode  N 0.3438 deg/sqrt(h), channels gyro_x, gyro_y"
+    assert told("accel_x", "accel_z") == "common_mode  N 0.006 m/s/sqrt(h), channels accel_x, accel_z"
+    assert told("gyro_x", "accel_z") == "common_mode  N 0.0001 SI, channels gyro_x, accel_z"

@@ -33,6 +33,10 @@ def value(symbol: str, x, channel: str) -> str:
 def describe(step, channel: str) -> str:
     """Name and parameters of a step."""
     p = step.parameters
+    if channel == "record" and p.get("channels"):  # the noise's unit is that of the channels that share it
+        kinds = {c.split("_")[0] for c in p["channels"]}
+        unit = p["channels"][0] if len(kinds) == 1 else ""
+        return f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}"
     if step.effect == "parameter_change":
         return f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> {value(p['name'], p['to'], channel)}"
     return step.effect + "  " + ", ".join(f"{k} {value(k, v, channel)}" for k, v in p.items() if v is not None and k != "phase")
