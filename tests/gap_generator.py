@@ -11,7 +11,7 @@ import numpy as np
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 SPECTRAL = ("quantization", "flicker", "random_walk", "gauss_markov", "gauss_markov_2", "autoregressive")
-DRIFTS = ("ramp", "warm_up", "temperature", "step", "sinusoid", "telegraph")
+DRIFTS = ("ramp", "warm_up", "temperature", "step", "sinusoid", "slow_sinusoid", "telegraph")
 STAGES = ("low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck")
 CHANGES = ("change_N", "change_sigma")
 RECORD = ("common_mode", "time_gaps", "jitter")
@@ -161,7 +161,8 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None):
         own = _spectrum(entry, f, fs)
         c = _strength(lambda c: _gain_spectral(s0, own * c), target)
         truth.update(effect="parameter_change", parameters={"process": entry["process"], "name": name, "from": entry[name], "to": entry[name] * np.sqrt(1 + c)})
-        return x + _noise({**entry, name: entry[name] * np.sqrt(c)}, n, fs, rng), truth
+        more = {**entry, name: entry[name] * np.sqrt(c)}
+        return x + _noise(more, n, fs, rng), {**truth, "noise": more, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own * c)}
     if effect in SPECTRAL:
         entry = {"process": effect}
         if effect in ("gauss_markov", "gauss_markov_2"):
@@ -174,13 +175,15 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None):
         shape = _spectrum({**entry, name: 1.0}, f, fs)
         entry[name] = _strength(lambda a: _gain_spectral(s0, a * a * shape), target)
         truth["parameters"] = entry
-        return x + _noise(entry, n, fs, rng), truth
+        own = entry[name] ** 2 * shape
+        return x + _noise(entry, n, fs, rng), {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own)}
     if effect == "telegraph":
         entry = {"process": "telegraph", "rate": 10 ** rng.uniform(np.log10(8 / duration), -0.7)}
         shape = _spectrum({**entry, "amplitude": 1.0}, f, fs)
         entry["amplitude"] = _strength(lambda a: _gain_spectral(s0, a * a * shape), 3 * target)
         truth["parameters"] = entry
-        return x + _noise(entry, n, fs, rng), truth
+        own = entry["amplitude"] ** 2 * shape
+        return x + _noise(entry, n, fs, rng), {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own) / 3}
     if effect in DRIFTS:
         p = {}
         if effect == "ramp":
@@ -191,18 +194,22 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None):
         elif effect == "temperature":
             d, name = temperature - 25.0, "slope"
             p["reference"] = 25.0
+        elif effect == "slow_sinusoid":
+            p["frequency"] = rng.uniform(3.5, 31) / duration
+            d, name = np.sin(2 * np.pi * p["frequency"] * t + rng.uniform(0, 2 * np.pi)), "amplitude"
+            truth["effect"] = "sinusoid"
         elif effect == "step":
             p["time"] = duration * rng.uniform(0.1, 0.9)
             d, name = (t >= p["time"]).astype(float), "amplitude"
         else:
             p["frequency"] = 10 ** rng.uniform(-1.5, np.log10(0.47 * fs))
             d, name = np.sin(2 * np.pi * p["frequency"] * t + rng.uniform(0, 2 * np.pi)), "amplitude"
-        one = _gain_line(d, s0, fs) if effect == "sinusoid" else _gain_drift(d, base, fs)
-        a = np.sqrt(target / one)
-        sign = -1 if effect != "sinusoid" and rng.random() < 0.5 else 1
+        one = lambda around: _gain_line(d, _base_psd(around, f, fs), fs) if effect == "sinusoid" else _gain_drift(d, around, fs)  # noqa: E731
+        a = np.sqrt(target / one(base))
+        sign = -1 if truth["effect"] != "sinusoid" and rng.random() < 0.5 else 1
         p[name] = a * sign
         truth["parameters"] = p
-        return x + a * sign * d, truth
+        return x + a * sign * d, {**truth, "seen": lambda around: a * a * one(around)}
     return _stage(effect, x, fs, rng, truth, white, target)
 
 
@@ -244,7 +251,7 @@ def _stage(effect, x, fs, rng, truth, white, target):
         return np.clip(x, -limit, limit), truth
     if effect == "resolution":
         lsb = white * 10 ** rng.uniform(-0.7, 0.5)
-        truth["parameters"] = {"lsb": lsb}
+        truth.update(parameters={"lsb": lsb}, noise={"process": "white_noise", "N": lsb / np.sqrt(12 * fs)})
         return np.round(x / lsb) * lsb, truth
     fraction, length, y = 10 ** rng.uniform(-3, -1.5), int(rng.integers(5, 60)), x.copy()
     for start in np.flatnonzero(rng.random(n) < fraction / length):
@@ -315,7 +322,18 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
         else:
             x[channel], truth = _hide(e, x[channel], model[channel], fs, rng, temperature, gain)
             case.truths.append({**truth, "channel": str(channel)})
+    _see(case)
     return case
+
+
+def _see(case):
+    """Every gain is that of the effect in the record as it is: the other noises hidden in its channel are there too."""
+    noises = [({t["channel"]} if t["channel"] != "record" else set(t["parameters"].get("channels", [])), t, t.pop("noise", None)) for t in case.truths]
+    for truth in case.truths:
+        seen = truth.pop("seen", None)
+        others = [noise for channels, t, noise in noises if t is not truth and noise and truth["channel"] in channels]
+        if seen and others:
+            truth["gain"] = float(seen(case.base[truth["channel"]] + others))
 
 
 def _hide_record(effect, case, rng):
@@ -330,7 +348,7 @@ def _hide_record(effect, case, rng):
             x[c] = x[c] + w
         rho = [N**2 / (N**2 + case.base[c][0]["N"] ** 2) for c in names]
         p = {"N": N, "channels": [str(c) for c in names]}
-        case.truths.append({"effect": effect, "channel": "record", "parameters": p, "gain": n / 2 * rho[0] * rho[1]})
+        case.truths.append({"effect": effect, "channel": "record", "parameters": p, "gain": n / 2 * rho[0] * rho[1], "noise": {"process": "white_noise", "N": N}})
     elif effect == "time_gaps":
         fraction = 10 ** rng.uniform(-3, -1.5)
         keep = np.ones(n, bool)

@@ -24,7 +24,7 @@ def _case(seed, effect, **more):
 
 
 @pytest.mark.parametrize("effect", ["quantization", "flicker", "random_walk", "autoregressive", "ramp", "warm_up", "temperature", "step", "sinusoid",
-                                    "telegraph", "gauss_markov",
+                                    "slow_sinusoid", "telegraph", "gauss_markov",
                                     "gauss_markov_2", "low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck", "change_N"])
 def test_a_plain_effect_is_named(effect):
     made, base = _case(31, effect)
@@ -49,7 +49,7 @@ def test_a_parameter_that_is_off_is_named_with_its_value(name, factor):
 
 
 @pytest.mark.parametrize("effects", [("ramp", "warm_up"), ("step", "sinusoid"), ("low_pass", "noise_level_change"), ("spikes", "resolution"),
-                                     ("quantization", "gauss_markov"),
+                                     ("quantization", "gauss_markov"), ("slow_sinusoid", "flicker"),
                                      ("telegraph", "change_N"), ("autoregressive", "temperature"), ("saturation", "ramp")])
 def test_two_plain_effects_in_one_channel_are_both_named(effects):
     made = generator.make(51, effects, duration=DURATION, fs=FS, channels=("gyro_x",), base="gm", gain=PLAIN)
@@ -71,6 +71,38 @@ def test_two_levels_that_stand_out_of_the_noise_leave_nothing_behind(rate, ampli
     assert [s.effect for s in found.steps] == ["telegraph"] and found.unexplained is None
     low, high = found.steps[0].intervals["amplitude"]
     assert abs(found.steps[0].parameters["amplitude"] - size) < high - low         # four standard deviations
+
+
+def test_a_noise_that_a_filter_stands_in_for_is_seen():
+    """A filter fitted alone moves its cutoff until quantization has no slope left: it takes both together to see either right."""
+    made = generator.make(73, ["low_pass", "quantization"], duration=DURATION, fs=FS, channels=("gyro_x",), base="white", gain=PLAIN)
+    found = analyse("gyro_x", made.channels["gyro_x"], FS, Sum.of(from_json(e) for e in made.base["gyro_x"]))
+    assert {s.effect for s in found.steps} == {"low_pass", "quantization"}
+
+
+@pytest.mark.parametrize("kind", ["sweep", "wander"])
+def test_a_tone_that_moves_is_no_resonance(kind):
+    base = [{"process": "white_noise", "N": 1e-3}]
+    rng = np.random.default_rng(74)
+    t = np.arange(360_000) / FS
+    f = 4.0 + 3.0 * t / t[-1] if kind == "sweep" else 6.0 * (1 + 0.05 * np.sin(2 * np.pi * t / 400))
+    x = generator._noise(base[0], len(t), FS, rng) + 1.5e-3 * np.sin(2 * np.pi * np.cumsum(f) / FS)
+    found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in base))
+    assert found.unexplained
+    assert all(s.confidence < 0.9 for s in found.steps)
+
+
+def test_a_resonance_is_one_and_its_strength_has_an_interval():
+    base = [{"process": "white_noise", "N": 1e-3}]
+    entry = {"process": "autoregressive", "phi": [2 * 0.95 * np.cos(0.8), -0.95**2], "rate": FS, "sigma": 4e-4}
+    rng = np.random.default_rng(75)
+    x = sum(generator._noise(e, 360_000, FS, rng) for e in (base[0], entry))
+    found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in base))
+    step, = found.steps
+    low, high = step.intervals["sigma"]
+    assert step.effect == "autoregressive" and found.unexplained is None
+    assert abs(step.parameters["sigma"] - 4e-4) < high - low         # four standard deviations
+    assert high / low < 1.5
 
 
 def test_a_resonance_beside_a_filter_inside_the_sensor_is_no_error():

@@ -61,7 +61,7 @@ def _best_drift(state, effect, scan, screen: float = SCREEN) -> Item | None:
         if edge is not None:                               # seen in the samples: the odds fall off on both sides like exp(-|t|)
             note["edge"], note["width"] = edge, float(np.log((edge[2] - edge[1]) / 3.0 / data.duration))
     column = np.diff(effect.columns([best], data)[:, 0])
-    return Item(effect.name, best, column=column, note=note)
+    return Item(effect.key, best, column=column, note=note)
 
 
 def _others(state: State, item: Item):
@@ -105,23 +105,14 @@ def retuned(state: State) -> State:
     return state
 
 
-def _grid(effect, best, data, reach, points):
-    value = getattr(best, effect.shape)
-    if effect.name == "step":
-        block = data.m / data.fs
-        values = np.clip(value + np.linspace(-reach, reach, points) * block, 1.5 * block, data.duration - 1.5 * block)
-    else:
-        low, high = effect.bounds(data)
-        values = np.exp(np.clip(np.log(value) + np.linspace(-reach, reach, points) * (high - low) / 13, low, high))
-    return [best.with_(**{effect.shape: float(v)}) for v in np.unique(values)]
-
-
 def _refine(effect, best, scan, data, state):
     """The drift with its shape at the best place, and the edge that the samples show of a jump, or None."""
     for reach in (1.0, 0.12, 0.015):
-        trial = _grid(effect, best, data, reach, 25)
+        trial = effect.around(best, data, reach, 25)
         gain, amplitude, _ = scan(effect, trial)
         best = trial[int(np.argmax(gain))]
+        if amplitude[int(np.argmax(gain))] < 0:
+            best = effect.upright(best)
     edge = None
     if effect.name == "step":
         amplitude = float(amplitude[int(np.argmax(gain))])
@@ -135,7 +126,7 @@ def _refine(effect, best, scan, data, state):
 
 def _profile(effect, best, scan, data):
     """Range of the shape parameter within 1.92 of the best log-likelihood (3 for an edge)."""
-    trial = _grid(effect, best, data, 6.0, 241)
+    trial = effect.around(best, data, 6.0, 241)
     gain, _, _ = scan(effect, trial)
     values = np.array([getattr(p, effect.shape) for p in trial])
     near = values[gain > gain.max() - (3.0 if effect.name == "step" else 1.92)]

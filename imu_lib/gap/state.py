@@ -37,7 +37,7 @@ class Item:
 
     @property
     def effect(self):
-        return effects.CATALOGUE.get(self.name)
+        return next((e for e in effects.DRIFTS if e.key == self.key), effects.CATALOGUE.get(self.name))
 
 
 class State:

@@ -145,6 +145,8 @@ def where(state, item) -> str:
             return f"regression on the temperature between {data.temperature.min():.1f} and {data.temperature.max():.1f} degC"
         if item.name == "telegraph":
             return f"distribution of the bias: two levels, about {item.note['flips']:.0f} flips in {data.duration:.0f} s"
+        if item.name == "sinusoid":
+            return f"mean of the signal: it swings with a period of {1 / item.process.frequency:.4g} s"
         if item.name == "ramp":
             return f"mean of the signal: a drift over the {data.duration:.0f} s of the record"
         return f"mean of the signal: a transient over the first {3 * item.process.time_constant:.0f} s"

@@ -12,6 +12,7 @@ from .random_walk import RandomWalk
 from .resolution import Resolution
 from .saturation import Saturation
 from .sinusoid import Sinusoid
+from .slow_sinusoid import SlowSinusoid
 from .spikes import Spikes
 from .step import Step
 from .stuck import Stuck
@@ -23,7 +24,7 @@ from .white_noise import WhiteNoise
 #: Noises known by their spectrum.
 SPECTRAL = (WhiteNoise(), Quantization(), Flicker(), RandomWalk(), GaussMarkov(), GaussMarkov2(), Autoregressive())
 #: Functions of time or temperature.
-DRIFTS = (Ramp(), WarmUp(), Temperature(), Step())
+DRIFTS = (Ramp(), WarmUp(), Temperature(), Step(), SlowSinusoid())
 #: What is found by means of its own.
 OTHERS = (Sinusoid(), Telegraph(), LowPass(), NoiseLevelChange(), Spikes(), Saturation(), Resolution(), Stuck())
 CATALOGUE = {effect.name: effect for effect in SPECTRAL + DRIFTS + OTHERS}

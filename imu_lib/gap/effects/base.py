@@ -16,6 +16,11 @@ class Effect:
     cause: ClassVar[str] = ""
     domain: ClassVar[str] = "psd"
 
+    @property
+    def key(self) -> str:
+        """The name, and behind a colon which of several effects of that name it is."""
+        return self.name
+
     def beside(self, low_pass, fs: float) -> bool:
         """Whether the effect can stand beside a filter (or None) in the sensor."""
         return True
@@ -83,3 +88,13 @@ class Drift(Effect):
     def bounds(self, data) -> tuple[float, float]:
         """Range of the logarithm of the shape parameter."""
         return 0.0, 0.0
+
+    def around(self, process, data, reach: float, points: int) -> list:
+        """Drifts with shapes up to `reach` grid steps either side of that of `process`."""
+        low, high = self.bounds(data)
+        values = np.exp(np.clip(np.log(getattr(process, self.shape)) + np.linspace(-reach, reach, points) * (high - low) / 13, low, high))
+        return [process.with_(**{self.shape: float(v)}) for v in np.unique(values)]
+
+    def upright(self, process):
+        """The drift whose amplitude is negative as one whose amplitude is positive, where there is one."""
+        return process

@@ -21,6 +21,11 @@ class Step(Drift):
         edge = np.array([p.time for p in processes]) * data.fs / data.m
         return np.clip(np.arange(1, data.k + 2)[:, None] - edge[None, :], 0.0, 1.0)
 
+    def around(self, process, data, reach, points):
+        block = data.m / data.fs
+        times = np.clip(process.time + np.linspace(-reach, reach, points) * block, 1.5 * block, data.duration - 1.5 * block)
+        return [process.with_(time=float(t)) for t in np.unique(times)]
+
     def penalty(self, data, snr):
         # the edge is found to about a (8 / snr^2)th of the record
         return float(np.log(min(1.0, 16.0 / max(snr, 1.0) ** 2)) - np.log(2.0))

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import poisson
 
 from imu_lib.processes import Stuck as Stage
 
@@ -16,6 +17,25 @@ def runs(x) -> tuple[np.ndarray, np.ndarray]:
     return start, stop - start
 
 
+def _least(length, chance) -> tuple[float, float]:
+    """The length from which on most runs are frozen samples, given the runs of a simulation that only rounds, and how many
+    chance makes there.
+
+    The longest chance runs are geometric. There have to be so many more that chance makes them once in a hundred thousand
+    records, and it has to account for three in ten at the most; infinite where no length is like that.
+    """
+    if len(chance) == 0:
+        return 1, 0.0
+    far = float(np.quantile(chance, 0.99))
+    more = max(float(np.mean(chance[chance >= far] - far)), 0.2)
+    at = np.arange(int(far) + 1, max(int(length.max(initial=0)), int(far)) + 2)
+    want = np.count_nonzero(chance >= far) * (more / (1 + more)) ** (at - far)
+    got = len(length) - np.searchsorted(np.sort(length), at)
+    sure = (want < 0.3 * got) & (poisson.sf(got - 1, want) < 1e-5)
+    i = int(np.argmax(sure))
+    return (at[i], float(want[i])) if sure.any() else (np.inf, 0.0)
+
+
 class Stuck(Effect):
     name = "stuck"
     cause = "The read-out returns an old value again: a bus that is too slow, a register that is not refreshed."
@@ -27,14 +47,7 @@ class Stuck(Effect):
         start, length = runs(x)
         keep = ~clipped[start]
         start, length = start[keep], length[keep]
-        least = 1
-        if twin is not None:
-            chance = runs(twin)[1]
-            if len(chance):
-                # the longest chance runs, all on one level, are geometric: the length that not one in a thousand such records would reach
-                far = np.quantile(chance, 0.99)
-                more = max(float(np.mean(chance[chance >= far] - far)), 0.2)
-                least = max(int(chance.max()) + 2, int(np.ceil(far + np.log(10 * len(chance)) / np.log1p(1 / more))) + 1)
+        least, chance = (1, 0.0) if twin is None else _least(length, runs(twin)[1])
         hit = length >= least
         start, length = start[hit], length[hit]
         repeats = int(length.sum())
@@ -46,7 +59,7 @@ class Stuck(Effect):
         mask = np.zeros(len(x), bool)
         for s, k in zip(start, length):
             mask[s + 1:s + 1 + k] = True
-        fraction = repeats / len(x)
+        fraction = repeats * (1 - chance / len(start)) / len(x)
         spread = 1.96 / np.sqrt(len(start))
         return Finding(self, Stage(fraction=fraction, length=typical), 10.0 * repeats,
                        f"distribution of the samples: {len(start)} runs of equal values, the longest {int(length.max()) + 1} samples",

@@ -1,0 +1,61 @@
+"""Grids as wide as the noise, and frozen samples on them."""
+
+import gap_generator as generator
+import numpy as np
+import pytest
+
+from imu_lib.gap.channel import analyse
+from imu_lib.gap.effects.stuck import Stuck
+from imu_lib.gap.innovations import Smooth
+from imu_lib.gap.rounding import Rounding, moments
+from imu_lib.processes import Sum, from_json
+
+FS, N = 100.0, 120_000
+
+
+@pytest.mark.parametrize("sd", [0.3, 0.5, 1.2])
+def test_moments_of_rounded_normal_samples(sd):
+    mu, mean, variance = moments(sd)
+    z = np.random.default_rng(1).standard_normal(400_000)
+    for i in (3, 64, 100):
+        x = np.rint(mu[i] + sd * z)
+        assert abs(x.mean() - mean[i]) < 5 * np.sqrt(variance[i] / len(z))
+        assert abs(x.var() - variance[i]) < 5 * np.sqrt(np.var((x - x.mean()) ** 2) / len(z))
+
+
+@pytest.mark.parametrize("step, offset", [(1.2, 0.0), (2.0, 0.7), (3.0, 0.2)])
+def test_the_noise_before_a_coarse_grid_is_recovered(step, offset):
+    """Steps in standard deviations; Sheppard's step^2 / 12 would be off by up to 20 % of the noise at three of them."""
+    x = np.random.default_rng(2).standard_normal(N) + 0.4
+    y = np.rint((x - offset) / step) * step + offset
+    smooth = Smooth(y, FS)
+    rounding = Rounding(y, smooth, (step, offset))
+    assert abs(rounding.variance * step**2 - 1) < 0.03                 # four standard deviations of a variance cut to a few levels
+    assert abs(np.mean(rounding.base) * step + offset - 0.4) < 0.03
+    added = rounding.extra(np.random.default_rng(3))
+    k = smooth.layout.slow
+    left = np.average(smooth.level[k:] - added[k:], weights=smooth.layout.nu[k:]) * FS / 2
+    assert abs(left - 1) < 0.03
+
+
+@pytest.mark.parametrize("step", [1.4, 3.0])
+def test_a_coarse_grid_leaves_nothing_else_to_be_named(step):
+    base = [{"process": "white_noise", "N": 1e-4}]
+    x = generator._noise(base[0], 360_000, FS, np.random.default_rng(4)) + 3e-4
+    lsb = step * 1e-3
+    found = analyse("gyro_x", np.rint(x / lsb) * lsb, FS, Sum.of(from_json(e) for e in base))
+    assert [s.effect for s in found.steps] == ["resolution"] and found.unexplained is None
+
+
+def test_frozen_samples_are_told_from_chance_runs_on_a_coarse_grid():
+    rng = np.random.default_rng(5)
+    x, twin = (np.rint(rng.standard_normal(N) / 2.5) for _ in range(2))
+    clipped = np.zeros(N, bool)
+    assert Stuck().detect(x, clipped, twin, None) is None
+    y = x.copy()
+    starts = np.arange(500, N - 500, 1500)
+    for s in starts:
+        y[s:s + 40] = y[s]
+    found = Stuck().detect(y, clipped, twin, None)
+    assert abs(found.process.fraction / (39 * len(starts) / N) - 1) < 0.25     # chance makes each run longer by a few samples
+    assert found.mask[starts[0] + 30]
