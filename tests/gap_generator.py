@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from gap_unknowns import UNKNOWN, unknown
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 SPECTRAL = ("quantization", "flicker", "random_walk", "gauss_markov", "gauss_markov_2", "autoregressive")
@@ -16,8 +17,6 @@ STAGES = ("low_pass", "noise_level_change", "spikes", "saturation", "resolution"
 CHANGES = ("change_N", "change_sigma")
 RECORD = ("common_mode", "time_gaps", "jitter")
 KNOWN = SPECTRAL + DRIFTS + STAGES + CHANGES + RECORD
-UNKNOWN = ("modulated_noise", "chirp", "heavy_tails", "bursts", "fading_tone", "bent", "missing_codes",
-           "square_wave", "delayed_coupling", "clicks")
 
 
 @dataclass
@@ -260,37 +259,6 @@ def _stage(effect, x, fs, rng, truth, white, target):
     return y, truth
 
 
-def _unknown(effect, x, fs, rng, white):
-    n, mean = len(x), x.mean()
-    t = np.arange(n) / fs
-    T = n / fs
-    if effect == "modulated_noise":
-        depth, period = rng.uniform(0.2, 0.6), T / rng.uniform(3, 40)
-        return mean + (x - mean) * (1 + depth * np.sin(2 * np.pi * t / period + rng.uniform(0, 6)))
-    if effect == "chirp":
-        f0, f1 = rng.uniform(1, 0.2 * fs), rng.uniform(0.25 * fs, 0.45 * fs)
-        return x + white * rng.uniform(0.3, 1) * np.sin(2 * np.pi * (f0 * t + (f1 - f0) * t * t / (2 * T)))
-    if effect == "heavy_tails":
-        return x + white * rng.standard_t(3, n) * rng.uniform(0.5, 1)
-    if effect == "bursts":
-        period, width = rng.uniform(20, 120), rng.uniform(0.5, 5)
-        return x + white * rng.uniform(0.7, 2) * rng.standard_normal(n) * ((t % period) < width)
-    if effect == "fading_tone":
-        return x + white * rng.uniform(0.2, 0.6) * np.sin(2 * np.pi * rng.uniform(2, 0.45 * fs) * t) * np.sin(np.pi * t / T * rng.integers(2, 9))
-    if effect == "bent":
-        u = (x - mean) / x.std()
-        return x + x.std() * rng.uniform(0.08, 0.25) * (u * u - 1)
-    if effect == "missing_codes":
-        lsb = white * rng.uniform(0.2, 0.5)
-        k = np.round(x / lsb)
-        return np.where(k % 8 == 3, k + 1, k) * lsb
-    if effect == "square_wave":
-        return x + white * rng.uniform(0.2, 0.6) * np.sign(np.sin(2 * np.pi * rng.uniform(0.5, 4) * t))
-    if effect == "delayed_coupling":
-        return x + np.roll(x - mean, int(fs * rng.uniform(0.05, 0.5))) * rng.uniform(0.1, 0.4)
-    return x + (rng.random(n) < 1 / (fs * rng.uniform(1, 10))) * white * rng.uniform(5, 9)     # clicks: one sign, one height
-
-
 def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base=None, gain=None, with_temperature=None):
     """A case: `effects` hidden one after the other in random channels (two in one case share a channel half the time)."""
     rng = np.random.default_rng(seed)
@@ -315,7 +283,7 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
             channel = rng.choice(list(x))
         white = model[channel][0]["N"] * np.sqrt(fs)
         if e in UNKNOWN:
-            x[channel] = _unknown(e, x[channel], fs, rng, white)
+            x[channel] = unknown(e, x[channel], fs, rng, white)
             case.truths.append({"effect": "unknown", "kind": e, "channel": str(channel), "gain": 1e3})
         elif e in RECORD:
             _hide_record(e, case, rng)
@@ -348,7 +316,8 @@ def _hide_record(effect, case, rng):
             x[c] = x[c] + w
         rho = [N**2 / (N**2 + case.base[c][0]["N"] ** 2) for c in names]
         p = {"N": N, "channels": [str(c) for c in names]}
-        case.truths.append({"effect": effect, "channel": "record", "parameters": p, "gain": n / 2 * rho[0] * rho[1], "noise": {"process": "white_noise", "N": N}})
+        case.truths.append({"effect": effect, "channel": "record", "parameters": p, "gain": n / 2 * rho[0] * rho[1],
+                            "noise": {"process": "white_noise", "N": N}})
     elif effect == "time_gaps":
         fraction = 10 ** rng.uniform(-3, -1.5)
         keep = np.ones(n, bool)

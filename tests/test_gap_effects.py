@@ -116,7 +116,7 @@ def test_an_unknown_effect_is_left_unexplained_without_a_confident_name(effect):
     made, _ = generator.make(41, [], duration=DURATION, fs=FS, channels=("gyro_x",), base="gm"), None
     base = Sum.of(from_json(e) for e in made.base["gyro_x"])
     white = made.base["gyro_x"][0]["N"] * np.sqrt(FS)
-    x = generator._unknown(effect, made.channels["gyro_x"], FS, np.random.default_rng(5), white)
+    x = generator.unknown(effect, made.channels["gyro_x"], FS, np.random.default_rng(5), white)
     found = analyse("gyro_x", x, FS, base)
     assert found.unexplained
     assert all(s.confidence < 0.9 for s in found.steps)

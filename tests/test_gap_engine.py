@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from imu_lib.gap import engine, fast, slow
-from imu_lib.processes import Flicker, GaussMarkov, GaussMarkov2, Quantization, RandomWalk, WhiteNoise
+from imu_lib.gap.ensemble import draw
+from imu_lib.processes import Flicker, GaussMarkov, GaussMarkov2, LowPass, Quantization, RandomWalk, Sum, WhiteNoise
 
 FS, M = 100.0, 400
 PROCESSES = [WhiteNoise(1e-3), Quantization(1e-3), Flicker(1e-3), RandomWalk(1e-4), GaussMarkov(1e-3, 1.0), GaussMarkov(1e-3, 50.0),
@@ -61,3 +62,16 @@ def test_periodogram_of_white_noise_has_its_level():
     level = np.average(data.power, weights=data.layout.nu)
     assert abs(level / 2e-6 - 1) < 5 * np.sqrt(2 / data.layout.nu.sum())
     assert fast.padded(60_001) >= 60_001
+
+
+def test_noise_behind_a_filter_inside_the_sensor_is_drawn_with_its_folded_spectrum():
+    """The ensemble's short cut against the filter itself, run ten times as fast as it is read."""
+    model = Sum((WhiteNoise(N=1e-3), GaussMarkov(sigma=5e-3, correlation_time=0.02), GaussMarkov(sigma=2e-3, correlation_time=40.0)),
+                (LowPass(order=2, cutoff=20.0, rate=1000.0),))
+    spectra = []
+    for make in (lambda rng: draw(model, 200_000, 100.0, rng), lambda rng: model.simulate(200_000, 100.0, rng)):
+        x = make(np.random.default_rng(3))
+        spectra.append(np.abs(np.fft.rfft(x * np.hanning(len(x)))[1:]) ** 2)
+    bins = np.geomspace(2000, 99_000, 9).astype(int)
+    for a, b in zip(bins[:-1], bins[1:]):
+        assert abs(spectra[0][a:b].mean() / spectra[1][a:b].mean() - 1) < 5 * np.sqrt(2 * 2 / (b - a))      # a Hann window halves the ordinates

@@ -8,7 +8,7 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from imu_lib.gap.channel import analyse
-from imu_lib.gap.effects.telegraph import _amplitude, _beyond_spectrum, _posterior
+from imu_lib.gap.effects.telegraph import _amplitude, _beyond_spectrum, _cosines, _posterior
 from imu_lib.processes import Sum, from_json
 
 FS, N = 100.0, 360_000
@@ -39,11 +39,11 @@ def test_the_distance_of_the_levels_is_unbiased_beside_a_drift():
     rng = np.random.default_rng(2)
     n, a, var, k = 3000, 1.0, 1.0, 0.02
     values, sds = [], []
-    ratio = k**2 / (k**2 + var * 4 * np.sin(np.pi * np.arange(n + 1) / (2 * n)) ** 2)     # share of a walk in walk and noise
+    ratio = k**2 / (k**2 + var * 4 * np.sin(np.pi * np.arange(n) / (2 * n)) ** 2)     # share of a walk in walk and noise
     for _ in range(60):
         w = np.cumsum(rng.random(n) < 0.01) % 2 - 0.5
         y = a * w + np.cumsum(k * rng.standard_normal(n)) + np.sqrt(var) * rng.standard_normal(n)
-        value, sd = _amplitude(y, w, 0.0, var, 1 - ratio)
+        value, sd = _amplitude(_cosines(y), _cosines(w), 0.0, var, 1 - ratio)
         values.append(value)
         sds.append(sd)
     assert abs(np.mean(values) - a) < 4 * np.std(values) / np.sqrt(60)

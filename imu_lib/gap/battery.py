@@ -113,7 +113,7 @@ def battery(x, fs: float, temperature=None) -> dict:
     sd = np.sqrt(var)
     far, farther, core, most, out["autocorrelation"] = _shape(r, sd, _LAGS)
     out["distribution"] = np.array([third / (var * sd), np.log(fourth / var**2), np.log(far + 1 / n), np.log(farther + 1 / n),
-                                    np.log(most), np.log(same + 1 / n), np.log(core), float(tops >= 3) + float(bottoms >= 3)])
+                                    np.log(most), np.log(same + 1 / n), np.log(core + 1 / n), float(tops >= 3) + float(bottoms >= 3)])
     t = np.linspace(-1, 1, k)
     scatter = np.std(np.diff(level)) / np.sqrt(2)
     jump = _largest_jump(level)

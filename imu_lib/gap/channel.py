@@ -12,7 +12,7 @@ from imu_lib.gap.engine import Data, measured
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
-from imu_lib.processes import Sum, WhiteNoise
+from imu_lib.processes import CommonMode, Sum
 
 #: Effects whose doubts leave the name without high confidence.
 DOUBTED = 0.5
@@ -66,7 +66,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     doubts = []
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]
     if shared > 0:
-        terms.append(WhiteNoise(N=shared))
+        terms.append(CommonMode(N=shared, channels=(name,)))
     # -- noise level ---------------------------------------------------------------------------------------
     say("noise level")
     y = whitened(clean.x - clean.coarse, clean.smooth) / clean.swing
@@ -114,10 +114,19 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         state = profiled(state)
     # -- what is left ----------------------------------------------------------------------------------------
     say("what is left")
-    rest = data.x - _deterministic(state)
-    smooth = Smooth(rest, fs)
-    y = whitened(rest, smooth) / clean.swing
-    tests = verdict.checks(state, y, smooth, coarse_steps=coarse_steps or clean.touched > 0.002)
+
+    def left(state):
+        rest = data.x - _deterministic(state)
+        smooth = Smooth(rest, fs)
+        return verdict.checks(state, whitened(rest, smooth) / clean.swing, smooth, coarse_steps=coarse_steps)
+    tests = left(state)
+    if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
+        # before it is left without a name: two effects far behind one alone
+        other, others = rounds.swap(state, passes=1, reach=np.inf)
+        if other.evidence > state.evidence + rounds.EVIDENCE:
+            state, rivals = rounds.swap(rounds.prune(other), passes=1)
+            state = profiled(state)
+            tests = left(state)
     worst = min(tests, key=lambda c: c.log_p)
     doubts += [f.doubt for f in findings if f.doubt]
     unexplained = None
@@ -130,6 +139,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         steps = [s.capped(DOUBTED) for s in steps]
     elif len(state.likelihood.slots) - len(state.base_slots) > 2:       # so many noises draw any smooth spectrum
         steps = [s.capped(MANY) for s in steps]
+    steps = _doubtful(steps)
     held_terms = 1 if shared > 0 else 0
     base_sum = given if given is not None else Sum(tuple(state.base[held_terms:n_base]))
     model = _grown(base_sum, state, findings, n_base - held_terms, held_terms)
@@ -137,6 +147,23 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     refit = _refit(base_sum, state, findings, n_base - held_terms, held_terms) if steps else None
     swallowed = [] if given is not None else absorbed(state)
     return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit)
+
+
+def _doubtful(steps):
+    """The steps with no high confidence in what the make of another would explain, too.
+
+    A filter that is not of the catalogue's kinds leaves a slope near half the sampling rate; where an angle or a velocity is
+    rounded instead of the sample, its errors are differenced, and N stands for the white noise that the grid then lacks.
+    """
+    names = {s.effect for s in steps}
+    out = []
+    for s in steps:
+        if "low_pass" in names and s.effect in ("quantization", "autoregressive"):
+            s = s.capped(MANY)
+        if {"resolution", "quantization"} <= names and s.effect == "parameter_change" and s.parameters["name"] == "N":
+            s = s.capped(DOUBTED)
+        out.append(s)
+    return out
 
 
 def _level(clean, terms, low_pass, fs) -> float:

@@ -19,7 +19,6 @@ from imu_lib.gap.effects.stuck import Stuck
 from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises
 from imu_lib.gap.rounding import COARSE, Rounding
 
-
 #: Steps of the grid, in standard deviations of what the other samples leave open, from which on the levels show in the innovations.
 DITHER = 0.3
 
@@ -110,26 +109,31 @@ def undo(raw, fs: float, base, rng) -> Clean:
     if stuck is not None:
         findings.append(stuck)
         bad |= stuck.mask
-    above = (side > 0, raw[side > 0].min() if (side > 0).any() else 0.0)
-    below = (side < 0, raw[side < 0].max() if (side < 0).any() else 0.0)
+    above = (side > 0, raw[side > 0].min() - 0.5 * (step or 0.0) if (side > 0).any() else 0.0)
+    below = (side < 0, raw[side < 0].max() + 0.5 * (step or 0.0) if (side < 0).any() else 0.0)
     hidden = bad | (side != 0)
     rest = x - coarse
     spikes, spiked = None, np.zeros(len(x), bool)
     for _ in range(3):
         if (hidden | spiked).any():
-            clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng)
+            clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid if step is not None else None)
             smooth = Smooth(clean, fs)
         else:
             clean = rest
-        probe = np.where(hidden, clean, rest)             # spikes are looked for in what was measured
+        measured = np.where(hidden, clean, rest)
+        # neighbours of a spike are judged without it, spikes by what was measured
+        probe = clean if spiked.any() else measured
         even = smooth
         if step is not None and step > DITHER * np.sqrt(smooth.conditional_variance):
             # a few levels have no median and no shoulders: spread each over its own width
             probe = probe + step * (rng.random(len(probe)) - 0.5)
             even = Smooth(probe, fs)
         y = surprises(probe, even)
-        y[hidden | _edges(probe, y)] = 0.0
-        y[:64] = y[-64:] = 0.0                          # a filter that starts up is no spike
+        if spiked.any():
+            y[spiked] += (rest - clean)[spiked] / np.sqrt(even.conditional_variance)
+        y[hidden | _edges(measured, y)] = 0.0
+        for end in (y[:64], y[-64:]):
+            end[np.abs(end) < 20] = 0.0                 # a filter that starts up is no spike, unless it is one by eye
         new = Spikes().detect(y[~hidden], even, held.get("spikes"))
         if new is None and "spikes" not in held:
             spikes = None
@@ -146,7 +150,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
     if spikes is not None:
         findings.append(spikes)
     if (hidden | spiked).any():
-        clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng)
+        clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid if step is not None else None)
         smooth = Smooth(clean, fs)
     white, extra = 0.0 if step is None else step**2 / 12.0, None
     swing = 1.0
@@ -162,6 +166,8 @@ def _edges(x, y, *, reach: int = 4) -> np.ndarray:
     """Surprises where the level before differs from the level after by most of the surprise: a jump, not a spike; mask (n,)."""
     at = np.flatnonzero(np.abs(y) > 4.5)
     at = at[(at > reach + 1) & (at < len(x) - reach - 2)]
+    # the surprises beside a spike are its shadow
+    at = at[np.abs(y[at]) >= np.max(np.abs(y[at[:, None] + np.arange(-reach, reach + 1)]), axis=1)] if len(at) else at
     out = np.zeros(len(x), bool)
     if len(at) == 0 or len(at) > len(x) // 50:
         return out
@@ -174,11 +180,14 @@ def _edges(x, y, *, reach: int = 4) -> np.ndarray:
     return out
 
 
-def _fill(rest, bad, above, below, coarse, smooth, rng):
+def _fill(rest, bad, above, below, coarse, smooth, rng, grid):
     if not (above[0].any() or below[0].any()):
         return impute(rest, bad, smooth, rng)
     # the limits hold for the whole signal: for the rest of it they move with what was set aside
     whole = impute(rest, bad | above[0] | below[0], smooth, rng)
     out = impute(rest, bad, smooth, rng, above=(above[0], above[1] - float(np.median(coarse[above[0]]))) if above[0].any() else None,
                  below=(below[0], below[1] - float(np.median(coarse[below[0]]))) if below[0].any() else None)
+    if grid is not None:                                  # clipped samples were rounded, too
+        step, offset = grid
+        out = np.where(above[0] | below[0], offset + np.rint((out + coarse - offset) / step) * step - coarse, out)
     return np.where(bad & ~above[0] & ~below[0], whole, out)

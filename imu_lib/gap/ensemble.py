@@ -8,12 +8,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
 
 from imu_lib.gap.battery import battery, stack
 from imu_lib.processes import Constant, Sum
 
 #: Simulations in an ensemble.
 SIZE = 100
+#: Correlation time, s, from which on noise passes a filter in the sensor unchanged.
+PASSES = 10.0
+#: Scatter that a statistic is given which is the same in all simulations, such as the share of frozen samples.
+ALIKE = 0.02
 
 
 class Replay:
@@ -49,6 +54,34 @@ def centred(model: Sum, level: float, t, temperature) -> Sum:
     return Sum(tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),), model.stages)
 
 
+def draw(model: Sum, n: int, fs: float, rng, *, temperature=None, common=None):
+    """A realisation of the model, shape (n,).
+
+    Where a filter runs at many times the sampling rate, the quick noise is drawn behind it from its folded spectrum, and
+    what is slow passes it unchanged.
+    """
+    if model.low_pass is None or model.low_pass.grid(fs)[0] <= 2:
+        return model.simulate(n, fs, rng, temperature=temperature, common=common)
+    size = next_fast_len(n + 4096, real=True)
+    f = np.maximum(np.arange(size // 2 + 1), 1) * fs / size
+    parts = {kind: tuple(t for t in model.terms if _passage(t) == kind) for kind in ("unchanged", "slow", "quick")}
+
+    def behind(terms):
+        if not terms:
+            return np.zeros(n)
+        density = Sum(terms, (model.low_pass,)).psd(f, fs)
+        return irfft(rfft(rng.standard_normal(size)) * np.sqrt(density * fs / 2), size)[:n]
+    slow = Sum(parts["unchanged"]).simulate(n, fs, rng, temperature=temperature) + behind(parts["slow"])
+    return model.behind(slow, behind(parts["quick"]), fs, rng, common=common)
+
+
+def _passage(term) -> str:
+    """How a process passes a filter: unchanged, as slow noise that is filtered, as quick noise whose level may change."""
+    if term.deterministic or term.name in ("random_walk", "flicker", "telegraph") or getattr(term, "correlation_time", 0.0) > PASSES:
+        return "unchanged"
+    return "quick" if term.fast else "slow"
+
+
 def simulate(jobs, n: int, fs: float, seeds, temperature, levels) -> list[list[dict]]:
     """Batteries of simulations: for each job (model, start, stop in samples, shared N or 0, lost mask or None) one list over the seeds."""
     t = np.arange(n) / fs
@@ -60,8 +93,8 @@ def simulate(jobs, n: int, fs: float, seeds, temperature, levels) -> list[list[d
         for k, (model, (_, start, stop, shared, lost)) in enumerate(zip(ready, jobs)):
             key = (id(jobs[k][0]), shared)
             if key not in made:
-                made = {key: model.simulate(n, fs, rng.rewind(), temperature=temperature,
-                                            common=None if not shared else rng._other.standard_normal(n) * shared * np.sqrt(fs))}
+                common = None if not shared else rng._other.standard_normal(n) * shared * np.sqrt(fs)
+                made = {key: draw(model, n, fs, rng.rewind(), temperature=temperature, common=common)}
             x = made[key]
             if lost is not None:
                 x = filled(np.where(lost, np.nan, x))
@@ -100,7 +133,7 @@ def index(measured: dict, rows: list[dict]) -> Index:
         if s.shape[1] == 0:
             continue
         mean, sd = s.mean(axis=0), s.std(axis=0, ddof=1)
-        sd = np.maximum(sd, 1e-9 + 1e-6 * np.abs(mean))
+        sd = np.where(sd > 1e-6 * (1 + np.abs(mean)), sd, ALIKE)
         z = (measured[d] - mean) / sd / np.sqrt(1 + 1 / count)
         near[d] = ((s - mean) / sd) ** 2 * count / (count - 1)
         far[d] = np.minimum(np.abs(z), 1e3) ** 2

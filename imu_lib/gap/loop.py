@@ -15,6 +15,9 @@ from imu_lib.gap.steps import Step
 from imu_lib.model import Model
 from imu_lib.record import Record
 
+#: Gap index after the last step beyond which something is left that has no name; that of a right model scatters by 0.1 about 1.
+FAR = 1.6
+
 
 @dataclass
 class ChannelReport:
@@ -85,13 +88,15 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
     Raises
     ------
     ValueError
-        If `channels` names one that the record lacks, or the record is shorter than 2000 samples.
+        If `channels` names one that the record lacks or that does not move, or the record is shorter than 2000 samples.
     """
     started = time.perf_counter()
     names = list(record.channel_names if channels is None else channels)
     for name in names:
         if name not in record:
             raise ValueError(f"`channels` has {name!r}, which the record lacks")
+        if not np.nanstd(record.channels[name]) > 0:
+            raise ValueError(f"`record` does not move in {name}; leave the channel out with `channels`")
     if record.n < 2000:
         raise ValueError(f"`record` has {record.n} samples; the workflow needs 2000 or more")
     jobs = jobs or min(2, os.cpu_count() or 1)
@@ -198,6 +203,10 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
         report.before, report.after = chain[0], chain[-1]
         report.batteries = {"measured": whole, "before": rows[(name, 0)], "after": rows[[k for k in keys if k[0] == name and not isinstance(k[1], str)][-1]]}
         r = report.result
+        if r.unexplained is None and report.after.value > FAR:
+            domain = max(report.after.domains, key=report.after.domains.get)
+            r.unexplained = (f"simulations of the grown model: gap index {report.after.value:.2f}, most in the domain {domain} "
+                             f"({report.after.domains[domain]:.2f})")
         if r.steps:
             values = [c.value for c in chain]
             values = values[len(values) - len(r.steps) - 1:]

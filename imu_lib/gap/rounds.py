@@ -10,14 +10,13 @@ from imu_lib.gap.drifts import drift_candidates, retuned
 from imu_lib.gap.engine import SCREEN, amplitude_occam
 from imu_lib.gap.search import change_candidates, filter_candidates, spectral_candidates
 from imu_lib.gap.state import Item, State
-from imu_lib.processes import GaussMarkov
 
 #: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records, benchmarks/gap_null.py).
 EVIDENCE, GAIN = 3.0, 9.0
 #: Alternatives within this log evidence of the winner cannot be told from it.
 NEAR = 3.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second effect.
-REPLACED, REACH = 3, 40.0
+REPLACED, REACH = 3, 150.0
 #: Samples that a level has to last on average to be told from noise.
 DWELL = 50
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record exactly of its model.
@@ -114,8 +113,7 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
         occam = amplitude_occam(process.amplitude / sd) + np.log(np.sqrt(2 * np.pi / max(flips, 1)) / np.log(1e4))
         note = {"flips": flips, "sd": sd}
         trial = state.plus(Item("telegraph", process, signal=signal, note={**note, "ll": 0.0}))
-        twin = GaussMarkov(sigma=process.amplitude / 2, correlation_time=0.5 / process.rate)
-        alike = State(state.data, state.base + (twin,), state.items, low_pass=state.base_low_pass, base_slots=state.base_slots)
+        alike = State(state.data, state.base + (process.twin,), state.items, low_pass=state.base_low_pass, base_slots=state.base_slots)
         item = Item("telegraph", process, signal=signal, bonus=float(alike.evidence - trial.evidence + beyond + occam),
                     note={**note, "ll": float(alike.ll - trial.ll + beyond)})
         trial = state.plus(item)
@@ -154,8 +152,10 @@ def prune(state: State) -> State:
     return state
 
 
-def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
+def swap(state: State, *, exclude=(), passes: int = 2, reach: float = REACH) -> tuple[State, list]:
     """Put every item to the test against all others in its place; returns the best state and for each item its rivals.
+
+    Rivals no further behind than `reach` are tried with a second effect beside them.
 
     The rivals are a list of (name, log evidence relative to the item) for each item of the final state.
     """
@@ -172,7 +172,7 @@ def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
             others = {}
             for w in weighed:
                 others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
-            two = _by_two(weighed, own, item, exclude)
+            two = _by_two(weighed, own, item, exclude, reach)
             if two is not None and two[0] > EVIDENCE + 0.5:
                 state, changed = retuned(two[1].state).settled(), True
                 break
@@ -185,14 +185,14 @@ def swap(state: State, *, exclude=(), passes: int = 2) -> tuple[State, list]:
     return state, [{} for _ in state.items] if changed else rivals
 
 
-def _by_two(weighed, own, item, exclude):
+def _by_two(weighed, own, item, exclude, reach):
     """The best two other effects in the place of `item`: (log evidence relative to it, second of the two, key of the first), or None.
 
     A sum of two noises looks like a third: a slow and a fast one like flicker.
     """
     best = None
     for w in weighed[:REPLACED]:
-        if w.evidence < max(own - REACH, EVIDENCE) or w.item.slot is None and w.item.column is None:
+        if w.evidence < max(own - reach, EVIDENCE) or w.item.slot is None and w.item.column is None:
             continue
         more = next((v for v in weigh(w.state.settled(), exclude=(*exclude, "telegraph")) if v.gain > GAIN and v.evidence > EVIDENCE), None)
         if more is None or more.item.key == item.key:

@@ -86,7 +86,7 @@ def change_candidates(state: State) -> list[Item]:
     free = {s.index for s in state.base_slots}
     out, slots, keys = [], [], []
     for index, term in enumerate(state.base):
-        if index in free:
+        if index in free or term.name == "common_mode":
             continue
         for p in term.parameters:
             key = f"parameter_change:{index}:{p.name}"
@@ -94,7 +94,9 @@ def change_candidates(state: State) -> list[Item]:
             if key in taken or sampling or term.deterministic or p.kind not in ("amplitude", "time", "rate") or getattr(term, p.name) <= 0:
                 continue
             value = np.log(getattr(term, p.name))
-            slots.append(Slot(index, (p.name,), (value - 9.0,), (value + 9.0,), (CHANGE_WIDTH,)))
+            # a time constant beyond a third of the record is not seen
+            most = max(value + 0.1, np.log(state.data.duration / 3)) if p.kind == "time" else np.inf
+            slots.append(Slot(index, (p.name,), (value - 9.0,), (min(value + 9.0, most),), (CHANGE_WIDTH,)))
             keys.append(key)
     if not slots:
         return out
@@ -117,7 +119,13 @@ def filter_gains(layout, fs):
     """The filters of the catalogue and their power gains in the fast bins, shape (filters, bins)."""
     stages = effects.CATALOGUE["low_pass"].candidates(fs)
     f = layout.nodes[layout.slow:]
-    return stages, np.array([s.gain(f, fs) @ np.array([5.0, 8.0, 5.0]) / 18.0 for s in stages])
+    return stages, np.array([_folded(s, f, fs) @ np.array([5.0, 8.0, 5.0]) / 18.0 for s in stages])
+
+
+def _folded(stage, f, fs):
+    """Power gain on white noise that a filter run at a multiple of the sampling rate leaves behind the sampling."""
+    half = stage.rate / 2
+    return sum(stage.gain(half - np.abs((f + j * fs) % stage.rate - half), fs) for j in range(round(stage.rate / fs)))
 
 
 def filter_candidates(state: State) -> list[Item]:
@@ -133,15 +141,15 @@ def filter_candidates(state: State) -> list[Item]:
     extra = data.extra[data.layout.slow:]
     s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
     rows = list(zip(-0.5 * np.sum(nu * (np.log(s) + power / s), axis=1) - base, stages))
-    rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in state.fit.terms)]
+    rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in state.fit.terms if t.name != "common_mode")]
     rows.sort(key=lambda r: -r[0])
     out, kinds = [], set()
     for gain, stage in rows:
-        kind = "taps" if stage.taps else f"order{stage.order}"
+        kind = (stage.order, stage.rate)
         if gain < SCREEN or kind in kinds or len(out) >= 4:
             continue
         kinds.add(kind)
         slot = effect.slot(data.fs) if stage.order else None
-        # a moving average is one of some twenty, a filter one of four orders
-        out.append(Item("low_pass", stage, slot, bonus=-np.log(26.0) if stage.taps else -np.log(8.0), note={"screen": gain, "ll": 0.0}))
+        # a moving average is one of some eighty, a filter one of four orders at one of two rates
+        out.append(Item("low_pass", stage, slot, bonus=-np.log(80.0) if stage.taps else -np.log(8.0), note={"screen": gain, "ll": 0.0}))
     return out

@@ -240,9 +240,13 @@ class Sum:
             part += term.simulate(size, rate, rng, temperature=temperature, start=start)
         if low_pass is not None:
             slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
+        return self.behind(slow, quick, fs, rng, common=common)
+
+    def behind(self, slow, quick, fs: float, rng: np.random.Generator, *, common=None) -> np.ndarray:
+        """What the stages behind the low-pass filter make of the slow and the quick noise, all of shape (n,)."""
         for stage in self.stages:
             if isinstance(stage, NoiseLevelChange):
-                quick = quick * stage.factor(n, fs)
+                quick = quick * stage.factor(len(quick), fs)
         x = slow + quick
         if common is not None:
             x = x + common

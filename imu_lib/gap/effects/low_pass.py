@@ -17,9 +17,9 @@ class LowPass(Effect):
     def candidates(self, fs) -> list:
         """Filters from whose shapes the best start is chosen."""
         moving = [Stage(taps=k, rate=fs) for k in (2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 16, 20, 24, 32, 48, 64)]
-        inner = [Stage(taps=k, rate=10 * fs) for k in (4, 6, 8, 10, 12, 15, 18, 22, 27, 33)]
+        inner = [Stage(taps=k, rate=10 * fs) for k in (*range(4, 64), *range(64, 120, 4))]
         cutoffs = np.geomspace(0.01, 0.47, 22) * fs
-        return moving + inner + [Stage(order=k, cutoff=float(c), rate=fs) for k in (1, 2, 3, 4) for c in cutoffs]
+        return moving + inner + [Stage(order=k, cutoff=float(c), rate=rate) for rate in (fs, 10 * fs) for k in (1, 2, 3, 4) for c in cutoffs]
 
     def slot(self, fs) -> Slot:
         """The cutoff of a filter of given order."""

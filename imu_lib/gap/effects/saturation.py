@@ -23,7 +23,11 @@ def _piled(x, step, side) -> float:
     # the logarithm of a rounded normal's occupation is concave: the last level is below the line of the two before it
     want = (h[1] + 0.5) ** 2 / (h[2] + 0.5)
     want = min(want + 2 * want * np.sqrt(4 / (h[1] + 0.5) + 1 / (h[2] + 0.5)), h[1] + 3 * np.sqrt(h[1] + 1)) + 0.5
-    return float(h[0] * np.log(h[0] / want) - (h[0] - want)) if h[0] > want else 0.0
+    over = float(h[0] * np.log(h[0] / want) - (h[0] - want)) if h[0] > want else 0.0
+    # coarse steps hide the pile in the level's own width: but the level beyond, foretold by a parabola through the three before, is empty
+    log = np.log(h[1:] + 0.5)
+    beyond = float(np.exp(6 * log[0] - 8 * log[1] + 3 * log[2] - 2 * np.sqrt(36 / (h[1] + 0.5) + 64 / (h[2] + 0.5) + 9 / (h[3] + 0.5))))
+    return max(over, beyond if beyond >= 12 else 0.0)
 
 
 class Saturation(Effect):

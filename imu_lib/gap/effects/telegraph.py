@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from scipy.fft import dct, idct
 
 from imu_lib.processes import Telegraph as Process
 
@@ -36,22 +37,19 @@ def _posterior(y, a, flip, var):
     return out, ll, flips
 
 
-def _mirrored(x):
-    """Transform of a series and its mirror image, less the mean, shape (n + 1,)."""
-    x = x - x.mean()
-    return np.fft.rfft(np.concatenate([x, x[::-1]]))
+def _cosines(x):
+    """Orthonormal cosine transform of a series less its mean, shape (n,)."""
+    return dct(x - x.mean(), norm="ortho")
 
 
 def _amplitude(y, w, v, var, quiet):
     """Distance of the two levels by generalised least squares of `y` on the expected states `w` - of variance `v` each - and its
-    standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at each ordinate."""
-    n = len(y)
-    both = _mirrored(y), _mirrored(w)
-    inside = np.full(n + 1, 2.0)
-    inside[[0, -1]] = 1.0                                  # ordinates that a real transform holds once
-    weight = quiet * inside / (4 * n)                      # the mirror image counts everything twice
-    square = float(np.sum(weight * np.abs(both[1]) ** 2) + 2 * n * v * np.sum(weight))
-    return float(np.sum(weight * (both[0] * both[1].conj()).real) / max(square, 1e-300)), float(np.sqrt(var / max(square, 1e-300)))
+    standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at each ordinate.
+
+    `y` and `w` are given by their cosine transforms.
+    """
+    square = max(float(np.sum(quiet * w**2) + v * np.mean(quiet) * len(w)), 1e-300)
+    return float(np.sum(quiet * y * w)) / square, float(np.sqrt(var / square))
 
 
 def _beyond_spectrum(y, rest, w, a, flip, ll, var, quiet) -> float:
@@ -62,8 +60,8 @@ def _beyond_spectrum(y, rest, w, a, flip, ll, var, quiet) -> float:
     the flips foretell. The second is Whittle's, on the same cosine transform. Equal where the noise is white.
     """
     n = len(y)
-    power, left = np.abs(_mirrored(y))[1:n] ** 2 / (2 * n), np.abs(_mirrored(y - a * w))[1:n] ** 2 / (2 * n)
-    noise = var / (np.full(n + 1, quiet) if np.ndim(quiet) == 0 else quiet)[1:n]
+    power, left = _cosines(y)[1:] ** 2, _cosines(y - a * w)[1:] ** 2
+    noise = var / np.broadcast_to(quiet, n)[1:]
     unknown = 0.5 * a * a * np.mean(1 / noise) * np.sum(0.25 - w**2)
     levels = 0.5 * np.sum((power - left) / noise) - unknown + ll - np.sum(a * rest * w - a * a / 8) / var
     phi = 1 - 2 * flip
@@ -85,7 +83,7 @@ class Telegraph(Effect):
         real transform of `size` points at the decimated rate, or None.
         """
         # a step is a small part of a dwell, and no longer than it takes to see on which level the signal is
-        seen = density * fs / start.amplitude**2
+        seen = 2.0 * density * fs / start.amplitude**2
         q = int(max(1, min(round(fs / (12 * start.rate)), seen, len(x) // 64)))
         k = len(x) // q
         y = x[:k * q].reshape(k, q).mean(axis=1)
@@ -93,7 +91,8 @@ class Telegraph(Effect):
         var = density * fs / q
         a, rate, middle = start.amplitude, start.rate, 0.0
         drift = np.zeros(k)
-        gain = None if drift_gain is None else drift_gain(2 * k, fs / q)
+        gain = None if drift_gain is None else drift_gain(2 * k, fs / q)[:k]
+        waves = _cosines(y)
         quiet = 1.0 if gain is None else 1.0 - gain           # share of the noise that is white at each ordinate
         s = None
         for _ in range(rounds):
@@ -108,15 +107,18 @@ class Telegraph(Effect):
             if min(up, down) < 2:
                 return None
             high, low = np.sum(s * rest) / up, np.sum((1 - s) * rest) / down
-            a, sd = _amplitude(y, w, np.mean(s * (1 - s)), var, quiet)
+            states = _cosines(w)
+            a, sd = _amplitude(waves, states, np.mean(s * (1 - s)), var, quiet)
             middle = 0.5 * (high + low)
             rate = float(np.clip(-0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q, 2.0 * fs / len(x), fs / q / 4))
             if gain is not None:
-                drift = np.fft.irfft(_mirrored(y - a * w) * gain, 2 * k)[:k]
+                drift = idct((waves - a * states) * gain, norm="ortho")
         flip = 0.5 * -np.expm1(-2 * rate * q / fs)
         s, ll, flips = _posterior(y - drift - middle, a, flip, var)
         w = s - 0.5
         beyond = _beyond_spectrum(y, y - drift - middle, w, a, flip, ll, var, quiet)
         signal = np.repeat(a * w, q)
         signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
+        if not (np.isfinite(a) and a > 0):                # the last round may have lost the levels
+            return None
         return Process(amplitude=float(a), rate=rate), signal, float(flips), beyond, float(sd)
