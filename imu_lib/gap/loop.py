@@ -155,6 +155,10 @@ def _each(function, work, jobs):
     yield from Parallel(n_jobs=jobs, return_as="generator_unordered", max_nbytes="2M")(delayed(function)(*args) for args in work)
 
 
+def _ensemble(these, *args):
+    return these, ensemble.simulate(*args)
+
+
 def _stages_of_model(result: ChannelResult) -> list:
     """Models between the base and the grown one, one more effect in each."""
     return [result.base, *result.between, result.model]
@@ -165,7 +169,7 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
     n = len(next(iter(raw.values())))
     cut = int(FITTED * n)
     held_noise = {c: float(np.sqrt(sum(p.N**2 for p in held if c in p.channels))) for c in raw}
-    work, keys, levels = [], [], []
+    work, keys, levels, passing = [], [], [], set()
     for name, report in reports.items():
         r = report.result
         lost = np.isnan(raw[name])
@@ -177,6 +181,8 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
             own = held_noise[name] if i == 0 else noise[name]
             work.append((m, 0, n, own, lost))
             keys.append((name, i))
+            if 0 < i < len(chain) - 1:
+                passing.add((name, i))
             levels.append(r.mean)
             if i == 0 and r.steps:
                 work.append((m, cut, n, own, lost))
@@ -189,12 +195,14 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
                 levels.append(r.mean)
     seeds = [[seed, 7919, i] for i in range(simulations)]
     share = max(1, simulations // (2 * jobs))
-    parts = [seeds[i:i + share] for i in range(0, simulations, share)]
-    rows = {k: [] for k in keys}
-    tasks = [(work, n, fs, part, temperature, levels) for part in parts]
-    for i, made in enumerate(_each(ensemble.simulate, tasks, jobs)):
-        for key, batteries in zip(keys, made):
-            rows[key] += batteries
+    rows, tasks = {k: [] for k in keys}, []
+    for i in range(0, simulations, share):
+        # half an ensemble for the models on the way to the last: they are shown, and nothing hangs on them
+        these = [k for k, key in enumerate(keys) if key not in passing or i < simulations / 2]
+        tasks.append((these, [work[k] for k in these], n, fs, seeds[i:i + share], temperature, [levels[k] for k in these]))
+    for i, (these, made) in enumerate(_each(_ensemble, tasks, jobs)):
+        for k, batteries in zip(these, made):
+            rows[keys[k]] += batteries
         tick(i + 1)
     for name, report in reports.items():
         x = ensemble.filled(raw[name])
