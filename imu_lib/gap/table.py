@@ -15,7 +15,9 @@ def _folded(indent: int, text: str) -> list[str]:
 
 def value(symbol: str, x, channel: str) -> str:
     """A parameter with its unit."""
-    if isinstance(x, (str, list, tuple)) or x is None:
+    if isinstance(x, (list, tuple)):
+        return f"[{', '.join(v if isinstance(v, str) else format(v, '.4g') for v in x)}]"
+    if isinstance(x, str) or x is None:
         return str(x)
     try:
         factor, unit = units.datasheet(symbol, channel)
