@@ -20,6 +20,8 @@ DOUBTED = 0.5
 MANY = 0.8
 #: Part of the record, from its beginning, that the held-out comparison is fitted on.
 FITTED = 0.6
+#: Part of the shared noise's variance by which its estimate may be off.
+SHARED = 0.1
 #: log10 p of the stationarity tests below which only one round is run.
 VETO = -9.0
 
@@ -139,7 +141,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         steps = [s.capped(DOUBTED) for s in steps]
     elif len(state.likelihood.slots) - len(state.base_slots) > 2:       # so many noises draw any smooth spectrum
         steps = [s.capped(MANY) for s in steps]
-    steps = _doubtful(steps)
+    steps = _doubtful(steps, shared)
     held_terms = 1 if shared > 0 else 0
     base_sum = given if given is not None else Sum(tuple(state.base[held_terms:n_base]))
     model = _grown(base_sum, state, findings, n_base - held_terms, held_terms)
@@ -149,19 +151,22 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit)
 
 
-def _doubtful(steps):
+def _doubtful(steps, shared):
     """The steps with no high confidence in what the make of another would explain, too.
 
     A filter that is not of the catalogue's kinds leaves a slope near half the sampling rate; where an angle or a velocity is
-    rounded instead of the sample, its errors are differenced, and N stands for the white noise that the grid then lacks.
+    rounded instead of the sample, its errors are differenced, and N stands for the white noise that the grid then lacks. The
+    density of `shared` noise is known to some per cent, and a channel's own N makes up for the rest.
     """
     names = {s.effect for s in steps}
     out = []
     for s in steps:
         if "low_pass" in names and s.effect in ("quantization", "autoregressive"):
             s = s.capped(MANY)
-        if {"resolution", "quantization"} <= names and s.effect == "parameter_change" and s.parameters["name"] == "N":
-            s = s.capped(DOUBTED)
+        if s.effect == "parameter_change" and s.parameters["name"] == "N":
+            moved = abs(s.parameters["to"] ** 2 - s.parameters["from"] ** 2)
+            if {"resolution", "quantization"} <= names or moved < SHARED * shared**2:
+                s = s.capped(DOUBTED)
         out.append(s)
     return out
 
