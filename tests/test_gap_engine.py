@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from imu_lib.gap import engine, fast, slow
-from imu_lib.gap.ensemble import draw
+from imu_lib.gap.channel import _doubtful
+from imu_lib.gap.ensemble import draw, index
+from imu_lib.gap.steps import Step
 from imu_lib.processes import Flicker, GaussMarkov, GaussMarkov2, LowPass, Quantization, RandomWalk, Sum, WhiteNoise
 
 FS, M = 100.0, 400
@@ -75,3 +77,29 @@ def test_noise_behind_a_filter_inside_the_sensor_is_drawn_with_its_folded_spectr
     bins = np.geomspace(2000, 99_000, 9).astype(int)
     for a, b in zip(bins[:-1], bins[1:]):
         assert abs(spectra[0][a:b].mean() / spectra[1][a:b].mean() - 1) < 5 * np.sqrt(2 * 2 / (b - a))      # a Hann window halves the ordinates
+
+
+def test_gap_index_is_one_for_one_more_simulation_and_counts_standard_deviations():
+    rng = np.random.default_rng(4)
+
+    def draw_statistics(shift=0.0):
+        return {"psd": rng.standard_normal(32), "allan": shift + rng.standard_normal(10), "distribution": np.array([-4.0])}
+    rows = [draw_statistics() for _ in range(100)]
+    values = [index(draw_statistics(), rows).value for _ in range(50)]
+    assert abs(np.mean(values) - 1) < 0.1 and np.std(values) < 0.2             # 42 statistics: a scatter of 1 / sqrt(84)
+    moved = index(draw_statistics(shift=10.0), rows)
+    assert 3.5 < moved.value < 7 and 7 < moved.domains["allan"] < 13           # ten of 43 statistics at ten standard deviations
+    # a statistic that all simulations share is given a scatter of two per cent, not of rounding
+    assert index({**rows[0], "distribution": np.array([-4.001])}, rows).value < 1.5
+    assert index({**rows[0], "distribution": np.array([-3.0])}, rows).domains["distribution"] > 10
+
+
+def test_what_the_make_of_another_effect_explains_has_no_high_confidence():
+    def step(effect, **parameters):
+        return Step(effect, parameters, {}, "", 1.0, {}, [])
+    slope = [step("low_pass", cutoff=10.0), step("quantization", Q=1e-5)]
+    assert [s.confidence < 0.9 for s in _doubtful(slope, 0.0)] == [False, True]
+    change = step("parameter_change", process="white_noise", name="N", **{"from": 1.0e-3, "to": 0.99e-3})
+    assert _doubtful([change], 0.0)[0].confidence == 1.0
+    assert _doubtful([change], 1e-3)[0].confidence < 0.9                       # 2 % of the density of the noise in common
+    assert _doubtful([step("resolution", lsb=1e-3), step("quantization", Q=1e-5), change], 0.0)[2].confidence < 0.9

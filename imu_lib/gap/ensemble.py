@@ -140,7 +140,7 @@ def index(measured: dict, rows: list[dict]) -> Index:
 
     def ratio(whole, each):
         each = np.sqrt(np.mean(each, axis=1))
-        median = float(np.median(each))
+        median = float(np.median(each)) or 1.0             # 0 where all simulations agree
         return float(np.sqrt(np.mean(whole)) / median), float(np.quantile(each, 0.95) / median)
     value, spread = ratio(np.concatenate(list(far.values())), np.concatenate(list(near.values()), axis=1))
     return Index(value, {d: ratio(far[d], near[d])[0] for d in far}, spread)
