@@ -172,3 +172,11 @@ def test_filled_in_samples_have_the_spectrum_of_the_rest():
 def test_the_catalogue_covers_the_vocabulary_of_the_model_file():
     assert set(OF_CHANNEL) - {"constant"} == set(CATALOGUE)
     assert all(e.cause for e in CATALOGUE.values())
+
+
+def test_a_resonance_alone_leaves_no_drift_for_a_telegraph_to_hide_in():
+    """Noise that comes again a fifth of a second later is fitted by resonances: none of them is slow."""
+    base = [{"process": "white_noise", "N": 1e-4}]
+    x = generator._noise(base[0], int(FS * DURATION), FS, np.random.default_rng(76))
+    found = analyse("gyro_x", x + 0.3 * np.roll(x, 20), FS, Sum.of(from_json(e) for e in base))
+    assert found.unexplained

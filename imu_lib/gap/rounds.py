@@ -87,15 +87,15 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
     s, _ = state.likelihood.shapes(state.fit.vector)
     density = float(np.median(s[:40])) / 2
     if state.fit.low_pass is None:
-        density = min(density, float(np.median(s)) / 2 * 2)
-    quick = {"white_noise", "quantization"}
+        density = min(density, float(np.median(s)))
+    quick = {"white_noise", "quantization", "autoregressive", "common_mode"}
     drift = [t for t in state.fit.terms if t.name not in quick]
 
     def gain(size, rate):
         if not drift:
             return np.zeros(size // 2 + 1)
         f = np.maximum(np.arange(size // 2 + 1), 0.5) * rate / size
-        d = sum(t.psd(f) for t in drift if t.name != "autoregressive")
+        d = sum(t.psd(f) for t in drift)
         return d / (d + 2 * density)
     best = None
     x = data.x
