@@ -38,7 +38,6 @@ class Clean:
     white: float
     smooth: Smooth
     step: float | None
-    touched: float
     extra: np.ndarray | None = None
     swing: np.ndarray | float = 1.0
 
@@ -159,7 +158,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
         extra, swing = rounding.extra(rng), rounding.swing
         k = smooth.layout.slow
         white = float(np.mean(extra[k:k + 12]) * fs / 2)
-    return Clean(clean + coarse, coarse, findings, white, smooth, step, float((hidden | spiked).mean()), extra, swing)
+    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing)
 
 
 def _edges(x, y, *, reach: int = 4) -> np.ndarray:

@@ -16,8 +16,9 @@ class LowPass(Effect):
 
     def candidates(self, fs) -> list:
         """Filters from whose shapes the best start is chosen."""
-        moving = [Stage(taps=k, rate=fs) for k in (2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 16, 20, 24, 32, 48, 64)]
-        inner = [Stage(taps=k, rate=10 * fs) for k in (*range(4, 64), *range(64, 120, 4))]
+        moving = [Stage(taps=k, rate=fs) for k in (*range(2, 13), 15, 16, 20, 24, 32, 48, 64)]
+        # white noise averaged over ten times as many taps at ten times the rate is the same behind the sampling
+        inner = [Stage(taps=k, rate=10 * fs) for k in (*range(4, 64), *range(64, 120, 4)) if k % 10]
         cutoffs = np.geomspace(0.01, 0.47, 22) * fs
         return moving + inner + [Stage(order=k, cutoff=float(c), rate=rate) for rate in (fs, 10 * fs) for k in (1, 2, 3, 4) for c in cutoffs]
 
