@@ -197,8 +197,8 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
     share = max(1, simulations // (2 * jobs))
     rows, tasks = {k: [] for k in keys}, []
     for i in range(0, simulations, share):
-        # half an ensemble for the models on the way to the last: they are shown, and nothing hangs on them
-        these = [k for k, key in enumerate(keys) if key not in passing or i < simulations / 2]
+        # a quarter of an ensemble for the models on the way to the last: they are shown, and nothing hangs on them
+        these = [k for k, key in enumerate(keys) if key not in passing or i < simulations / 4]
         tasks.append((these, [work[k] for k in these], n, fs, seeds[i:i + share], temperature, [levels[k] for k in these]))
     for i, (these, made) in enumerate(_each(_ensemble, tasks, jobs)):
         for k, batteries in zip(these, made):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -59,16 +60,23 @@ class Flicker(Process):
         # The increments are stationary, so their circulant embedding is an exact draw.
         self._require()
         half = next_fast_len(max(n, 2), real=True)
-        d = np.arange(half + 1)
-        r = -1.0 / (np.pi * (d * d - 0.25))
-        power = rfft(np.concatenate([r, r[-2:0:-1]])).real
         size = 2 * half
         noise = rng.standard_normal(half + 1) + 1j * rng.standard_normal(half + 1)
         noise[0] = noise[0].real * np.sqrt(2.0)
         noise[-1] = noise[-1].real * np.sqrt(2.0)
-        y = irfft(noise * np.sqrt(np.maximum(power, 0.0) * (size / 2.0)), size)[:n]
+        y = irfft(noise * _amplitudes(half), size)[:n]
         y[:1] = 0.0
         return self.B * np.cumsum(y, out=y)
+
+
+@lru_cache(maxsize=4)
+def _amplitudes(half: int) -> np.ndarray:
+    """Amplitudes of the circulant embedding of the increments for B = 1, shape (half + 1,); kept for the next draw."""
+    d = np.arange(half + 1)
+    r = -1.0 / (np.pi * (d * d - 0.25))
+    out = np.sqrt(np.maximum(rfft(np.concatenate([r, r[-2:0:-1]])).real, 0.0) * half)
+    out.setflags(write=False)
+    return out
 
 
 def _avar_of_unit(m: np.ndarray) -> np.ndarray:
