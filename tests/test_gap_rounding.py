@@ -59,3 +59,12 @@ def test_frozen_samples_are_told_from_chance_runs_on_a_coarse_grid():
     found = Stuck().detect(y, clipped, twin, None)
     assert abs(found.process.fraction / (39 * len(starts) / N) - 1) < 0.25     # chance makes each run longer by a few samples
     assert found.mask[starts[0] + 30]
+
+
+def test_a_grid_so_wide_that_rounding_quiets_the_noise_is_no_error():
+    base = [{"process": "white_noise", "N": 2e-4}, {"process": "random_walk", "K": 1e-7}]
+    x = sum(generator._noise(e, N, FS, np.random.default_rng(7)) for e in base)
+    smooth = np.convolve(np.concatenate([np.full(2, x[0]), x]), np.ones(3) / 3, "valid")
+    lsb = 4.5 * 2e-3 / np.sqrt(3)
+    found = analyse("gyro_x", np.rint(smooth / lsb) * lsb, FS, Sum.of(from_json(e) for e in base))
+    assert "resolution" in [s.effect for s in found.steps]

@@ -20,7 +20,8 @@ def test_a_filter_is_named_by_its_make_and_leaves_nothing_behind(stage):
     found = analyse("gyro_x", x, FS, Sum((WHITE, GaussMarkov(sigma=1e-4, correlation_time=60.0))))
     step, = found.steps
     assert found.unexplained is None
-    assert (step.effect, step.parameters.get("taps"), step.parameters.get("order"), step.parameters["rate"]) == ("low_pass", stage.taps, stage.order, stage.rate)
+    make = [step.parameters.get(name) for name in ("taps", "order", "rate")]
+    assert (step.effect, make) == ("low_pass", [stage.taps, stage.order, stage.rate])
     if stage.order:
         low, high = step.intervals["cutoff"]
         assert abs(step.parameters["cutoff"] - stage.cutoff) < high - low      # four standard deviations

@@ -127,17 +127,8 @@ class Likelihood:
         self.free_index = {s.index for s in self.slots}
         held = [t for i, t in enumerate(self.terms) if i not in self.free_index]
         self.held_c = sum((slow.covariance(t, data.k, data.m, data.fs) for t in held), np.zeros(data.k))
-        self.held_c = self.held_c + self._white_c()
         self.filter_free = -1 in self.free_index
         self.held_s = None if self.low_pass is not None else fast.spectrum(held, None, data.layout, data.fs)[data.layout.slow:]
-
-    def _white_c(self):
-        c = np.zeros(self.data.k)
-        v = self.data.white / self.data.m
-        c[0] = 2 * v
-        if len(c) > 1:
-            c[1] = -v
-        return c
 
     def start(self):
         return np.concatenate([[*s.read(self.low_pass if s.index == -1 else self.terms[s.index])] for s in self.slots]) if self.slots else np.zeros(0)
@@ -162,6 +153,10 @@ class Likelihood:
         c = self.held_c.copy()
         for t in free:
             c += slow.covariance(t, data.k, data.m, data.fs)
+        # coarse rounding may add less than nothing: it leaves a tenth
+        v = max(data.white / data.m, -0.45 * c[0])
+        c[0] += 2 * v
+        c[1:2] -= v
         if self.low_pass is not None:
             s = fast.spectrum(terms, low_pass, data.layout, data.fs)[data.layout.slow:]
         else:

@@ -1,0 +1,53 @@
+"""Time of the gap workflow on a six-channel hour at 100 Hz, ensembles of a hundred included.
+
+    python benchmarks/gap_speed.py --first 1
+
+Three records: nothing hidden, an effect in one channel, effects in four channels; each with its model and without one.
+Wall time depends on the machine and on what else runs; processor load and cores are stored beside it.
+"""
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from datetime import date
+from pathlib import Path
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+
+import gap_generator as generator  # noqa: E402
+
+from imu_lib.gap import close  # noqa: E402
+from imu_lib.model import Model  # noqa: E402
+from imu_lib.record import Record  # noqa: E402
+
+HIDDEN = {"nothing": (), "one effect": ("gauss_markov",), "four effects": ("resolution", "step", "sinusoid", "low_pass")}
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--first", type=int, default=1, help="first seed")
+    args = parser.parse_args(argv)
+    rows = []
+    for i, (what, effects) in enumerate(HIDDEN.items()):
+        made = generator.make(args.first + i, effects)
+        record = Record(made.channels, made.fs, temperature=made.temperature)
+        for given in (True, False):
+            load = os.getloadavg()[0]
+            started = time.perf_counter()
+            found = close(record, Model.from_json(made.base) if given else None, jobs=2)
+            rows.append({"hidden": what, "model": given, "seconds": round(time.perf_counter() - started, 1), "load_before": round(load, 2),
+                         "found": [s.effect for _, s in found.steps]})
+            print(rows[-1], flush=True)
+    command = " ".join(["python", "benchmarks/gap_speed.py", *(argv or sys.argv[1:])])
+    out = {"command": command, "date": date.today().isoformat(), "cores": os.cpu_count(), "simulations": 100, "rows": rows}
+    (ROOT / "benchmarks" / "results" / "gap_speed.json").write_text(json.dumps(out, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
