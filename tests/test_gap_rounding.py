@@ -66,5 +66,6 @@ def test_a_grid_so_wide_that_rounding_quiets_the_noise_is_no_error():
     x = sum(generator._noise(e, N, FS, np.random.default_rng(7)) for e in base)
     smooth = np.convolve(np.concatenate([np.full(2, x[0]), x]), np.ones(3) / 3, "valid")
     lsb = 4.5 * 2e-3 / np.sqrt(3)
-    found = analyse("gyro_x", np.rint(smooth / lsb) * lsb, FS, Sum.of(from_json(e) for e in base))
-    assert "resolution" in [s.effect for s in found.steps]
+    for model in (Sum.of(from_json(e) for e in base), None):
+        found = analyse("gyro_x", np.rint(smooth / lsb) * lsb, FS, model)
+        assert "resolution" in [s.effect for s in found.steps]

@@ -245,7 +245,8 @@ class Likelihood:
             down[i] -= h
             su, sd = self.shapes(up), self.shapes(down)
             if gradient:
-                g[i] = (self.value(up, su)[0] - self.value(down, sd)[0]) / (2 * h)
+                rise = (self.value(up, su)[0] - self.value(down, sd)[0]) / (2 * h)
+                g[i] = np.clip(np.nan_to_num(rise), -1e12, 1e12)           # at the edge of what is a covariance at all
             fast_d.append((su[0] - sd[0]) / (2 * h) / shapes[0])
             slow_d.append(slow.spectrum_difference(su[1] - sd[1]) / (2 * h) / two_sided)
         return np.array(fast_d), np.array(slow_d), g
