@@ -124,7 +124,7 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     tests = left(state)
     if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
         # before it is left without a name: two effects far behind one alone
-        other, others = rounds.swap(state, passes=1, reach=np.inf)
+        other, _ = rounds.swap(state, passes=1, reach=np.inf)
         if other.evidence > state.evidence + rounds.EVIDENCE:
             state, rivals = rounds.swap(rounds.prune(other), passes=1)
             state = profiled(state)

@@ -110,12 +110,11 @@ def _refine(effect, best, scan, data, state):
     for reach in (1.0, 0.12, 0.015):
         trial = effect.around(best, data, reach, 25)
         gain, amplitude, _ = scan(effect, trial)
-        best = trial[int(np.argmax(gain))]
-        if amplitude[int(np.argmax(gain))] < 0:
-            best = effect.upright(best)
+        j = int(np.argmax(gain))
+        best = trial[j] if amplitude[j] >= 0 else effect.upright(trial[j])
     edge = None
     if effect.name == "step":
-        amplitude = float(amplitude[int(np.argmax(gain))])
+        amplitude = float(amplitude[j])
         s = state.likelihood.shapes(state.fit.vector)[0]
         density = max(float(np.median(s)), float(np.median(s[:20]))) / 2      # red noise has edges of its own
         edge = sharpen(data.x, data.fs, best.time, data.m / data.fs, amplitude, density)

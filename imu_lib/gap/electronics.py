@@ -84,7 +84,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
         fast_sd = float(np.std(np.diff(good)) / np.sqrt(2))
     rounded = Resolution().detect(good, max(fast_sd, 1e-300), held["resolution"].lsb if "resolution" in held else None)
     if step is not None and rounded is None and "resolution" not in held:
-        step = None                                       # a number format, too fine to matter
+        step = grid = None                                # a number format, too fine to matter
     if rounded is not None:
         findings.append(rounded)
     clipped = Saturation().detect(good, step, held.get("saturation"))
@@ -115,7 +115,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
     spikes, spiked = None, np.zeros(len(x), bool)
     for _ in range(3):
         if (hidden | spiked).any():
-            clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid if step is not None else None)
+            clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid)
             smooth = Smooth(clean, fs)
         else:
             clean = rest
@@ -149,7 +149,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
     if spikes is not None:
         findings.append(spikes)
     if (hidden | spiked).any():
-        clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid if step is not None else None)
+        clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid)
         smooth = Smooth(clean, fs)
     white, extra = 0.0 if step is None else step**2 / 12.0, None
     swing = 1.0

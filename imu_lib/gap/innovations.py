@@ -47,24 +47,24 @@ class Smooth:
 
     def slow_too(self, size: int) -> np.ndarray:
         """As `on`, with the slow end of the record's own spectrum."""
-        return np.maximum(self._between(self.full, size), 1e-3 * np.mean(self.on(size)))
+        return np.maximum(self.between(self.full, size), 1e-3 * np.mean(self.on(size)))
 
     def on(self, size: int) -> np.ndarray:
         """The spectrum, unit^2/Hz, at the ordinates of a real transform of `size` points."""
         if size not in self._cache:
-            s = self._between(self.level, size)
+            s = self.between(self.level, size)
             # below a thousandth of the mean there is nothing but the arithmetic of a filter's stop band
             self._cache[size] = np.maximum(s, 1e-3 * np.mean(s))
         return self._cache[size]
 
-    def _between(self, values, size: int) -> np.ndarray:
+    def between(self, values, size: int) -> np.ndarray:
         """`values` in the bins at the ordinates of a real transform of `size` points."""
         f = np.arange(size // 2 + 1) * self.fs / size
         return np.exp(np.interp(np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(values)))
 
     def stop_band(self, size: int) -> np.ndarray:
         """Share of its power that whitening leaves at each ordinate: 1, and less in a filter's stop band."""
-        return self._between(self.level, size) / self.on(size)
+        return self.between(self.level, size) / self.on(size)
 
     @property
     def sample_variance(self) -> float:

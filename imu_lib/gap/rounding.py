@@ -66,11 +66,8 @@ class Rounding:
 
     def _drawn(self, level, rng):
         """The signal before the rounding with noise of the spectrum `level` in the bins, and after it."""
-        layout, fs = self.smooth.layout, self.smooth.fs
         size = self.n + self.n % 2
-        f = np.arange(size // 2 + 1) * fs / size
-        density = np.exp(np.interp(np.log(np.maximum(f, layout.f[0])), np.log(layout.f), np.log(level)))
-        noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(density * fs / 2), size)[:self.n]
+        noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(self.smooth.between(level, size) * self.smooth.fs / 2), size)[:self.n]
         before = self.base * self.step + noise
         return before, np.rint(before / self.step)
 

@@ -113,7 +113,7 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
         occam = amplitude_occam(process.amplitude / sd) + np.log(np.sqrt(2 * np.pi / max(flips, 1)) / np.log(1e4))
         note = {"flips": flips, "sd": sd}
         trial = state.plus(Item("telegraph", process, signal=signal, note={**note, "ll": 0.0}))
-        alike = State(state.data, state.base + (process.twin,), state.items, low_pass=state.base_low_pass, base_slots=state.base_slots)
+        alike = state.holding(process.twin)
         item = Item("telegraph", process, signal=signal, bonus=float(alike.evidence - trial.evidence + beyond + occam),
                     note={**note, "ll": float(alike.ll - trial.ll + beyond)})
         trial = state.plus(item)

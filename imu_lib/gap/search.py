@@ -8,6 +8,7 @@ import numpy as np
 from imu_lib.gap import effects, fast
 from imu_lib.gap.engine import SCREEN, Data, Likelihood, Slot, measured
 from imu_lib.gap.state import CHANGE_WIDTH, Item, State
+from imu_lib.processes import WhiteNoise
 
 
 def _log_ladder(s0, shape, nu, power):
@@ -118,14 +119,8 @@ def change_candidates(state: State) -> list[Item]:
 def filter_gains(layout, fs):
     """The filters of the catalogue and their power gains in the fast bins, shape (filters, bins)."""
     stages = effects.CATALOGUE["low_pass"].candidates(fs)
-    f = layout.nodes[layout.slow:]
-    return stages, np.array([_folded(s, f, fs) @ np.array([5.0, 8.0, 5.0]) / 18.0 for s in stages])
-
-
-def _folded(stage, f, fs):
-    """Power gain on white noise that a filter run at a multiple of the sampling rate leaves behind the sampling."""
-    half = stage.rate / 2
-    return sum(stage.gain(half - np.abs((f + j * fs) % stage.rate - half), fs) for j in range(round(stage.rate / fs)))
+    unit = [WhiteNoise(N=np.sqrt(0.5))]                    # one-sided density 1 before the filter
+    return stages, np.array([fast.spectrum(unit, s, layout, fs)[layout.slow:] for s in stages])
 
 
 def filter_candidates(state: State) -> list[Item]:

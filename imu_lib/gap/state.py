@@ -51,6 +51,10 @@ class State:
     def with_items(self, items) -> State:
         return State(self.data, self.base, items, low_pass=self.base_low_pass, base_slots=self.base_slots)
 
+    def holding(self, *terms) -> State:
+        """The state with further terms in its base, their parameters held."""
+        return State(self.data, self.base + terms, self.items, low_pass=self.base_low_pass, base_slots=self.base_slots)
+
     def plus(self, item: Item) -> State:
         return self.with_items(self.items + (item,))
 

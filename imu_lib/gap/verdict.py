@@ -9,7 +9,6 @@ from scipy.stats import chi2, norm
 from imu_lib.gap import fast, slow
 from imu_lib.gap.effects.noise_level_change import unsteady
 from imu_lib.gap.engine import measured
-from imu_lib.gap.state import State
 from imu_lib.processes import Sum
 
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests, benchmarks/gap_null.py).
@@ -120,15 +119,20 @@ def stationarity(y, fs, smooth, *, coarse_steps: bool = False) -> list[Check]:
         passed = smooth.stop_band(m)
         # outside of what is little but leakage from elsewhere
         bands = [(a, b) for a, b in zip(edges[:-1], edges[1:]) if passed[a:b].mean() >= 0.9]
-        out += _levels(y, fs, m, bands, (4, 32), excess)
+        out += _levels(_block_powers(y, m), fs, bands, (4, 32), excess)
     return out
 
 
-def _levels(y, fs, m, bands, joins, excess=0.0) -> list[Check]:
-    """Whether bands (first and last ordinate of blocks of `m` samples) keep their level over `joins` blocks, singly and all in all."""
+def _block_powers(y, m):
+    """Periodograms of successive blocks of `m` samples (even) under a sine window, shape (blocks, m / 2 + 1)."""
     k = len(y) // m
     window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
-    power = np.abs(np.fft.rfft(y[:k * m].reshape(k, m) * window, axis=1)) ** 2
+    return np.abs(np.fft.rfft(y[:k * m].reshape(k, m) * window, axis=1)) ** 2
+
+
+def _levels(power, fs, bands, joins, excess=0.0) -> list[Check]:
+    """Whether bands (first and last ordinate of the blocks' `power`) keep their level over `joins` blocks, singly and all in all."""
+    k, m = len(power), 2 * (power.shape[1] - 1)
     out = []
     for join in joins:
         g, total = k // join, 0.0
@@ -157,19 +161,22 @@ DOUBTFUL = 1.5
 def resonances(state, y) -> list[Check]:
     """Whether a noise that was added at a place in the spectrum is there all the time and all over its width: a tone that
     wanders or sweeps fills the same place on average."""
+    found = [t for t in state.fit.terms[len(state.base):] if t.name == "autoregressive"]
+    if not found:
+        return []
     out, layout, fs = [], state.data.layout, state.data.fs
-    for term in state.fit.terms[len(state.base):]:
-        share = (term.psd(layout.f, fs) / measured(fast.spectrum(state.fit.terms, None, layout, fs), state.data.extra))[layout.slow:]
+    whole = measured(fast.spectrum(state.fit.terms, None, layout, fs), state.data.extra)
+    for term in found:
+        share = (term.psd(layout.f, fs) / whole)[layout.slow:]
         on = layout.nodes[layout.slow:][share > 0.5 * share.max()]
         low, high = on.min(), on.max()
-        if term.name != "autoregressive":
-            continue
         m = int(2 ** np.floor(np.log2(min(32 * fs / max(high - low, 1e-3 * fs), len(y) / 32))))
         k = len(y) // m
         edges = np.unique(np.round(np.linspace(low * m / fs, max(high * m / fs, low * m / fs + 1), 9)).astype(int))
         joins = sorted({max(1, k // g) for g in (8, 32, 128)})
+        power = _block_powers(y, m)
         for bands in ([(edges[0], edges[-1])], [*zip(edges[:-1], edges[1:])]):
-            out += [replace(c, log_p=c.log_p - DOUBTFUL) for c in _levels(y, fs, m, bands, joins)]
+            out += [replace(c, log_p=c.log_p - DOUBTFUL) for c in _levels(power, fs, bands, joins)]
     return out
 
 
@@ -193,8 +200,7 @@ def _second_order(state):
     paths = [i for i in state.items if i.signal is not None]
     if not paths:
         return state
-    return State(state.data, state.base + tuple(i.process.twin for i in paths), [i for i in state.items if i.signal is None],
-                 low_pass=state.base_low_pass, base_slots=state.base_slots)
+    return state.with_items([i for i in state.items if i.signal is None]).holding(*(i.process.twin for i in paths))
 
 
 def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:

@@ -113,12 +113,12 @@ class Telegraph(Effect):
             rate = float(np.clip(-0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q, 2.0 * fs / len(x), fs / q / 4))
             if gain is not None:
                 drift = idct((waves - a * states) * gain, norm="ortho")
+        if not (np.isfinite(a) and a > 0):                # the last round may have lost the levels
+            return None
         flip = 0.5 * -np.expm1(-2 * rate * q / fs)
         s, ll, flips = _posterior(y - drift - middle, a, flip, var)
         w = s - 0.5
         beyond = _beyond_spectrum(y, y - drift - middle, w, a, flip, ll, var, quiet)
         signal = np.repeat(a * w, q)
         signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
-        if not (np.isfinite(a) and a > 0):                # the last round may have lost the levels
-            return None
         return Process(amplitude=float(a), rate=rate), signal, float(flips), beyond, float(sd)
