@@ -5,7 +5,7 @@ import pytest
 
 from imu_lib.gap import engine, fast, slow
 from imu_lib.gap.channel import _doubtful
-from imu_lib.gap.ensemble import draw, index
+from imu_lib.gap.ensemble import Draws, draw, index
 from imu_lib.gap.steps import Step
 from imu_lib.processes import Flicker, GaussMarkov, GaussMarkov2, LowPass, Quantization, RandomWalk, Sum, WhiteNoise
 
@@ -66,17 +66,30 @@ def test_periodogram_of_white_noise_has_its_level():
     assert fast.padded(60_001) >= 60_001
 
 
-def test_noise_behind_a_filter_inside_the_sensor_is_drawn_with_its_folded_spectrum():
-    """The ensemble's short cut against the filter itself, run ten times as fast as it is read."""
-    model = Sum((WhiteNoise(N=1e-3), GaussMarkov(sigma=5e-3, correlation_time=0.02), GaussMarkov(sigma=2e-3, correlation_time=40.0)),
-                (LowPass(order=2, cutoff=20.0, rate=1000.0),))
+@pytest.mark.parametrize("rate", [100.0, 1000.0])
+def test_noise_behind_a_filter_inside_the_sensor_is_drawn_with_its_folded_spectrum(rate):
+    """The ensemble's short cut against the filter itself, run as fast as the sensor is read and ten times as fast."""
+    model = Sum((WhiteNoise(N=1e-3), GaussMarkov(sigma=5e-3, correlation_time=0.02), GaussMarkov(sigma=2e-3, correlation_time=40.0), RandomWalk(K=1e-3)),
+                (LowPass(order=2, cutoff=10.0, rate=rate),))
     spectra = []
-    for make in (lambda rng: draw(model, 200_000, 100.0, rng), lambda rng: model.simulate(200_000, 100.0, rng)):
-        x = make(np.random.default_rng(3))
+    for x in (draw(model, Draws(3, 200_000, 100.0)), model.simulate(200_000, 100.0, np.random.default_rng(3))):
         spectra.append(np.abs(np.fft.rfft(x * np.hanning(len(x)))[1:]) ** 2)
     bins = np.geomspace(2000, 99_000, 9).astype(int)
     for a, b in zip(bins[:-1], bins[1:]):
         assert abs(spectra[0][a:b].mean() / spectra[1][a:b].mean() - 1) < 5 * np.sqrt(2 * 2 / (b - a))      # a Hann window halves the ordinates
+
+
+def test_models_of_a_simulation_share_what_they_have_in_common():
+    base = Sum((WhiteNoise(N=1e-3), GaussMarkov(sigma=5e-3, correlation_time=20.0)))
+    grown = base + GaussMarkov(sigma=3e-3, correlation_time=2.0)
+    draws = Draws([5, 1], 50_000, 100.0)
+    added = draw(grown, draws) - draw(base, draws)
+    alone = GaussMarkov(sigma=3e-3, correlation_time=2.0).simulate(50_000, 100.0, draws.rng("gauss_markov", 1))
+    assert np.allclose(added, alone, atol=1e-15)
+    # the second process of a kind is independent of the first: 50 s / 2 s blocks leave a correlation of some 1 / sqrt(250)
+    first = draw(base, draws) - draw(Sum((base.terms[0],)), draws)
+    assert abs(np.corrcoef(added, first)[0, 1]) < 5 / np.sqrt(250)
+    assert not np.allclose(draw(base, draws), draw(base, Draws([5, 2], 50_000, 100.0)))
 
 
 def test_gap_index_is_one_for_one_more_simulation_and_counts_standard_deviations():

@@ -55,7 +55,18 @@ def _pass(x, b):
     return level, square, r, s3 / len(r), s4 / len(r), same / len(x), tops, bottoms
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=True)
+def _avar(c, m, step):
+    """Mean square second difference of the cumulative sum `c` over `m` samples at every `step`-th instant, per sample squared."""
+    acc, count = 0.0, 0
+    for i in range(0, len(c) - 2 * m, step):
+        d = c[i + 2 * m] - 2 * c[i + m] + c[i]
+        acc += d * d
+        count += 1
+    return acc / count / m**2
+
+
+@njit(cache=True, nogil=True, fastmath=True)
 def _shape(r, sd, lags):
     """Shares of deviations beyond 3, beyond 4 and within 0.5 standard deviations, the largest, and lagged products."""
     n = len(r)
@@ -97,14 +108,8 @@ def battery(x, fs: float, temperature=None) -> dict:
     out["lines"] = np.log(peak[wide] / mean[wide]) if wide.any() else np.zeros(0)
     # Allan variances of block sums, from the cumulative sum
     c = np.concatenate([[0.0], np.cumsum(x)])
-    out["allan"] = []
-    m = 1
-    while m <= n // 9:
-        step = max(1, m // 4)
-        s = c[2 * m::step][: (n - 2 * m) // step + 1] - 2 * c[m:-m:step][: (n - 2 * m) // step + 1] + c[:-2 * m:step][: (n - 2 * m) // step + 1]
-        out["allan"].append(np.log(np.mean(s * s) / m**2 + 1e-300))
-        m *= 3
-    out["allan"] = np.array(out["allan"])
+    spans = 3 ** np.arange(np.floor(np.log(max(n // 9, 1)) / np.log(3) + 1e-9) + 1).astype(int)
+    out["allan"] = np.log(np.array([_avar(c, m, max(1, m // 4)) for m in spans]) + 1e-300)
     # the fast part: block-wise deviations over two seconds
     b = max(2, int(2 * fs))
     k = n // b

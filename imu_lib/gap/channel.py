@@ -8,11 +8,12 @@ import numpy as np
 from imu_lib.gap import effects, electronics, fast, rounds, verdict
 from imu_lib.gap.base_fit import absorbed, free_base
 from imu_lib.gap.drifts import profiled
+from imu_lib.gap.effects.resolution import grid_of
 from imu_lib.gap.engine import Data, measured
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
-from imu_lib.processes import CommonMode, Sum
+from imu_lib.processes import CommonMode, Stage, Sum
 
 #: Effects whose doubts leave the name without high confidence.
 DOUBTED = 0.5
@@ -22,6 +23,8 @@ MANY = 0.8
 FITTED = 0.6
 #: Part of the shared noise's variance by which its estimate may be off.
 SHARED = 0.1
+#: What is found in single samples or their level: evidences of records that differ in it can't be compared.
+SAMPLES = ("saturation", "stuck", "spikes", "noise_level_change")
 #: log10 p of the stationarity tests below which only one round is run.
 VETO = -9.0
 
@@ -31,7 +34,7 @@ class ChannelResult:
     """What was found in a channel.
 
     `base` is the model it started from (fitted where none was given), `model` the grown one, `steps` the effects in the
-    order found, `absorbed` what a free base may have swallowed, `unexplained` None or a sentence, `refit` the grown
+    order found, `evidence` the log evidence of the model for the cleaned record, `absorbed` what a free base may have swallowed, `unexplained` None or a sentence, `refit` the grown
     model fitted to the first part of the record, None where that part does not show every effect.
     """
 
@@ -45,6 +48,7 @@ class ChannelResult:
     mean: float = 0.0
     between: list = field(default_factory=list)
     refit: Sum | None = None
+    evidence: float = 0.0
 
 
 def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, seed: int = 0, shared: float = 0.0, progress=None) -> ChannelResult:
@@ -52,9 +56,29 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
 
     `shared` is the density N of noise that the channel shares with others and that is accounted for on the record.
     """
+    options = {"temperature": temperature, "seed": seed, "shared": shared, "progress": progress}
+    raw = np.asarray(raw, float)
+    grid = grid_of(raw[~np.isnan(raw)])
+    held = None if grid is None else electronics.integral_of(base, grid[0], fs)
+    found = _analyse(name, raw, fs, base, **options)
+    if grid is None or held is None and found.unexplained is None and not any(map(_of_differences, found.steps)):
+        return found
+    # is it the integral that is rounded?
+    rounded = base if held is None else Sum(tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages)
+    other = _analyse(name, raw, fs, rounded, integral=True, **options)
+    fewer = len(other.steps) < len(found.steps) and (other.unexplained is None or found.unexplained is not None)
+    alike = len({tuple(s.effect for s in r.steps if s.effect in SAMPLES) for r in (found, other)}) == 1
+    return other if fewer and (other.evidence > found.evidence or not alike) else found
+
+
+def _of_differences(step) -> bool:
+    """Whether a step beside a grid may come of rounding the integral: differenced errors, white noise the less, samples that agree."""
+    return step.effect in ("quantization", "autoregressive", "stuck") or step.effect == "parameter_change" and step.parameters["name"] in ("N", "Q")
+
+
+def _analyse(name, raw, fs, base, *, temperature, seed, shared, progress, integral=False) -> ChannelResult:
     say = progress or (lambda text: None)
     rng = np.random.default_rng([seed, sum(map(ord, name))])
-    raw = np.asarray(raw, float)
     mean = float(np.nanmean(raw))
     given = base
     drift = np.zeros(len(raw))
@@ -62,13 +86,16 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
         known = Sum(tuple(t for t in given.drifts.terms if t.name != "constant" and not (t.name == "sinusoid" and t.phase is None)))
         drift = known.mean(np.arange(len(raw)) / fs, temperature)
     say("electronics")
-    clean = electronics.undo(raw, fs, given, rng)
+    clean = electronics.undo(raw, fs, given, rng, integral=integral)
     x = clean.x - drift
     findings = list(clean.findings)
     doubts = []
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]
     if shared > 0:
         terms.append(CommonMode(N=shared, channels=(name,)))
+    if clean.of_integral is not None and (given is None or given.rounding is None):
+        terms.append(clean.of_integral)
+    held_terms = len(terms) - (0 if given is None else len(given.noise.terms))
     # -- noise level ---------------------------------------------------------------------------------------
     say("noise level")
     y = whitened(clean.x - clean.coarse, clean.smooth) / clean.swing
@@ -76,11 +103,12 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     if held is not None:
         x = _levelled(x, held.ratio, held.time, fs, given)
         y = y / np.where(np.arange(len(y)) >= held.time * fs, held.ratio, 1.0)
-    change = effects.CATALOGUE["noise_level_change"].detect(y, fs, None)
+    change = effects.CATALOGUE["noise_level_change"].detect(y, fs, None, clean.smooth.independent)
     if change is not None:
         if change.doubt is None:
             if given is not None:
-                change = effects.CATALOGUE["noise_level_change"].anchored(change, y, fs, _level(clean, terms, given.low_pass, fs))
+                level = _level(clean, terms, given.low_pass, fs)
+                change = effects.CATALOGUE["noise_level_change"].anchored(change, y, fs, level, clean.smooth.independent)
             findings.append(change)
             x = _levelled(x, change.process.ratio, change.process.time, fs, given)
             y = y / np.where(np.arange(len(y)) >= change.process.time * fs, change.process.ratio, 1.0)
@@ -142,13 +170,12 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     elif len(state.likelihood.slots) - len(state.base_slots) > 2:       # so many noises draw any smooth spectrum
         steps = [s.capped(MANY) for s in steps]
     steps = _doubtful(steps, shared)
-    held_terms = 1 if shared > 0 else 0
     base_sum = given if given is not None else Sum(tuple(state.base[held_terms:n_base]))
     model = _grown(base_sum, state, findings, n_base - held_terms, held_terms)
     between = _between(base_sum, model, findings, state)
     refit = _refit(base_sum, state, findings, n_base - held_terms, held_terms) if steps else None
     swallowed = [] if given is not None else absorbed(state)
-    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit)
+    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit, state.evidence)
 
 
 def _doubtful(steps, shared):
@@ -240,10 +267,10 @@ def _grown(base, state, findings, n_base, shared):
         elif item.signal is not None:
             terms.append(item.process)
     for f in findings:
-        if f.process.name == "sinusoid":
-            terms.append(f.process)
-        else:
+        if isinstance(f.process, Stage):
             stages[f.process.name] = f.process
+        else:
+            terms.append(f.process)
     return Sum(tuple(terms), tuple(stages.values()))
 
 

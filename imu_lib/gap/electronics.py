@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imu_lib.gap import engine
+from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.saturation import Saturation
 from imu_lib.gap.effects.sinusoid import Sinusoid
@@ -18,6 +19,7 @@ from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.stuck import Stuck
 from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises
 from imu_lib.gap.rounding import COARSE, Rounding
+from imu_lib.processes import Quantization as OfIntegral
 
 #: Steps of the grid, in standard deviations of what the other samples leave open, from which on the levels show in the innovations.
 DITHER = 0.3
@@ -29,7 +31,7 @@ class Clean:
 
     `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside meanwhile, `findings` what was
     found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x - coarse`, `step` the grid,
-    `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
+    `of_integral` the quantization where it is the integral that is rounded, `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
     """
 
     x: np.ndarray
@@ -40,6 +42,7 @@ class Clean:
     step: float | None
     extra: np.ndarray | None = None
     swing: np.ndarray | float = 1.0
+    of_integral: OfIntegral | None = None
 
 
 def gross_jumps(x, fs) -> np.ndarray:
@@ -71,8 +74,11 @@ def gross_jumps(x, fs) -> np.ndarray:
     return out
 
 
-def undo(raw, fs: float, base, rng) -> Clean:
-    """Find and undo what the electronics did to `raw` (NaN where a sample is missing); `base` is the channel's model (`Sum`)."""
+def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
+    """Find and undo what the electronics did to `raw` (NaN where a sample is missing); `base` is the channel's model (`Sum`).
+
+    A grid is taken for that of a rounded integral whose increments are read out where `integral` is set.
+    """
     missing = np.isnan(raw)
     held = {s.name: s for s in base.stages} if base is not None else {}
     good = raw[~missing]
@@ -85,7 +91,11 @@ def undo(raw, fs: float, base, rng) -> Clean:
     rounded = Resolution().detect(good, max(fast_sd, 1e-300), held["resolution"].lsb if "resolution" in held else None)
     if step is not None and rounded is None and "resolution" not in held:
         step = grid = None                                # a number format, too fine to matter
-    if rounded is not None:
+    of_integral = OfIntegral.of_grid(step, fs) if integral and step is not None else None
+    if of_integral is not None:
+        if integral_of(base, step, fs) is None:
+            findings.append(Quantization().on_grid(of_integral, step, len(np.unique(good))))
+    elif rounded is not None:
         findings.append(rounded)
     clipped = Saturation().detect(good, step, held.get("saturation"))
     side = np.zeros(len(raw), np.int8)
@@ -103,7 +113,7 @@ def undo(raw, fs: float, base, rng) -> Clean:
     for _, signal in lines:
         coarse = coarse + signal
     smooth = Smooth(x - coarse, fs)
-    stuck = Stuck().detect(x, side != 0, None if step is None else Rounding(x, smooth, grid).twin(rng), held.get("stuck"))
+    stuck = Stuck().detect(x, side != 0, None if step is None else Rounding(x, smooth, grid).twin(rng, of_integral), held.get("stuck"))
     bad = missing.copy()
     if stuck is not None:
         findings.append(stuck)
@@ -151,14 +161,22 @@ def undo(raw, fs: float, base, rng) -> Clean:
     if (hidden | spiked).any():
         clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid)
         smooth = Smooth(clean, fs)
-    white, extra = 0.0 if step is None else step**2 / 12.0, None
+    white, extra = 0.0 if step is None or integral else step**2 / 12.0, None
     swing = 1.0
-    if step is not None and step > COARSE * np.sqrt(smooth.sample_variance):
+    if step is not None and not integral and step > COARSE * np.sqrt(smooth.sample_variance):
         rounding = Rounding(clean + coarse, smooth, grid)
         extra, swing = rounding.extra(rng), rounding.swing
         k = smooth.layout.slow
         white = float(np.mean(extra[k:k + 12]) * fs / 2)
-    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing)
+    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing, of_integral)
+
+
+def integral_of(base, step: float, fs: float) -> OfIntegral | None:
+    """The quantization of a base model that a grid of `step` would come of, if it has one."""
+    want = OfIntegral.of_grid(step, fs).Q
+    if base is None or any(s.name == "resolution" and abs(s.lsb / step - 1) < 0.02 for s in base.stages):
+        return None
+    return next((t for t in base.terms if t.name == "quantization" and abs(t.Q / want - 1) < 0.02), None)
 
 
 def _edges(x, y, *, reach: int = 4) -> np.ndarray:

@@ -1,11 +1,12 @@
 """Simulations of a model against the measurement: the gap index.
 
-All channels and all models of a step share the white draws of a simulation, so that before and after
+All channels and all models of a step share the draws of a simulation, so that before and after
 differ by the model and not by luck; within one model's ensemble the simulations are independent.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
@@ -15,36 +16,81 @@ from imu_lib.processes import Constant, Sum
 
 #: Simulations in an ensemble.
 SIZE = 100
-#: Correlation time, s, from which on noise passes a filter in the sensor unchanged.
-PASSES = 10.0
+#: Processes of long memory, which are drawn before a filter, and the correlation time, s, from which on one counts to them.
+LONG, PASSES = ("random_walk", "flicker", "telegraph"), 10.0
 #: Scatter that a statistic is given which is the same in all simulations, such as the share of frozen samples.
 ALIKE = 0.02
 
 
-class Replay:
-    """A random generator that hands out the same normal draws again for the next model."""
+class Draws:
+    """The realisations of one simulation: each process is drawn once at amplitude 1 and serves every model that has it.
 
-    def __init__(self, seed):
-        self._normal, self._cache, self._at = np.random.default_rng(seed), [], 0
-        self._other = np.random.default_rng([*np.atleast_1d(seed), 1])
+    The second process of a kind in a model has a draw of its own; a process of that kind with another time constant is made
+    of the same normal numbers.
+    """
 
-    def rewind(self):
-        self._at = 0
-        return self
+    def __init__(self, seed, n: int, fs: float, temperature=None):
+        self.seed, self.n, self.fs, self.temperature = list(np.atleast_1d(seed)), n, fs, temperature
+        self._made = {}
 
-    def standard_normal(self, size=None):
-        if size is None or np.ndim(size) or not isinstance(size, (int, np.integer)):
-            return self._other.standard_normal(size)
-        if self._at == len(self._cache):
-            self._cache.append(self._normal.standard_normal(size))
-        draw = self._cache[self._at]
-        if len(draw) < size:
-            draw = self._cache[self._at] = np.concatenate([draw, self._normal.standard_normal(size - len(draw))])
-        self._at += 1
-        return draw[:size].copy()
+    def rng(self, name: str, count: int = 0):
+        """The generator of what is called `name`, the same at every call."""
+        return np.random.default_rng([*self.seed, count, *name.encode()])
 
-    def __getattr__(self, name):
-        return getattr(self._other, name)
+    def terms(self, terms, low_pass=None) -> tuple[np.ndarray, np.ndarray]:
+        """Sums of the slow and of the quick processes behind the filter, shapes (n,)."""
+        slow, quick, seen = np.zeros(self.n), np.zeros(self.n), {}
+        for term in terms:
+            count = seen[term.name] = seen.get(term.name, -1) + 1
+            if getattr(term, "rounded", None):             # the sum rounds its integral
+                continue
+            if term.deterministic:
+                slow += term.mean(np.arange(self.n) / self.fs, self.temperature)
+                continue
+            amplitude = next(p.name for p in term.parameters if p.kind == "amplitude")
+            unit = term.with_(**{amplitude: 1.0})
+            part = quick if term.fast else slow
+            part += getattr(term, amplitude) * self._unit(unit, count, low_pass)
+        return slow, quick
+
+    def _unit(self, unit, count: int, low_pass) -> np.ndarray:
+        key = (unit, count, low_pass)
+        if key not in self._made:
+            rng = self.rng(unit.name, count)
+            if low_pass is None:
+                out = unit.simulate(self.n, self.fs, rng)
+            elif unit.name in LONG or getattr(unit, "correlation_time", 0.0) > PASSES:
+                out = filtered(self._unit(unit, count, None), low_pass, self.fs)
+            else:
+                out = behind(unit, low_pass, self.n, self.fs, rng)
+            self._made[key] = out
+        return self._made[key]
+
+
+def filtered(x, low_pass, fs: float) -> np.ndarray:
+    """Noise whose power lies far below the rate at which the filter runs, behind the filter but for its delay, shape (n,)."""
+    n = len(x)
+    line = np.linspace(x[0], x[-1], n)                     # the ends meet without a jump
+    size = next_fast_len(n, real=True)
+    z = rfft(x - line, size)
+    return irfft(z * np.sqrt(low_pass.gain(np.arange(len(z)) * fs / size, fs)), size)[:n] + line
+
+
+@lru_cache(maxsize=32)
+def _amplitudes(unit, low_pass, size: int, fs: float) -> np.ndarray:
+    """Root of the folded spectrum of a process behind a filter at the ordinates of `size` samples, times the root of size / 4 fs."""
+    f = np.maximum(np.arange(size // 2 + 1), 1) * fs / size
+    return np.sqrt(Sum((unit,), (low_pass,)).psd(f, fs) * fs * size / 4)
+
+
+def behind(unit, low_pass, n: int, fs: float, rng) -> np.ndarray:
+    """A stationary process of short memory behind a filter that runs at its own rate, from the folded spectrum, shape (n,)."""
+    size = next_fast_len(n + 4096, real=True)
+    size += size % 2
+    z = rng.standard_normal(size + 2).view(complex) * _amplitudes(unit, low_pass, size, fs)
+    z[0] = z[0].real * np.sqrt(2.0)
+    z[-1] = z[-1].real * np.sqrt(2.0)
+    return irfft(z, size)[:n]
 
 
 def centred(model: Sum, level: float, t, temperature) -> Sum:
@@ -54,32 +100,10 @@ def centred(model: Sum, level: float, t, temperature) -> Sum:
     return Sum(tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),), model.stages)
 
 
-def draw(model: Sum, n: int, fs: float, rng, *, temperature=None, common=None):
-    """A realisation of the model, shape (n,).
-
-    Where a filter runs at many times the sampling rate, the quick noise is drawn behind it from its folded spectrum, and
-    what is slow passes it unchanged.
-    """
-    if model.low_pass is None or model.low_pass.grid(fs)[0] <= 2:
-        return model.simulate(n, fs, rng, temperature=temperature, common=common)
-    size = next_fast_len(n + 4096, real=True)
-    f = np.maximum(np.arange(size // 2 + 1), 1) * fs / size
-    parts = {kind: tuple(t for t in model.terms if _passage(t) == kind) for kind in ("unchanged", "slow", "quick")}
-
-    def behind(terms):
-        if not terms:
-            return np.zeros(n)
-        density = Sum(terms, (model.low_pass,)).psd(f, fs)
-        return irfft(rfft(rng.standard_normal(size)) * np.sqrt(density * fs / 2), size)[:n]
-    slow = Sum(parts["unchanged"]).simulate(n, fs, rng, temperature=temperature) + behind(parts["slow"])
-    return model.behind(slow, behind(parts["quick"]), fs, rng, common=common)
-
-
-def _passage(term) -> str:
-    """How a process passes a filter: unchanged, as slow noise that is filtered, as quick noise whose level may change."""
-    if term.deterministic or term.name in ("random_walk", "flicker", "telegraph") or getattr(term, "correlation_time", 0.0) > PASSES:
-        return "unchanged"
-    return "quick" if term.fast else "slow"
+def draw(model: Sum, draws: Draws, *, common=None):
+    """A realisation of the model, shape (n,)."""
+    slow, quick = draws.terms(model.terms, model.low_pass)
+    return model.behind(slow, quick, draws.fs, draws.rng("electronics"), common=common)
 
 
 def simulate(jobs, n: int, fs: float, seeds, temperature, levels) -> list[list[dict]]:
@@ -88,13 +112,12 @@ def simulate(jobs, n: int, fs: float, seeds, temperature, levels) -> list[list[d
     ready = [centred(model, level, t, temperature) for (model, *_), level in zip(jobs, levels)]
     out = [[] for _ in jobs]
     for seed in seeds:
-        rng = Replay(seed)
-        made = {}
+        draws, made = Draws(seed, n, fs, temperature), {}
         for k, (model, (_, start, stop, shared, lost)) in enumerate(zip(ready, jobs)):
             key = (id(jobs[k][0]), shared)
             if key not in made:
-                common = None if not shared else rng._other.standard_normal(n) * shared * np.sqrt(fs)
-                made = {key: draw(model, n, fs, rng.rewind(), temperature=temperature, common=common)}
+                common = None if not shared else draws.rng("common").standard_normal(n) * shared * np.sqrt(fs)
+                made = {key: draw(model, draws, common=common)}
             x = made[key]
             if lost is not None:
                 x = filled(np.where(lost, np.nan, x))

@@ -67,6 +67,12 @@ class Smooth:
         return self.between(self.level, size) / self.on(size)
 
     @property
+    def independent(self) -> float:
+        """Independent samples of the whitened record per sample: fewer than one where a filter's stop band is left out."""
+        left = self.stop_band(2048)
+        return float(np.mean(left) ** 2 / np.mean(left**2))
+
+    @property
     def sample_variance(self) -> float:
         """Variance of a sample of the fast part."""
         return float(self.on(2048).mean() * self.fs / 2)

@@ -71,12 +71,22 @@ class Rounding:
         before = self.base * self.step + noise
         return before, np.rint(before / self.step)
 
-    def twin(self, rng) -> np.ndarray:
-        """A simulation of the rounded samples, in steps, shape (n,)."""
-        return self._drawn(np.maximum(self._before_level, 1e-12 * self.step**2), rng)[1]
+    def twin(self, rng, of_integral=None) -> np.ndarray:
+        """A simulation of the rounded samples, in steps, shape (n,); increments of a rounded integral where its quantization is given."""
+        level, fs = self.smooth.level, self.smooth.fs
+        if of_integral is None:
+            before = self._unrounded(rng)[0] if self.coarse else np.maximum(level - self.step**2 / (6 * fs), 0.02 * level)
+            return self._drawn(before, rng)[1]
+        noise = of_integral.psd(self.smooth.layout.f, fs)
+        before, _ = self._drawn(np.maximum(level - noise, 0.02 * level), rng)
+        return np.rint(of_integral.round(before, fs, rng) / self.step)
 
-    def extra(self, rng, *, draws: int = 3) -> np.ndarray:
+    def extra(self, rng) -> np.ndarray:
         """Density that the rounding adds in the bins, by simulation: it is neither white nor independent of the signal."""
+        return self._unrounded(rng)[1]
+
+    def _unrounded(self, rng, *, draws: int = 3):
+        """Spectrum before the rounding and what the rounding adds to it, in the bins."""
         smooth, k = self.smooth, self.smooth.layout.slow
         level, kernel = self._before_level, np.ones(15) / 15
         for _ in range(3):
@@ -88,4 +98,4 @@ class Rounding:
             extra = np.convolve(np.pad(extra, 7, mode="edge"), kernel, "valid")
             extra[:k] = np.mean(extra[k:k + 12])
             level = np.maximum(level + (smooth.level - level - extra) / self.slope, 0.02 * smooth.level)
-        return extra
+        return level, extra

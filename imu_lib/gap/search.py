@@ -87,7 +87,7 @@ def change_candidates(state: State) -> list[Item]:
     free = {s.index for s in state.base_slots}
     out, slots, keys = [], [], []
     for index, term in enumerate(state.base):
-        if index in free or term.name == "common_mode":
+        if index in free or term.name == "common_mode" or getattr(term, "rounded", None):
             continue
         for p in term.parameters:
             key = f"parameter_change:{index}:{p.name}"
@@ -136,15 +136,15 @@ def filter_candidates(state: State) -> list[Item]:
     extra = data.extra[data.layout.slow:]
     s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
     rows = list(zip(-0.5 * np.sum(nu * (np.log(s) + power / s), axis=1) - base, stages))
-    rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in state.fit.terms if t.name != "common_mode")]
+    rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in state.fit.terms if t.name != "common_mode" and not getattr(t, "rounded", None))]
     rows.sort(key=lambda r: -r[0])
     out, kinds = [], set()
     for gain, stage in rows:
-        kind = (stage.order, stage.rate)
-        if gain < SCREEN or kind in kinds or len(out) >= 4:
+        kind = (stage.order, stage.smoothing, stage.rate)
+        if gain < SCREEN or kind in kinds or len(out) >= 5:
             continue
         kinds.add(kind)
-        slot = effect.slot(data.fs) if stage.order else None
-        # a moving average is one of some eighty, a filter one of four orders at one of two rates
-        out.append(Item("low_pass", stage, slot, bonus=-np.log(80.0) if stage.taps else -np.log(8.0), note={"screen": gain, "ll": 0.0}))
+        slot = effect.slot(data.fs) if stage.tunable else None
+        # a moving average is one of some eighty, a filter one of five kinds at one of two rates
+        out.append(Item("low_pass", stage, slot, bonus=-np.log(80.0) if stage.taps else -np.log(10.0), note={"screen": gain, "ll": 0.0}))
     return out

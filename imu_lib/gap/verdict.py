@@ -93,9 +93,9 @@ def bias(state) -> list[Check]:
     return out
 
 
-def distribution(y, *, rounded: bool = False) -> list[Check]:
-    """Skewness and excess of the whitened fast noise."""
-    n = len(y)
+def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[Check]:
+    """Skewness and excess of the whitened fast noise, a share of whose samples is `independent`."""
+    n = len(y) * independent
     u = (y - y.mean()) / y.std()
     skew, excess = np.mean(u**3), np.mean(u**4) - 3
     if rounded:                                           # differenced rounding errors are flatter than normal ones
@@ -109,7 +109,7 @@ def stationarity(y, fs, smooth, *, coarse_steps: bool = False) -> list[Check]:
     out = []
     # the powers of all bands move together where a few levels of the output make the energy of a block scatter
     excess = max(float(np.mean(y**4) / np.mean(y**2) ** 2) - 3.0, 0.0) if coarse_steps else 0.0
-    found = unsteady(y, fs)
+    found = unsteady(y, fs, smooth.independent)
     if found is not None:
         out.append(Check("stationarity", float(found[0] + np.log10(8)), found[1]))
     m = 256
@@ -213,5 +213,5 @@ def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
     fs = state.data.fs
     out = [spectrum(second), *slow_checks, *stationarity(y, fs, smooth, coarse_steps=coarse_steps), *resonances(state, y), echoes(y, fs, smooth, state)]
     if not coarse_steps:
-        out += distribution(y, rounded=any(t.name == "quantization" for t in state.fit.terms))
+        out += distribution(y, smooth.independent, rounded=any(t.name == "quantization" for t in state.fit.terms))
     return out

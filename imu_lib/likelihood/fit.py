@@ -123,7 +123,7 @@ def vector(noise, start):
     for label, index, name in noise.labels():
         process = list(noise)[index]
         parameter = next(p for p in process.parameters if p.name == name)
-        if getattr(process, name) is None and (not parameter.optional or (name == "cutoff" and process.order)):
+        if getattr(process, name) is None and (not parameter.optional or (name == "cutoff" and process.tunable)):
             if not known.get(label):
                 raise ValueError(f"`starts`: the start model has no value for `{label}`")
             out.append(np.log(known[label]))

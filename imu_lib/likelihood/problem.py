@@ -55,7 +55,7 @@ class Problem:
             if getattr(process, name) is not None:
                 continue
             if process.name == "low_pass":
-                if name == "cutoff" and process.order is not None:
+                if name == "cutoff" and process.tunable:
                     top = 0.49 * (process.rate or fs)
                     yield Free(label, index, name, False, np.log(fs / 500), np.log(top))
                 continue

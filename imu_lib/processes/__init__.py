@@ -53,7 +53,7 @@ def from_json(entry: dict, *, on_record: bool = False) -> Process:
         raise InputError(f"process {name}: {error}") from None
     if not process.complete:
         missing = [p.name for p in cls.parameters if getattr(process, p.name) is None and not p.optional]
-        raise InputError(f"process {name}: parameter {' or '.join(missing) or 'taps or order'} is missing")
+        raise InputError(f"process {name}: parameter {' or '.join(missing) or 'taps, order or smoothing'} is missing")
     return process
 
 

@@ -40,13 +40,14 @@ _MOVING_AVERAGE_3DB = 1.391557378251510
 class LowPass(Stage):
     """Low-pass filter of the sensor, run at `rate` and read out at the sampling rate.
 
-    Give `taps` (a moving average) or `order` (a Butterworth filter with -3 dB at `cutoff`).
+    Give `taps` (a moving average), `order` (a Butterworth filter with -3 dB at `cutoff`) or `smoothing` = 1 (exponential
+    smoothing y_k = y_{k-1} + a (x_k - y_{k-1}), its weight a such that -3 dB lies at `cutoff`).
     A `rate` that is a multiple of the sampling rate is a filter inside the sensor, decimated.
 
     Parameters
     ----------
     cutoff : float, Hz (-3 dB); with `taps` it follows from them and may be left out
-    taps, order : int
+    taps, order, smoothing : int
     rate : float, Hz, optional
         Where it is not given, the sampling rate.
     """
@@ -55,25 +56,34 @@ class LowPass(Stage):
     taps: int | None = None
     order: int | None = None
     rate: float | None = None
+    smoothing: int | None = None
     name: ClassVar[str] = "low_pass"
     place: ClassVar[int] = 0
     parameters: ClassVar = (Parameter("cutoff", "frequency", "-3 dB, Hz", optional=True),
                             Parameter("taps", "count", "of a moving average", optional=True),
                             Parameter("order", "count", "of a Butterworth filter", optional=True),
-                            Parameter("rate", "frequency", "at which the filter runs, Hz", optional=True))
+                            Parameter("rate", "frequency", "at which the filter runs, Hz", optional=True),
+                            Parameter("smoothing", "count", "1: exponential smoothing", optional=True))
 
     def __post_init__(self):
         super().__post_init__()
-        if self.taps is not None and self.order is not None:
-            raise InputError("process low_pass: give `taps` or `order`, not both")
+        if sum(kind is not None for kind in (self.taps, self.order, self.smoothing)) > 1:
+            raise InputError("process low_pass: give one of `taps`, `order` and `smoothing`")
         if self.taps is not None and self.taps < 1 or self.order is not None and self.order < 1:
             raise InputError("process low_pass: `taps` and `order` must be at least 1")
+        if self.smoothing not in (None, 1):
+            raise InputError("process low_pass: `smoothing` is 1 or left out")
         if self.taps is not None and self.rate is not None and self.cutoff is None:
             object.__setattr__(self, "cutoff", _MOVING_AVERAGE_3DB / np.pi * self.rate / self.taps)
 
     @property
     def complete(self):
-        return self.taps is not None or (self.cutoff is not None and self.order is not None)
+        return self.taps is not None or (self.cutoff is not None and self.tunable)
+
+    @property
+    def tunable(self) -> bool:
+        """Whether its cutoff may lie anywhere; that of a moving average follows from its taps."""
+        return self.order is not None or self.smoothing is not None
 
     def ratio(self, fs: float) -> int:
         """Filter steps per sample at the sampling rate `fs`."""
@@ -86,7 +96,7 @@ class LowPass(Stage):
     def gain(self, f, fs: float) -> np.ndarray:
         """Power gain |H|^2 at frequencies `f` Hz up to half the filter's rate, same shape."""
         if not self.complete:
-            raise ValueError("`low_pass` is a template: give `taps`, or `cutoff` and `order`, first")
+            raise ValueError("`low_pass` is a template: give `taps`, or `cutoff` and `order` or `smoothing`, first")
         f = np.asarray(f, dtype=float)
         rate = fs if self.rate is None else self.rate
         if self.taps is not None:
@@ -95,6 +105,9 @@ class LowPass(Stage):
                 h = np.where(np.abs(np.sin(x)) < 1e-12, 1.0, np.sin(self.taps * x) / (self.taps * np.sin(x)))
             return h * h
         self._check(rate)
+        if self.smoothing:
+            b = self._memory(rate)
+            return (1 - b) ** 2 / (1 - 2 * b * np.cos(2 * np.pi * f / rate) + b * b)
         # a Butterworth filter through the bilinear transform, its cutoff kept
         with np.errstate(over="ignore"):
             return 1.0 / (1.0 + (np.tan(np.pi * f / rate) / np.tan(np.pi * self.cutoff / rate)) ** (2 * self.order))
@@ -102,6 +115,11 @@ class LowPass(Stage):
     def _check(self, rate):
         if not 0.0 < self.cutoff < rate / 2.0:
             raise ValueError(f"`cutoff` of the low-pass filter must lie below {rate / 2:g} Hz, not at {self.cutoff:g}")
+
+    def _memory(self, rate) -> float:
+        """1 - a of exponential smoothing: the root of 2 (1 - b)^2 = 1 - 2 b cos w + b^2, half the power at the cutoff."""
+        half = 2.0 - np.cos(2 * np.pi * self.cutoff / rate)
+        return float(half - np.sqrt(half * half - 1.0))
 
     def _sos(self, rate):
         self._check(rate)
@@ -118,7 +136,7 @@ class LowPass(Stage):
             coarse = np.gcd(ratio, self.taps)
             return ratio // coarse, self.taps // coarse - 1
         rate = ratio * fs
-        return ratio, int(np.ceil(3.0 * self.order * rate / self.cutoff))
+        return ratio, int(np.ceil(3.0 * (self.order or 1) * rate / self.cutoff))
 
     def run(self, x: np.ndarray, fs: float, n: int) -> np.ndarray:
         """Filter `x` on the grid of `grid(fs)` and read out n samples."""
@@ -126,6 +144,9 @@ class LowPass(Stage):
         if self.taps is not None:
             width = before + 1
             y = lfilter(np.full(width, 1.0 / width), [1.0], x)
+        elif self.smoothing:
+            b = self._memory(steps * fs)
+            y = lfilter([1.0 - b], [1.0, -b], x - x[0]) + x[0]
         else:
             y = sosfilt(self._sos(steps * fs), x - x[0]) + x[0]
         return y[before::steps][:n]

@@ -14,6 +14,7 @@ from imu_lib.errors import InputError, UndefinedFormError
 from .base import Process, StateSpace
 from .sampled import avar_from_short_memory, cluster_size
 from .stages import LowPass, NoiseLevelChange, Resolution, Spikes, Stage
+from .white import Quantization
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,11 @@ class Sum:
         return next((s for s in self.stages if isinstance(s, LowPass)), None)
 
     @property
+    def rounding(self) -> Quantization | None:
+        """The quantization that comes of rounding the integrated output, if there is one."""
+        return next((t for t in self.terms if getattr(t, "rounded", None)), None)
+
+    @property
     def complete(self) -> bool:
         """Whether every parameter has a value."""
         return all(p.complete for p in self)
@@ -140,7 +146,7 @@ class Sum:
     def _psd_of_terms(self, f, fs):
         out = np.zeros(np.shape(f))
         for term in self.terms:
-            if term.name != "constant":
+            if term.name != "constant" and not getattr(term, "rounded", None):
                 out = out + term.psd(f, fs)
         return out
 
@@ -159,6 +165,8 @@ class Sum:
                 image = np.mod(f + k * fs, rate)
                 image = np.minimum(image, rate - image)
                 out = out + low_pass.gain(image, fs) * self._psd_of_terms(image, rate)
+        if self.rounding is not None:
+            out = out + self.rounding.psd(f, fs)
         return out + 2.0 * self._added(fs) / (fs or 1.0)
 
     def avar(self, tau, fs: float | None = None) -> np.ndarray:
@@ -236,6 +244,8 @@ class Sum:
             temperature = np.interp(at, np.arange(n) / fs, temperature)
         slow, quick = np.zeros(size), np.zeros(size)
         for term in self.terms:
+            if term is self.rounding:
+                continue
             part = quick if term.fast else slow
             part += term.simulate(size, rate, rng, temperature=temperature, start=start)
         if low_pass is not None:
@@ -250,7 +260,12 @@ class Sum:
         x = slow + quick
         if common is not None:
             x = x + common
-        for stage in self.stages:
-            if not isinstance(stage, (LowPass, NoiseLevelChange)):
-                x = stage.apply(x, fs, rng)
+        stages = [s for s in self.stages if not isinstance(s, (LowPass, NoiseLevelChange))]
+        first = [s for s in stages if s.place < Resolution.place]
+        for stage in first:
+            x = stage.apply(x, fs, rng)
+        if self.rounding is not None:
+            x = self.rounding.round(x, fs, rng)
+        for stage in stages[len(first):]:
+            x = stage.apply(x, fs, rng)
         return x

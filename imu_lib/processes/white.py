@@ -66,12 +66,27 @@ class Quantization(Process):
     Parameters
     ----------
     Q : float, signal unit times s
+    rounded : int, optional
+        1: the integrated output is rounded to steps of Q sqrt(12), and a simulated sum does just that. What is read out lies
+        on a grid of Q sqrt(12) fs, behind a low-pass filter if there is one.
     """
 
     Q: float | None = None
+    rounded: int | None = None
     name: ClassVar[str] = "quantization"
     fast: ClassVar[bool] = True
-    parameters: ClassVar = (Parameter("Q", "amplitude", "standard deviation of the integrated output"),)
+    parameters: ClassVar = (Parameter("Q", "amplitude", "standard deviation of the integrated output"),
+                            Parameter("rounded", "count", "1: by rounding the integrated output", optional=True))
+
+    @classmethod
+    def of_grid(cls, step: float, fs: float) -> Quantization:
+        """That of an integrated output whose increments lie on a grid of `step`, signal unit, at `fs` Hz."""
+        return cls(Q=float(step / (fs * np.sqrt(12.0))), rounded=1)
+
+    def round(self, x, fs: float, rng) -> np.ndarray:
+        """The increments, shape (n,), of the rounded integral of `x`, shape (n,), at `fs` Hz."""
+        step = self.Q * np.sqrt(12.0) * fs
+        return np.diff(np.rint(np.cumsum(np.concatenate([[rng.random()], x / step])))) * step
 
     def psd(self, f, fs=None):
         self._require()

@@ -39,10 +39,11 @@ class Spectral(Effect):
 
     def slot(self, index: int, fs: float, duration: float) -> Slot:
         """The free parameters of the process at `index`."""
-        names = tuple(p.name for p in self.process.parameters)
-        low = tuple(np.log(1.5 / fs) if p.kind == "time" else -60.0 for p in self.process.parameters)
-        high = tuple(np.log(duration / 3) if p.kind == "time" else 30.0 for p in self.process.parameters)
-        widths = tuple(TIME_WIDTH if p.kind == "time" else AMPLITUDE_WIDTH for p in self.process.parameters)
+        free = [p for p in self.process.parameters if not p.optional]
+        names = tuple(p.name for p in free)
+        low = tuple(np.log(1.5 / fs) if p.kind == "time" else -60.0 for p in free)
+        high = tuple(np.log(duration / 3) if p.kind == "time" else 30.0 for p in free)
+        widths = tuple(TIME_WIDTH if p.kind == "time" else AMPLITUDE_WIDTH for p in free)
         return Slot(index, names, low, high, widths)
 
     process: ClassVar[type]

@@ -20,7 +20,8 @@ class LowPass(Effect):
         # white noise averaged over ten times as many taps at ten times the rate is the same behind the sampling
         inner = [Stage(taps=k, rate=10 * fs) for k in (*range(4, 64), *range(64, 120, 4)) if k % 10]
         cutoffs = np.geomspace(0.01, 0.47, 22) * fs
-        return moving + inner + [Stage(order=k, cutoff=float(c), rate=rate) for rate in (fs, 10 * fs) for k in (1, 2, 3, 4) for c in cutoffs]
+        kinds = ({"smoothing": 1}, *({"order": k} for k in (1, 2, 3, 4)))
+        return moving + inner + [Stage(**kind, cutoff=float(c), rate=rate) for rate in (fs, 10 * fs) for kind in kinds for c in cutoffs]
 
     def slot(self, fs) -> Slot:
         """The cutoff of a filter of given order."""

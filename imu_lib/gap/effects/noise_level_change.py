@@ -21,16 +21,16 @@ def energies(y, fs, seconds: float):
     return np.mean((y[:k * m] ** 2).reshape(k, m), axis=1), m
 
 
-def unsteady(y, fs) -> tuple[float, str] | None:
+def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
     """(log10 of the p-value, where) of the worst scale at which the mean square wanders more than chance; None below three blocks.
 
-    Two tests at each scale: dispersion of the block energies, and the largest line in their periodogram.
+    `independent` is the share of the samples that are independent of one another. Two tests at each scale: dispersion of the block energies, and the largest line in their periodogram.
     """
     worst = (0.0, "")
     kurt = max(np.mean(y**4) / np.mean(y**2) ** 2 - 1.0, 0.5)          # variance of y^2 in units of its mean
     for seconds in SCALES:
         e, m = energies(y, fs, seconds)
-        k = len(e)
+        k, m = len(e), m * independent
         if k < 8:
             continue
         z = (e / e.mean() - 1.0) * np.sqrt(m / kurt)
@@ -44,7 +44,7 @@ def unsteady(y, fs) -> tuple[float, str] | None:
     return worst if worst[1] else None
 
 
-def change_point(y):
+def change_point(y, independent: float = 1.0):
     """(gain, index, ratio) of the best single change of variance of a white series, to the sample.
 
     Where the series has heavier shoulders than a normal one (a few levels of a coarse grid), its energy scatters more and
@@ -60,7 +60,7 @@ def change_point(y):
     gain = 0.5 * (n * np.log(total / n) - k * np.log(a) - (n - k) * np.log(b))
     i = int(np.argmax(gain))
     kurt = np.mean((square / np.where(np.arange(n) < k[i], a[i], b[i])) ** 2) - 1.0
-    return float(gain[i] * 2.0 / max(kurt, 2.0)), int(k[i]), float(np.sqrt(b[i] / a[i]))
+    return float(independent * gain[i] * 2.0 / max(kurt, 2.0)), int(k[i]), float(np.sqrt(b[i] / a[i]))
 
 
 class NoiseLevelChange(Effect):
@@ -68,48 +68,48 @@ class NoiseLevelChange(Effect):
     cause = "The gain, the supply or the vibration around the sensor changed at one instant."
     domain = "stationarity"
 
-    def detect(self, y, fs, held) -> Finding | None:
-        """`y` is the whitened fast noise."""
-        gain, k, ratio = change_point(y)
+    def detect(self, y, fs, held, independent: float = 1.0) -> Finding | None:
+        """`y` is the whitened fast noise, a share of whose samples is `independent`."""
+        gain, k, ratio = change_point(y, independent)
         if gain < 13:
             return None
         if held is not None and abs(np.log(ratio / held.ratio)) < 0.05 and abs(k / fs - held.time) < 5:
             return None
         n = len(y)
-        sd = np.sqrt(0.5 / k + 0.5 / (n - k))
-        slack = self._time_slack(y, k)
+        sd = np.sqrt((0.5 / k + 0.5 / (n - k)) / independent)
+        slack = self._time_slack(y, k, independent)
         after = y.copy()
         after[k:] /= ratio
         found = Finding(self, Stage(ratio=ratio, time=k / fs), gain,
                         f"variance of the innovations: {20 * np.log10(ratio):+.2f} dB from {k / fs:.1f} s on",
                         {"ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)], "time": [(k - slack) / fs, (k + slack) / fs]})
-        left = unsteady(after, fs)
+        left = unsteady(after, fs, independent)
         if left is not None and left[0] < -5:
             found.doubt = left[1]
         return found
 
     @staticmethod
-    def anchored(found: Finding, y, fs, level: float) -> Finding:
+    def anchored(found: Finding, y, fs, level: float, independent: float = 1.0) -> Finding:
         """The change measured from the given model's level where the noise before it has that level.
 
         `level` is the variance of `y` as a multiple of the model's.
         """
         k = int(round(found.process.time * fs))
         before, after = level * np.mean(y[:k] ** 2), level * np.mean(y[k:] ** 2)
-        if abs(before - 1.0) > 4.0 * np.sqrt(2.0 / k):
+        if abs(before - 1.0) > 4.0 * np.sqrt(2.0 / (k * independent)):
             return found
-        ratio, sd = float(np.sqrt(after)), np.sqrt(0.5 / (len(y) - k))
+        ratio, sd = float(np.sqrt(after)), np.sqrt(0.5 / ((len(y) - k) * independent))
         return replace(found, process=found.process.with_(ratio=ratio),
                        intervals={**found.intervals, "ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)]})
 
     @staticmethod
-    def _time_slack(y, k) -> float:
+    def _time_slack(y, k, independent) -> float:
         """Half width, in samples, of the range of change points within 2.5 of the best log-likelihood."""
         n = len(y)
         c = np.cumsum(y**2)
         edge = max(20, n // 400)
         i = np.arange(edge, n - edge)
         a, b = c[i - 1] / i, (c[-1] - c[i - 1]) / (n - i)
-        gain = -0.5 * (i * np.log(a) + (n - i) * np.log(b))
+        gain = -0.5 * independent * (i * np.log(a) + (n - i) * np.log(b))
         near = i[gain > gain.max() - 2.5]
         return float(max(abs(near.min() - k), abs(near.max() - k), 1))

@@ -1,9 +1,11 @@
 """Increments of a rounded angle or velocity are read out."""
 from __future__ import annotations
 
+import numpy as np
+
 from imu_lib.processes import Quantization as Process
 
-from .base import Spectral
+from .base import Finding, Spectral
 
 
 class Quantization(Spectral):
@@ -15,3 +17,9 @@ class Quantization(Spectral):
 
     def grid(self, fs, duration):
         return [Process(Q=1.0)]
+
+    def on_grid(self, process: Process, step: float, levels: int) -> Finding:
+        """What is found where the grid of the output, of a `step`, is that of a rounded integral."""
+        return Finding(self, process, np.inf,
+                       f"power spectral density rising as the square of the frequency, and {levels} distinct samples on a grid of step {step:.4g}: "
+                       "increments of a rounded integral", {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]})

@@ -8,9 +8,16 @@ from imu_lib.processes import Resolution as Stage
 from .base import Effect, Finding
 
 
+#: Share of the samples whose values have to come again where some lie off the grid.
+MOST = 0.97
+
+
 def grid_of(x) -> tuple[float, float] | None:
-    """(step, offset) of the grid that all samples lie on, or None where they are continuous."""
-    u = np.unique(x)
+    """(step, offset) of the grid that the samples lie on, all but a few per cent, or None where they are continuous."""
+    u, count = np.unique(x, return_counts=True)
+    again = count > 1
+    if count[again].sum() > MOST * len(x):                  # spikes may be added behind the rounding
+        u = u[again]
     if len(u) < 2 or len(u) > len(x) / 6:
         return None
     gap = np.diff(u)
