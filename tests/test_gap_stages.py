@@ -13,16 +13,17 @@ SD = 2e-3                                                  # of a sample of that
 
 
 @pytest.mark.parametrize("stage", [LowPass(taps=3, rate=FS), LowPass(taps=8, rate=FS), LowPass(taps=14, rate=10 * FS), LowPass(taps=45, rate=10 * FS),
-                                   LowPass(order=1, cutoff=12.0, rate=10 * FS), LowPass(order=4, cutoff=20.0, rate=10 * FS)],
-                         ids=lambda s: f"{s.taps or s.order}-{s.rate:g}")
+                                   LowPass(order=1, cutoff=12.0, rate=10 * FS), LowPass(order=4, cutoff=20.0, rate=10 * FS),
+                                   LowPass(order=4, cutoff=8.0, rate=FS), LowPass(smoothing=1, cutoff=9.0, rate=FS)],
+                         ids=lambda s: f"{s.taps or s.order or 'smoothing'}-{s.rate:g}")
 def test_a_filter_is_named_by_its_make_and_leaves_nothing_behind(stage):
     x = Sum((WHITE, GaussMarkov(sigma=1e-4, correlation_time=60.0)), (stage,)).simulate(N, FS, np.random.default_rng(1))
     found = analyse("gyro_x", x, FS, Sum((WHITE, GaussMarkov(sigma=1e-4, correlation_time=60.0))))
     step, = found.steps
     assert found.unexplained is None
-    make = [step.parameters.get(name) for name in ("taps", "order", "rate")]
-    assert (step.effect, make) == ("low_pass", [stage.taps, stage.order, stage.rate])
-    if stage.order:
+    make = [step.parameters.get(name) for name in ("taps", "order", "smoothing", "rate")]
+    assert (step.effect, make) == ("low_pass", [stage.taps, stage.order, stage.smoothing, stage.rate]) and step.confidence > 0.9
+    if stage.tunable:
         low, high = step.intervals["cutoff"]
         assert abs(step.parameters["cutoff"] - stage.cutoff) < high - low      # four standard deviations
 

@@ -15,6 +15,8 @@ from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
 #: What a filter in the sensor has to add to the evidence of a free base.
 FILTER = 6.0
+#: Parts of the sampling rate below which a base is fitted to start a filter beside it.
+BELOW = (0.1, 0.02)
 #: Samples in the shortest correlation time of a free base.
 QUICKEST = 50
 #: Families of a free base: the noises beside white noise.
@@ -54,17 +56,18 @@ def _slow(slot, fs):
 def free_base(data: Data, held=()) -> State:
     """The best family by evidence, as a state whose base is free.
 
-    A filter in the sensor is tried at once, beside a base fitted to the lowest tenth of the band: fitted to all of it,
-    flicker or a quick Gauss-Markov process would imitate the roll-off.
+    A filter in the sensor is tried at once, beside a base fitted to the low part of the band, up to each of `BELOW`: fitted
+    to all of it, flicker or a quick Gauss-Markov process would imitate the roll-off.
     """
     best = _best_family(data, held)
-    low = copy(data)
-    low.layout = replace(data.layout, nu=np.where(data.layout.f < data.fs / 10, data.layout.nu, 0.0))
-    below = _best_family(low, held).settled()
-    for item in filter_candidates(State(data, below.base)):
-        trial = State(data, below.base, [item], base_slots=below.base_slots)
-        if trial.evidence > best.evidence + FILTER:
-            best = trial
+    for share in BELOW:
+        low = copy(data)
+        low.layout = replace(data.layout, nu=np.where(data.layout.f < share * data.fs, data.layout.nu, 0.0))
+        below = _best_family(low, held).settled()
+        for item in filter_candidates(State(data, below.base)):
+            trial = State(data, below.base, [item], base_slots=below.base_slots)
+            if trial.evidence > best.evidence + FILTER:
+                best = trial
     return best.settled()
 
 

@@ -33,9 +33,10 @@ VETO = -9.0
 class ChannelResult:
     """What was found in a channel.
 
-    `base` is the model it started from (fitted where none was given), `model` the grown one, `steps` the effects in the
-    order found, `evidence` the log evidence of the model for the cleaned record, `absorbed` what a free base may have swallowed, `unexplained` None or a sentence, `refit` the grown
-    model fitted to the first part of the record, None where that part does not show every effect.
+    `base` is the model it started from (fitted where none was given), `model` the grown one, `evidence` its log evidence for
+    the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may have swallowed, `unexplained`
+    None or a sentence, `refit` the grown model fitted to the first part of the record, None where that part does not show
+    every effect.
     """
 
     name: str
@@ -116,7 +117,7 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, progress, integr
             doubts.append(change.doubt)
     # -- lines ---------------------------------------------------------------------------------------------
     say("lines")
-    data = Data(x, fs, white=clean.white, temperature=temperature, extra=clean.extra)
+    data = Data(x, fs, white=clean.white, temperature=temperature, extra=clean.extra, blind=clean.blind)
     lines, data = effects.CATALOGUE["sinusoid"].find(data)
     if given is not None:
         foreseen = [t.frequency for t in given.terms if t.name == "sinusoid" and t.phase is None]
@@ -299,6 +300,9 @@ def _refit(base, state, findings, n_base, shared):
         return None
     x = data.x
     first = Data(x[:n], data.fs, white=data.white, temperature=None if data.temperature is None else data.temperature[:n])
+    if data.blind is not None:
+        first = Data(first.x, data.fs, white=data.white, temperature=first.temperature,
+                     blind=np.interp(first.layout.f, data.layout.f, data.blind.astype(float)) > 0)
     items = []
     for item in state.items:
         if item.column is not None:

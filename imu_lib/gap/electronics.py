@@ -17,10 +17,12 @@ from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.effects.spikes import Spikes
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.stuck import Stuck
-from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises
+from imu_lib.gap.innovations import Smooth, first_fill, impute, shadows, surprises
 from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.processes import Quantization as OfIntegral
 
+#: Share of the mean spectrum below which a bin holds little but what was filled in for missing samples.
+EMPTY = 3e-3
 #: Steps of the grid, in standard deviations of what the other samples leave open, from which on the levels show in the innovations.
 DITHER = 0.3
 
@@ -31,7 +33,8 @@ class Clean:
 
     `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside meanwhile, `findings` what was
     found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x - coarse`, `step` the grid,
-    `of_integral` the quantization where it is the integral that is rounded, `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
+    `of_integral` the quantization where it is the integral that is rounded, `blind` the bins of the spectrum where samples
+    that were filled in are stronger than the signal, `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
     """
 
     x: np.ndarray
@@ -43,6 +46,7 @@ class Clean:
     extra: np.ndarray | None = None
     swing: np.ndarray | float = 1.0
     of_integral: OfIntegral | None = None
+    blind: np.ndarray | None = None
 
 
 def gross_jumps(x, fs) -> np.ndarray:
@@ -123,10 +127,14 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
     hidden = bad | (side != 0)
     rest = x - coarse
     spikes, spiked = None, np.zeros(len(x), bool)
-    for _ in range(3):
+    for _ in range(5):
         if (hidden | spiked).any():
-            clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid)
-            smooth = Smooth(clean, fs)
+            # what was filled in under too loud a spectrum would make its neighbours surprising under a better one
+            for _ in range(5):
+                clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid)
+                before, smooth = smooth.conditional_variance, Smooth(clean, fs)
+                if smooth.conditional_variance > 0.9 * before:
+                    break
         else:
             clean = rest
         measured = np.where(hidden, clean, rest)
@@ -143,18 +151,19 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         y[hidden | _edges(measured, y)] = 0.0
         for end in (y[:64], y[-64:]):
             end[np.abs(end) < 20] = 0.0                 # a filter that starts up is no spike, unless it is one by eye
+        y[shadows(y, even)] = 0.0
         new = Spikes().detect(y[~hidden], even, held.get("spikes"))
         if new is None and "spikes" not in held:
             spikes = None
             break
-        before = spiked.sum()
+        count = spiked.sum()
         spiked = np.zeros(len(x), bool)
         if new is not None:
             spiked[np.flatnonzero(~hidden)[new.mask]] = True
             spikes = new
         else:
             spiked[np.abs(y) > 5] = True
-        if abs(int(spiked.sum()) - int(before)) <= 0.01 * before:
+        if abs(int(spiked.sum()) - int(count)) <= 0.01 * count:
             break
     if spikes is not None:
         findings.append(spikes)
@@ -168,7 +177,8 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         extra, swing = rounding.extra(rng), rounding.swing
         k = smooth.layout.slow
         white = float(np.mean(extra[k:k + 12]) * fs / 2)
-    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing, of_integral)
+    blind = smooth.level < EMPTY * np.mean(smooth.on(2048)) if (hidden | spiked).any() else None
+    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing, of_integral, blind)
 
 
 def integral_of(base, step: float, fs: float) -> OfIntegral | None:

@@ -6,7 +6,7 @@ amplitudes profiled out by generalised least squares.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -34,13 +34,17 @@ class Data:
         Variance that the electronics add to every sample (rounding), unit^2.
     extra : ndarray, optional
         One-sided density that the electronics add in the bins of the spectrum, where it is not 2 white / fs.
+    blind : ndarray of bool, optional
+        Bins that tell nothing: the stop band of a filter, where samples that were filled in are stronger than the signal.
     """
 
-    def __init__(self, x, fs: float, *, white: float = 0.0, temperature=None, extra=None):
-        self.x, self.fs, self.white = x, float(fs), white
+    def __init__(self, x, fs: float, *, white: float = 0.0, temperature=None, extra=None, blind=None):
+        self.x, self.fs, self.white, self.blind = x, float(fs), white, blind
         self.n = len(x)
         self.m = slow.block_length(self.n, fs)
         self.layout = fast.bins(self.n, self.fs, self.m)
+        if blind is not None and blind.any():
+            self.layout = replace(self.layout, nu=np.where(blind, 0.0, self.layout.nu))
         self.means = slow.block_means(x, self.m)
         self.d = np.diff(self.means)
         self.k = len(self.d)
@@ -68,7 +72,7 @@ class Data:
 
     def minus(self, signal) -> Data:
         """The channel without a deterministic signal."""
-        return Data(self.x - signal, self.fs, white=self.white, temperature=self.temperature, extra=self.extra)
+        return Data(self.x - signal, self.fs, white=self.white, temperature=self.temperature, extra=self.extra, blind=self.blind)
 
     def column(self, values_at_blocks) -> np.ndarray:
         """A drift given at the block means as a column of the regression."""

@@ -90,9 +90,11 @@ def spectrum(terms, low_pass, layout: Bins, fs: float) -> np.ndarray:
     f = layout.nodes
     if low_pass is not None:
         from imu_lib.processes import Sum
-        s = Sum(tuple(terms), (low_pass,)).psd(f, fs)
+        # what channels have in common is added behind their filters
+        s = Sum(tuple(t for t in terms if t.name != "common_mode"), (low_pass,)).psd(f, fs)
+        terms = [t for t in terms if t.name == "common_mode"]
     else:
         s = np.zeros(f.shape)
-        for term in terms:
-            s += term.psd(f, fs)
+    for term in terms:
+        s += term.psd(f, fs)
     return s @ _WEIGHTS

@@ -110,7 +110,7 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
         temperature = ensemble.filled(temperature)
     total = len(names) + 1 + (4 if simulations else 0)
     held = tuple(p for p in model.record if p.name == "common_mode") if model is not None else ()
-    shared, note, coherence_left = record_level.shared_noise(raw, fs, held)
+    shared, note, coherence_left = record_level.shared_noise(raw, fs, held, None if model is None else model.channels)
     tell(1, total, "coherence")
     noise = {name: 0.0 for name in names}
     for process in (*held, *([shared] if shared is not None else [])):

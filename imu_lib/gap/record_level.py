@@ -8,15 +8,19 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
+from imu_lib.errors import UndefinedFormError
 from imu_lib.gap.effects.common_mode import CommonMode
 from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.time_gaps import TimeGaps
+from imu_lib.gap.fast import taper
 from imu_lib.gap.innovations import first_fill, trend
 from imu_lib.gap.steps import Step
 from imu_lib.processes import CommonMode as SharedNoise
 
 #: Gain in log-likelihood that noise in common has to bring.
 COMMON_GAIN = 16.0
+#: Ordinates in a band at the least, and bands at the most: within a band the spectra have to be level.
+ORDINATES, MOST = 500, 192
 #: log10 p below which what is left of the coherence is reported.
 LEFT = -6.0
 
@@ -50,12 +54,13 @@ def cross_spectra(channels: dict, fs: float, *, segments: int = 512):
         x = x - trend(x, max(2, int(2 * fs)))
         sd = 1.4826 * np.median(np.abs(x[::5]))
         x = np.clip(x, -6 * sd, 6 * sd) if sd > 0 else x
-        z.append(np.fft.rfft(x) * np.sqrt(2.0 / (n * fs)))
+        # what the ends leak into a filter's stop band is alike in all channels
+        z.append(np.fft.rfft(taper(n) * x) * np.sqrt(2.0 / (n * fs)))
     z = np.array(z)
     f = np.arange(z.shape[1]) * fs / n
     lo, hi = np.searchsorted(f, 0.02 * fs), np.searchsorted(f, 0.49 * fs)
     z, f = z[:, lo:hi], f[lo:hi]
-    bands = 24
+    bands = int(np.clip(z.shape[1] // ORDINATES, 24, MOST))
     edge = np.linspace(0, z.shape[1], bands + 1).astype(int)
     power = np.abs(z) ** 2
     keep = np.ones(z.shape[1], bool)
@@ -76,10 +81,10 @@ def _loss(gain, members, log_density) -> float:
     return min(-gain(members, np.exp(log_density)), 1e12)
 
 
-def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None, dict, str | None]:
+def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[SharedNoise | None, dict, str | None]:
     """Noise in common: the process or None, what was found on the way, and a sentence where another coherence is left.
 
-    `held` are the base model's own processes in common.
+    `held` are the base model's own processes in common, `bases` its channels (name -> `Sum`).
     """
     if len(channels) < 2:
         return None, {}, None
@@ -89,6 +94,8 @@ def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None
         member = np.array([c in process.channels for c in names], float)
         off = np.outer(member, member) * (1 - np.eye(k))
         matrix = matrix - 2 * process.N**2 * off
+    level = np.einsum("bii->bi", matrix).real
+    coherence = (matrix / np.sqrt(level[:, :, None] * level[:, None, :])).real
     best = None
     total = count.sum()
     weight = count / total
@@ -97,21 +104,16 @@ def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None
 
     def gain(members, density):
         """Log-likelihood gained by a density in common, each band with its own levels."""
-        out = 0.0
-        for m, c in zip(matrix, count):
-            d = np.sqrt(np.diag(m).real)
-            r = (m / np.outer(d, d)).real
-            model = np.eye(k)
-            share = density / d**2
-            if np.any(share[members] >= 0.999):
-                return -np.inf
-            for i, j in combinations(members, 2):
-                model[i, j] = model[j, i] = np.sqrt(share[i] * share[j])
-            sign, logdet = np.linalg.slogdet(model)
-            if sign <= 0:
-                return -np.inf
-            out -= c * (logdet + np.trace(np.linalg.solve(model, r)) - k)
-        return out
+        share = density / level[:, members]
+        if np.any(share >= 0.999):
+            return -np.inf
+        model = np.sqrt(share[:, :, None] * share[:, None, :])
+        model[:, range(len(members)), range(len(members))] = 1.0
+        sign, logdet = np.linalg.slogdet(model)
+        if np.any(sign <= 0):
+            return -np.inf
+        r = coherence[np.ix_(range(len(level)), members, members)]
+        return float(-np.sum(count * (logdet + np.einsum("bii->b", np.linalg.solve(model, r)) - len(members))))
     r = mean / np.outer(sd, sd)
     strength = r * np.sqrt(2 * total)
     linked = [i for i in range(k) if any(strength[i, j] > 3.5 for j in range(k) if j != i)]
@@ -133,6 +135,7 @@ def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None
         h = 1e-2
         curve = -(gain(members, density * np.exp(h)) - 2 * value + gain(members, density * np.exp(-h))) / h**2
         spread = 0.5 / np.sqrt(max(curve, 1e-9))
+        density, spread = _with_levels(density, spread, [names[i] for i in members], matrix[:, members][:, :, members], count, f, fs, bases or {})
         N = np.sqrt(density / 2)
         found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members))
         note = {"gain": value, "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
@@ -142,6 +145,25 @@ def shared_noise(channels: dict, fs: float, held=()) -> tuple[SharedNoise | None
         rest = matrix - density * np.outer(member, member) * (1 - np.eye(k))
         note["z_after"] = _size(rest, count)
     return found, note, _left(names, rest, matrix, count, f)
+
+
+def _with_levels(density, spread, names, matrix, count, f, fs, bases):
+    """(density, sd of the logarithm of N) sharpened by the levels of the channels, where the bases foretell these and agree."""
+    try:
+        own = np.column_stack([bases[name].noise.psd(f, fs) for name in names])
+    except (KeyError, UndefinedFormError):
+        return density, spread
+
+    def loss(log_density):
+        model = np.exp(log_density) * np.ones((len(f), len(names), len(names)))
+        model[:, range(len(names)), range(len(names))] += own
+        return float(np.sum(count * (np.linalg.slogdet(model)[1] + np.einsum("bii->b", np.linalg.solve(model, matrix)).real)))
+    at, reach, h = np.log(density), 6 * spread, 1e-2
+    best = minimize_scalar(loss, bounds=(at - 2 * reach, at + 2 * reach), method="bounded", options={"xatol": 1e-5}).x
+    if abs(best - at) > reach:                             # another noise in a channel: its level says nothing of this one
+        return density, spread
+    curve = (loss(best + h) - 2 * loss(best) + loss(best - h)) / h**2
+    return float(np.exp(best)), float(0.5 / np.sqrt(max(curve, 1e-9)))
 
 
 def _size(matrix, count):

@@ -85,11 +85,11 @@ class Rounding:
         """Density that the rounding adds in the bins, by simulation: it is neither white nor independent of the signal."""
         return self._unrounded(rng)[1]
 
-    def _unrounded(self, rng, *, draws: int = 3):
+    def _unrounded(self, rng):
         """Spectrum before the rounding and what the rounding adds to it, in the bins."""
         smooth, k = self.smooth, self.smooth.layout.slow
         level, kernel = self._before_level, np.ones(15) / 15
-        for _ in range(3):
+        for draws in (2, 3, 8):                            # the last is kept
             extra = np.zeros_like(level)
             for _ in range(draws):
                 before, after = self._drawn(level, rng)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imu_lib.gap import effects
+from imu_lib.gap import effects, fast
 from imu_lib.gap.drifts import drift_candidates, retuned
-from imu_lib.gap.engine import SCREEN, amplitude_occam
+from imu_lib.gap.engine import SCREEN, amplitude_occam, measured
 from imu_lib.gap.search import change_candidates, filter_candidates, spectral_candidates
 from imu_lib.gap.state import Item, State
 
@@ -19,6 +19,8 @@ NEAR = 3.0
 REPLACED, REACH = 3, 150.0
 #: Samples that a level has to last on average to be told from noise.
 DWELL = 50
+#: A dwell's squared signal-to-noise ratio below which two levels look like a Gauss-Markov process, in white noise and in a drift.
+BURIED, BURIED_IN_DRIFT = 3.0, 8.0
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record exactly of its model.
 TEMPER = 1.5
 
@@ -59,10 +61,10 @@ def _worth_fitting(items, state):
         return items
     # the screening of a changed parameter is a local slope, which promises too much
     best = max([i.note["screen"] for i in items if i.base_index is None], default=0.0)
-    simple = max([i.note["screen"] for i in items if i.name not in ("autoregressive", "low_pass")], default=0.0)
+    simple = max([i.note["screen"] for i in items if i.name != "low_pass" and (i.slot is None or len(i.slot.names) < 3)], default=0.0)
     resonant = any(i.name == "autoregressive" for i in state.items)
     return [i for i in items if i.note["screen"] >= 0.35 * best - 15
-            and not (i.name == "autoregressive" and (resonant or i.note["screen"] < simple + 3))]
+            and not (i.name == "autoregressive" and (resonant or len(i.slot.names) > 2 and i.note["screen"] < simple + 3))]
 
 
 def telegraphs(state: State, weighed) -> list[Weighed]:
@@ -84,10 +86,9 @@ def telegraphs(state: State, weighed) -> list[Weighed]:
     if not starts:
         return []
     effect = effects.CATALOGUE["telegraph"]
-    s, _ = state.likelihood.shapes(state.fit.vector)
-    density = float(np.median(s[:40])) / 2
-    if state.fit.low_pass is None:
-        density = min(density, float(np.median(s)))
+    # before a filter, which takes nothing from a dwell
+    s = measured(fast.spectrum(state.fit.terms, None, data.layout, data.fs), data.extra)[data.layout.slow:]
+    density = min(float(np.median(s[:40])), float(np.median(s))) / 2
     quick = {"white_noise", "quantization", "autoregressive", "common_mode"}
     drift = [t for t in state.fit.terms if t.name not in quick]
 
@@ -217,7 +218,8 @@ def explains_as_telegraph(state: State, item: Item) -> bool:
     if item.name != "gauss_markov":
         return False
     at = len(state.base) + [i for i in state.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"].index(item)
-    process = state.fit.terms[at]
-    s, _ = state.likelihood.shapes(state.fit.vector)
-    density = float(np.median(s[:40])) / 2
-    return bool(4 * process.sigma**2 * process.correlation_time * 2 / (4 * density) < 3.0)
+    process, others = state.fit.terms[at], [t for k, t in enumerate(state.fit.terms) if k != at]
+    noise = sum(float(t.psd(np.array([0.5 / (np.pi * process.correlation_time)]), state.data.fs)[0]) for t in others) / 2
+    # beside a drift the likelihood of two levels is a lower bound, short by some tens
+    drift = any(not t.fast and t.name != "common_mode" for t in others)
+    return bool(2 * process.sigma**2 * process.correlation_time / noise < (BURIED_IN_DRIFT if drift else BURIED))

@@ -10,6 +10,9 @@ from imu_lib.gap.engine import SCREEN, Data, Likelihood, Slot, measured
 from imu_lib.gap.state import CHANGE_WIDTH, Item, State
 from imu_lib.processes import WhiteNoise
 
+#: Logarithms of the factors by which a time constant is tried beside its own.
+FAR = np.array([-4.5, -3.4, -2.3, -1.2, 1.2, 2.3])
+
 
 def _log_ladder(s0, shape, nu, power):
     """Best gain over the strength of an added shape: (gain, strength)."""
@@ -110,6 +113,15 @@ def change_candidates(state: State) -> list[Item]:
             x = like.start()
             g, info = like._derivatives(x, like.shapes(x))
             screened = 0.5 * g[0] ** 2 / max(info[0, 0], 1e-12)
+            name = slot.names[0]
+            if slot.high[0] < np.inf:                      # a time far from the given one is not seen from its slope there
+                trials = np.clip(x + FAR, slot.low[0], slot.high[0])
+                values = [like.value(np.array([v]))[0] for v in trials]
+                gain = max(values) - like.value(x)[0]
+                if gain > max(screened, SCREEN):
+                    moved = state.fit.terms[slot.index].with_(**{name: float(np.exp(trials[int(np.argmax(values))]))})
+                    out.append(Item(key, moved, slot, base_index=slot.index, note={"screen": gain}))
+                    continue
         if screened >= 0.75 * SCREEN:
             out.append(Item(key, None, slot, base_index=slot.index, note={"screen": screened}))
     return out
@@ -136,7 +148,8 @@ def filter_candidates(state: State) -> list[Item]:
     extra = data.extra[data.layout.slow:]
     s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
     rows = list(zip(-0.5 * np.sum(nu * (np.log(s) + power / s), axis=1) - base, stages))
-    rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in state.fit.terms if t.name != "common_mode" and not getattr(t, "rounded", None))]
+    terms = [t for t in state.fit.terms if t.name != "common_mode" and not getattr(t, "rounded", None)]
+    rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in terms)]
     rows.sort(key=lambda r: -r[0])
     out, kinds = [], set()
     for gain, stage in rows:

@@ -38,8 +38,9 @@ def spectrum(state) -> Check:
     """Bins of the spectrum, singly and in runs of 3, 9 and 27, against the model; the model's own fit error is allowed for."""
     s, _ = state.likelihood.shapes(state.fit.vector)
     layout = state.data.layout
-    nu, ratio = state.likelihood.nu, state.likelihood.power / s
-    f = layout.f[layout.slow:]
+    seen = state.likelihood.nu > 0
+    nu, ratio = state.likelihood.nu[seen], (state.likelihood.power / s)[seen]
+    f = layout.f[layout.slow:][seen]
     worst = Check("psd", 0.0, "")
     for width in (1, 3, 9, 27):
         kernel = np.ones(width)
@@ -66,12 +67,11 @@ def bias(state) -> list[Check]:
     """The whitened block differences: size, colour, outliers."""
     data = state.cleaned
     _, c = state.likelihood.shapes(state.fit.vector)
-    columns = state.likelihood.columns
-    y = data.d[:, None] if columns is None else np.column_stack([data.d, columns])
-    _, e = slow.whiten(c, y)
-    r = e[:, 0]
-    if columns is not None:
-        r = r - e[:, 1:] @ state.fit.beta
+    columns = np.zeros((data.k, 0)) if state.likelihood.columns is None else state.likelihood.columns
+    curves = _curves(data)
+    _, e = slow.whiten(c, np.column_stack([data.d, columns, curves]))
+    own = 1 + columns.shape[1]
+    r = e[:, 0] - e[:, 1:own] @ state.fit.beta
     n = len(r)
     out = [Check("allan", float(_log10_chi2(r @ r, n)), "bias over the whole record: its innovations are larger or smaller than the model's")]
     p = np.abs(np.fft.rfft(r))[1:] ** 2 / n
@@ -90,7 +90,26 @@ def bias(state) -> list[Check]:
     k4 = np.mean((r / r.std()) ** 4) - 3
     out.append(Check("mean", float(_log10_normal(max(k4, 0) / np.sqrt(24 / n) * 0.7)),
                      "mean of the signal: its jumps from block to block are not normally distributed"))
+    if curves.shape[1]:
+        # beyond what a straight line on the temperature, and the drifts that are there, explain
+        known, _ = np.linalg.qr(e[:, 1:own + 1])
+        bent = e[:, own + 1:] - known @ (known.T @ e[:, own + 1:])
+        basis, _ = np.linalg.qr(bent)
+        left = r - known @ (known.T @ r)
+        gain = float(np.sum((basis.T @ left) ** 2))
+        out.append(Check("temperature", float(chi2.logsf(gain, curves.shape[1] - 1) / np.log(10)),
+                         f"regression on the temperature between {data.temperature.min():.1f} and {data.temperature.max():.1f} degC: it is no straight line"))
     return out
+
+
+def _curves(data) -> np.ndarray:
+    """Temperature, its square and lines that begin at its quartiles as columns of the regression, shape (differences, 5); none
+    where it is not known."""
+    t = data.block_temperature
+    if t is None or not np.ptp(t) > 0:
+        return np.zeros((data.k, 0))
+    u = (t - t.mean()) / np.std(t)
+    return np.diff(np.column_stack([u, u**2, *np.maximum(u - np.quantile(u, [[0.25], [0.5], [0.75]]), 0.0)]), axis=0)
 
 
 def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[Check]:

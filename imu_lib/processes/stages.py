@@ -7,9 +7,11 @@ like a process; `apply` works on the whole signal, constants included.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.signal import butter, lfilter, sosfilt
 
 from imu_lib.errors import InputError
@@ -32,8 +34,12 @@ class Stage(Process):
         return 0.0
 
 
-#: pi f taps / rate at which the gain of a moving average is -3 dB, in the limit of many taps.
-_MOVING_AVERAGE_3DB = 1.391557378251510
+@lru_cache(maxsize=256)
+def _half_power(taps: int) -> float:
+    """Frequency, as a share of the rate, at which the power gain of a moving average is one half."""
+    if taps < 2:
+        return 0.5
+    return float(brentq(lambda x: np.sin(taps * x) / (taps * np.sin(x)) - np.sqrt(0.5), 1e-9, np.pi / taps - 1e-9, xtol=1e-15) / np.pi)
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,7 @@ class LowPass(Stage):
         if self.smoothing not in (None, 1):
             raise InputError("process low_pass: `smoothing` is 1 or left out")
         if self.taps is not None and self.rate is not None and self.cutoff is None:
-            object.__setattr__(self, "cutoff", _MOVING_AVERAGE_3DB / np.pi * self.rate / self.taps)
+            object.__setattr__(self, "cutoff", _half_power(self.taps) * self.rate)
 
     @property
     def complete(self):

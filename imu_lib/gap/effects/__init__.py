@@ -1,5 +1,5 @@
 """The catalogue: one small class in one file for each effect."""
-from .autoregressive import Autoregressive
+from .autoregressive import Autoregressive, FirstOrder
 from .base import Drift, Effect, Finding, Spectral
 from .flicker import Flicker
 from .gauss_markov import GaussMarkov
@@ -22,7 +22,7 @@ from .warm_up import WarmUp
 from .white_noise import WhiteNoise
 
 #: Noises known by their spectrum.
-SPECTRAL = (WhiteNoise(), Quantization(), Flicker(), RandomWalk(), GaussMarkov(), GaussMarkov2(), Autoregressive())
+SPECTRAL = (WhiteNoise(), Quantization(), Flicker(), RandomWalk(), GaussMarkov(), GaussMarkov2(), FirstOrder(), Autoregressive())
 #: Functions of time or temperature.
 DRIFTS = (Ramp(), WarmUp(), Temperature(), Step(), SlowSinusoid())
 #: What is found by means of its own.

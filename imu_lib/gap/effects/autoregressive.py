@@ -1,4 +1,4 @@
-"""A resonance: an autoregressive process of second order."""
+"""Autoregressive processes: a resonance, of second order, and noise that alternates, of first order."""
 from __future__ import annotations
 
 import numpy as np
@@ -28,6 +28,43 @@ class Resonance(Slot):
         # the innovations' sigma is gain sqrt(1 - r^2) with r = exp(-damping)
         square = -process.phi[1]
         return np.array([1.0, -0.5 * np.log(square) * square / (1 - square), 0.0])
+
+
+class Alternating(Slot):
+    """AR(1) of a negative coefficient -r through the logarithms of its standard deviation and of -ln r."""
+
+    def read(self, process):
+        r = -process.phi[0]
+        return [np.log(process.sigma / np.sqrt(1 - r * r)), np.log(-np.log(r))]
+
+    def write(self, process, vector):
+        gain, damping = np.exp(vector)
+        r = np.exp(-damping)
+        return process.with_(phi=(-r,), sigma=float(gain * np.sqrt(1 - r * r)))
+
+    def relative(self, process, name):
+        square = process.phi[0] ** 2
+        return np.array([1.0, -0.5 * np.log(square) * square / (1 - square)])
+
+
+class FirstOrder(Spectral):
+    """Noise whose neighbours are anticorrelated; where they are correlated it is a quick Gauss-Markov process."""
+
+    name = "autoregressive"
+    cause = "The sensor's loop overshoots from sample to sample, or a filter sharpens its output."
+    domain = "psd"
+    process = Process
+    amplitude = "sigma"
+    rarity = 1.0
+
+    def beside(self, low_pass, fs):
+        return low_pass is None or low_pass.rate == fs
+
+    def grid(self, fs, duration):
+        return [Process(phi=(-r,), sigma=np.sqrt(1 - r * r), rate=fs) for r in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97)]
+
+    def slot(self, index, fs, duration):
+        return Alternating(index, ("sigma", "damping"), (-60.0, np.log(5e-4)), (30.0, np.log(3.0)), (AMPLITUDE_WIDTH, np.log(1e3)))
 
 
 class Autoregressive(Spectral):

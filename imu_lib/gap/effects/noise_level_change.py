@@ -24,7 +24,8 @@ def energies(y, fs, seconds: float):
 def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
     """(log10 of the p-value, where) of the worst scale at which the mean square wanders more than chance; None below three blocks.
 
-    `independent` is the share of the samples that are independent of one another. Two tests at each scale: dispersion of the block energies, and the largest line in their periodogram.
+    `independent` is the share of the samples that are independent of one another. Two tests at each scale: dispersion of the
+    block energies, and the largest line in their periodogram.
     """
     worst = (0.0, "")
     kurt = max(np.mean(y**4) / np.mean(y**2) ** 2 - 1.0, 0.5)          # variance of y^2 in units of its mean
@@ -35,7 +36,7 @@ def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
             continue
         z = (e / e.mean() - 1.0) * np.sqrt(m / kurt)
         log_p = chi2.logsf(np.sum(z**2), k - 1) / np.log(10)
-        line = np.abs(np.fft.rfft(z - z.mean()))[1:] ** 2 / k
+        line = np.abs(np.fft.rfft(z - z.mean()))[1:(k + 1) // 2] ** 2 / k       # the last ordinate of an even number has no phase
         log_line = (np.log(len(line)) - line.max()) / np.log(10)
         low = min(log_p, log_line)
         if low < worst[0]:

@@ -7,7 +7,6 @@ from imu_lib.processes import Resolution as Stage
 
 from .base import Effect, Finding
 
-
 #: Share of the samples whose values have to come again where some lie off the grid.
 MOST = 0.97
 

@@ -12,8 +12,8 @@ from .base import Effect, Finding
 
 #: First ordinate that is searched: slower oscillations are drifts.
 FIRST = 32
-#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in three of a thousand channels of an hour at 100 Hz.
-THRESHOLD = 20.5
+#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in two of a thousand channels of an hour at 100 Hz (Rice).
+THRESHOLD = 20.0
 
 
 def local_level(power, layout) -> np.ndarray:
@@ -131,7 +131,10 @@ def _around(data, i: int, level: float, reach: int) -> float:
 
 
 def _harmonics(found):
-    """Lines at whole multiples of one frequency are one periodic signal that is not a sinusoid."""
+    """Lines at whole multiples of one frequency are one periodic signal that is not a sinusoid; so are three of whole hertz."""
+    beats = [item for item, _ in found if item.process.frequency > 0.5 and abs(item.process.frequency - round(item.process.frequency)) < 3e-3]
+    for item in beats if len(beats) >= 3 else ():
+        item.doubt = item.doubt or f"power spectral density at {item.process.frequency:.4g} Hz and other whole hertz: something that happens once a second"
     for item, _ in found:
         for other, _ in found:
             if other is item:

@@ -19,7 +19,7 @@ def runs(x) -> tuple[np.ndarray, np.ndarray]:
 
 def _least(length, chance) -> tuple[float, float]:
     """The length from which on most runs are frozen samples, given the runs of a simulation that only rounds, and how many
-    chance makes there.
+    repeats chance makes in runs of that length or more.
 
     The longest chance runs are geometric. There have to be so many more that chance makes them once in a hundred thousand
     records, and it has to account for three in ten at the most; infinite where no length is like that.
@@ -33,7 +33,7 @@ def _least(length, chance) -> tuple[float, float]:
     got = len(length) - np.searchsorted(np.sort(length), at)
     sure = (want < 0.3 * got) & (poisson.sf(got - 1, want) < 1e-5)
     i = int(np.argmax(sure))
-    return (at[i], float(want[i])) if sure.any() else (np.inf, 0.0)
+    return (at[i], float(want[i] * (at[i] + more))) if sure.any() else (np.inf, 0.0)
 
 
 class Stuck(Effect):
@@ -59,7 +59,7 @@ class Stuck(Effect):
         mask = np.zeros(len(x), bool)
         for s, k in zip(start, length):
             mask[s + 1:s + 1 + k] = True
-        fraction = repeats * (1 - chance / len(start)) / len(x)
+        fraction = max(repeats - chance, 1.0) / len(x)
         spread = 1.96 / np.sqrt(len(start))
         return Finding(self, Stage(fraction=fraction, length=typical), 10.0 * repeats,
                        f"distribution of the samples: {len(start)} runs of equal values, the longest {int(length.max()) + 1} samples",
