@@ -168,13 +168,17 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None):
             entry["correlation_time"] = 10 ** rng.uniform(-0.5, np.log10(duration / 12))
         if effect == "autoregressive":
             r, w = rng.uniform(0.85, 0.97), rng.uniform(0.1, 0.8) * np.pi
-            entry["phi"] = [2 * r * np.cos(w), -r * r]
+            entry["phi"] = [2 * r * np.cos(w), -r * r] if rng.random() < 0.75 else [-rng.uniform(0.3, 0.9)]
             entry["rate"] = fs
         name = {"quantization": "Q", "flicker": "B", "random_walk": "K"}.get(effect, "sigma")
         shape = _spectrum({**entry, name: 1.0}, f, fs)
         entry[name] = _strength(lambda a: _gain_spectral(s0, a * a * shape), target)
         truth["parameters"] = entry
         own = entry[name] ** 2 * shape
+        if effect == "quantization" and rng.random() < 0.5:    # the angle is rounded, and its increments are read out
+            step = np.sqrt(12) * entry["Q"]
+            angle = np.concatenate([[0.0], np.cumsum(x) / fs]) + rng.uniform(0, step)
+            return np.diff(np.round(angle / step)) * step * fs, {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own)}
         return x + _noise(entry, n, fs, rng), {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own)}
     if effect == "telegraph":
         entry = {"process": "telegraph", "rate": 10 ** rng.uniform(np.log10(8 / duration), -0.7)}
@@ -216,15 +220,23 @@ def _stage(effect, x, fs, rng, truth, white, target):
     n, mean, duration = len(x), x.mean(), len(x) / fs
     truth["gain"] = 1e3
     if effect == "low_pass":
-        if rng.random() < 0.5:
-            taps = int(rng.integers(2, 9))
+        make = rng.choice(["average", "average", "butterworth", "butterworth", "smoothing"])
+        if make == "average":
+            taps = int(rng.integers(2, 13))
             y = np.convolve(np.concatenate([np.full(taps - 1, x[0]), x]), np.full(taps, 1 / taps), "valid")
             truth["parameters"] = {"taps": taps}
-        else:
-            cutoff = fs * rng.uniform(0.08, 0.4)
-            h = 1 / np.sqrt(1 + (np.tan(np.pi * np.arange(n // 2 + 1) / n) / np.tan(np.pi * cutoff / fs)) ** 4)
+        elif make == "butterworth":
+            cutoff, order = fs * rng.uniform(0.06, 0.4), int(rng.integers(1, 5))
+            h = 1 / np.sqrt(1 + (np.tan(np.pi * np.arange(n // 2 + 1) / n) / np.tan(np.pi * cutoff / fs)) ** (2 * order))
             y = np.fft.irfft(np.fft.rfft(x - mean) * h, n) + mean
-            truth["parameters"] = {"order": 2, "cutoff": cutoff}
+            truth["parameters"] = {"order": order, "cutoff": cutoff}
+        else:                                               # y_k = y_{k-1} + a (x_k - y_{k-1})
+            a, y, last = rng.uniform(0.2, 0.8), np.empty(n), x[0]
+            for k in range(n):
+                last += a * (x[k] - last)
+                y[k] = last
+            turn = 1 - a**2 / (2 * (1 - a))                 # cosine of the angle at which |1 - (1 - a) e^{-iw}|^2 = 2 a^2
+            truth["parameters"] = {"cutoff": fs / (2 * np.pi) * np.arccos(turn)} if turn > -1 else {}
         return y, truth
     if effect == "noise_level_change":
         t0 = duration * rng.uniform(0.15, 0.85)
