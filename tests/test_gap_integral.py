@@ -58,6 +58,12 @@ def test_rounding_of_samples_is_not_taken_for_that_of_an_angle():
     assert found.steps[1].parameters["Q"] == pytest.approx(1.5e-5, rel=0.05)     # its interval is 2 % wide
 
 
+def test_a_grid_too_fine_to_tell_is_named_with_both_makes():
+    q = _of_grid(0.1)
+    step, = analyse("gyro_x", (BASE + q).simulate(N, FS, np.random.default_rng(25)), FS, BASE).steps
+    assert {step.effect, *step.indistinguishable} == {"resolution", "quantization"} and step.confidence <= 0.5
+
+
 def test_a_grid_is_seen_behind_a_few_samples_that_lie_off_it():
     rng = np.random.default_rng(24)
     x = np.rint(rng.standard_normal(20_000) * 5) * 0.1

@@ -25,6 +25,8 @@ FITTED = 0.6
 SHARED = 0.1
 #: What is found in single samples or their level: evidences of records that differ in it can't be compared.
 SAMPLES = ("saturation", "stuck", "spikes", "noise_level_change")
+#: Log evidence by which spikes too small to be seen, white noise to a free quantization, may mislead the choice between grids.
+UNSEEN = 15.0
 #: log10 p of the stationarity tests below which only one round is run.
 VETO = -9.0
 
@@ -62,14 +64,22 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     grid = grid_of(raw[~np.isnan(raw)])
     held = None if grid is None else electronics.integral_of(base, grid[0], fs)
     found = _analyse(name, raw, fs, base, **options)
-    if grid is None or held is None and found.unexplained is None and not any(map(_of_differences, found.steps)):
+    rounded = next((s for s in found.steps if s.effect == "resolution"), None)
+    if grid is None or held is None and rounded is None and found.unexplained is None and not any(map(_of_differences, found.steps)):
         return found
     # is it the integral that is rounded?
-    rounded = base if held is None else Sum(tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages)
-    other = _analyse(name, raw, fs, rounded, integral=True, **options)
-    fewer = len(other.steps) < len(found.steps) and (other.unexplained is None or found.unexplained is not None)
+    if held is not None:
+        base = Sum(tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages)
+    other = _analyse(name, raw, fs, base, integral=True, **options)
     alike = len({tuple(s.effect for s in r.steps if s.effect in SAMPLES) for r in (found, other)}) == 1
-    return other if fewer and (other.evidence > found.evidence or not alike) else found
+    better, fewer = other.evidence - found.evidence, len(found.steps) - len(other.steps)
+    if other.unexplained is None or found.unexplained is not None:
+        slack = UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0
+        if fewer > 0 and (better > -slack or not alike) or fewer == 0 and alike and better > rounds.NEAR:
+            return other
+        if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
+            found.steps[found.steps.index(rounded)] = replace(rounded.capped(DOUBTED), indistinguishable=["quantization"])
+    return found
 
 
 def _of_differences(step) -> bool:

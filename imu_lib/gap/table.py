@@ -5,6 +5,8 @@ from textwrap import wrap
 
 from imu_lib import units
 
+#: Parameters that say which kind of effect it is, in words, and effects whose rate is that of their samples.
+KINDS, SAMPLED = {"rounded": "by rounding of the integral", "smoothing": "exponential smoothing"}, ("low_pass", "autoregressive")
 #: Columns of a terminal, or of a page of the book.
 WIDTH = 110
 
@@ -41,7 +43,13 @@ def describe(step, channel: str) -> str:
         return f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}"
     if step.effect == "parameter_change":
         return f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> {value(p['name'], p['to'], channel)}"
-    return step.effect + "  " + ", ".join(f"{k} {value(k, v, channel)}" for k, v in p.items() if v is not None and k != "phase")
+    shown = [KINDS.get(k) or f"{k} {_hertz(v) if k == 'rate' and step.effect in SAMPLED else value(k, v, channel)}"
+             for k, v in p.items() if v is not None and k != "phase"]
+    return step.effect + "  " + ", ".join(shown)
+
+
+def _hertz(x) -> str:
+    return f"{x:.5g} Hz"
 
 
 def table(found) -> str:

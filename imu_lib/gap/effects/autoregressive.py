@@ -55,16 +55,17 @@ class FirstOrder(Spectral):
     domain = "psd"
     process = Process
     amplitude = "sigma"
-    rarity = 1.0
+    rarity = 2.0
 
     def beside(self, low_pass, fs):
         return low_pass is None or low_pass.rate == fs
 
     def grid(self, fs, duration):
-        return [Process(phi=(-r,), sigma=np.sqrt(1 - r * r), rate=fs) for r in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97)]
+        return [Process(phi=(-r,), sigma=np.sqrt(1 - r * r), rate=fs) for r in (0.3, 0.45, 0.6, 0.75, 0.9, 0.97)]
 
     def slot(self, index, fs, duration):
-        return Alternating(index, ("sigma", "damping"), (-60.0, np.log(5e-4)), (30.0, np.log(3.0)), (AMPLITUDE_WIDTH, np.log(1e3)))
+        # with a coefficient near zero it would be white noise by another name
+        return Alternating(index, ("sigma", "damping"), (-60.0, np.log(5e-4)), (30.0, np.log(-np.log(0.25))), (AMPLITUDE_WIDTH, np.log(1e3)))
 
 
 class Autoregressive(Spectral):
