@@ -163,8 +163,8 @@ class Model:
         common = {channel: None for channel in wanted}
         for process in self.record:
             if isinstance(process, CommonMode):
-                shared = process.simulate(n, fs, generators["record"])
-                for channel in process.channels:
+                parts = process.on({c: self[c].low_pass for c in process.channels if c in self.channels}, n, fs, generators["record"])
+                for channel, shared in parts.items():
                     if channel in common:
                         common[channel] = shared if common[channel] is None else common[channel] + shared
         return {channel: self[channel].simulate(n, fs, generators[channel], temperature=temperature,

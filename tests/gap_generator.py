@@ -6,6 +6,7 @@ expected log-likelihood gain (`gain`) of each hidden effect at its true paramete
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import accumulate
 
 import numpy as np
 from gap_unknowns import UNKNOWN, unknown
@@ -143,7 +144,7 @@ def _strength(gain_of, target):
     return np.sqrt(low * high)
 
 
-def _hide(effect, x, base, fs, rng, temperature, gain=None):
+def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
     """Adds `effect` to the samples; returns (samples, truth)."""
     n = len(x)
     f = np.arange(1, n // 2 + 1) * fs / n
@@ -175,7 +176,7 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None):
         entry[name] = _strength(lambda a: _gain_spectral(s0, a * a * shape), target)
         truth["parameters"] = entry
         own = entry[name] ** 2 * shape
-        if effect == "quantization" and rng.random() < 0.5:    # the angle is rounded, and its increments are read out
+        if effect == "quantization" and rounded:               # the angle is rounded, and its increments are read out
             step = np.sqrt(12) * entry["Q"]
             angle = np.concatenate([[0.0], np.cumsum(x) / fs]) + rng.uniform(0, step)
             return np.diff(np.round(angle / step)) * step * fs, {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own)}
@@ -231,10 +232,8 @@ def _stage(effect, x, fs, rng, truth, white, target):
             y = np.fft.irfft(np.fft.rfft(x - mean) * h, n) + mean
             truth["parameters"] = {"order": order, "cutoff": cutoff}
         else:                                               # y_k = y_{k-1} + a (x_k - y_{k-1})
-            a, y, last = rng.uniform(0.2, 0.8), np.empty(n), x[0]
-            for k in range(n):
-                last += a * (x[k] - last)
-                y[k] = last
+            a = rng.uniform(0.2, 0.8)
+            y = np.array([*accumulate(x, lambda last, new: last + a * (new - last))])
             turn = 1 - a**2 / (2 * (1 - a))                 # cosine of the angle at which |1 - (1 - a) e^{-iw}|^2 = 2 a^2
             truth["parameters"] = {"cutoff": fs / (2 * np.pi) * np.arccos(turn)} if turn > -1 else {}
         return y, truth
@@ -288,7 +287,9 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
     case = Case(seed, fs, x, model, temperature=temperature)
     # stages of the output come after what happens before them, as in an instrument: noise changes its level in the sensor
     chain = ("noise_level_change", *STAGES, "time_gaps", "jitter")     # the clock last, noise in common before the electronics
-    order = sorted(effects, key=lambda e: chain.index(e) + 1 if e in chain else 0)
+    rounded = "quantization" in effects and rng.random() < 0.5         # an angle is rounded after all that happens to the rate but spikes
+    place = {e: i + 1 for i, e in enumerate(chain)} | ({"quantization": chain.index("spikes") + 0.5} if rounded else {})
+    order = sorted(effects, key=lambda e: place.get(e, 0))
     channel = rng.choice(list(x))
     for e in order:
         if rng.random() < 0.5:
@@ -300,7 +301,7 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
         elif e in RECORD:
             _hide_record(e, case, rng)
         else:
-            x[channel], truth = _hide(e, x[channel], model[channel], fs, rng, temperature, gain)
+            x[channel], truth = _hide(e, x[channel], model[channel], fs, rng, temperature, gain, rounded)
             case.truths.append({**truth, "channel": str(channel)})
     _see(case)
     return case

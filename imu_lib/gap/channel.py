@@ -38,7 +38,7 @@ class ChannelResult:
     `base` is the model it started from (fitted where none was given), `model` the grown one, `evidence` its log evidence for
     the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may have swallowed, `unexplained`
     None or a sentence, `refit` the grown model fitted to the first part of the record, None where that part does not show
-    every effect.
+    every effect, `filled` the number of samples that were filled in.
     """
 
     name: str
@@ -52,14 +52,17 @@ class ChannelResult:
     between: list = field(default_factory=list)
     refit: Sum | None = None
     evidence: float = 0.0
+    filled: int = 0
 
 
-def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, seed: int = 0, shared: float = 0.0, progress=None) -> ChannelResult:
+def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, seed: int = 0, shared: float = 0.0, filtered: bool = False,
+            progress=None) -> ChannelResult:
     """Find, name and add what `base` lacks to be the model of `raw` (NaN where a sample is missing), one channel at `fs` Hz.
 
-    `shared` is the density N of noise that the channel shares with others and that is accounted for on the record.
+    `shared` is the density N of noise that the channel shares with others and that is accounted for on the record; it enters
+    before the channel's low-pass filter where it is `filtered`.
     """
-    options = {"temperature": temperature, "seed": seed, "shared": shared, "progress": progress}
+    options = {"temperature": temperature, "seed": seed, "shared": shared, "filtered": filtered, "progress": progress}
     raw = np.asarray(raw, float)
     grid = grid_of(raw[~np.isnan(raw)])
     held = None if grid is None else electronics.integral_of(base, grid[0], fs)
@@ -67,14 +70,16 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     rounded = next((s for s in found.steps if s.effect == "resolution"), None)
     if grid is None or held is None and rounded is None and found.unexplained is None and not any(map(_of_differences, found.steps)):
         return found
-    # is it the integral that is rounded?
+    if not electronics.may_be_of_integral(raw, grid[0], fs):
+        return found
     if held is not None:
         base = Sum(tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages)
     other = _analyse(name, raw, fs, base, integral=True, **options)
     alike = len({tuple(s.effect for s in r.steps if s.effect in SAMPLES) for r in (found, other)}) == 1
     better, fewer = other.evidence - found.evidence, len(found.steps) - len(other.steps)
     if other.unexplained is None or found.unexplained is not None:
-        slack = UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0
+        # what is drawn for samples that are missing differs from one analysis to the other
+        slack = 3.0 * np.sqrt(max(found.filled, other.filled)) + (UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0)
         if fewer > 0 and (better > -slack or not alike) or fewer == 0 and alike and better > rounds.NEAR:
             return other
         if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
@@ -87,7 +92,7 @@ def _of_differences(step) -> bool:
     return step.effect in ("quantization", "autoregressive", "stuck") or step.effect == "parameter_change" and step.parameters["name"] in ("N", "Q")
 
 
-def _analyse(name, raw, fs, base, *, temperature, seed, shared, progress, integral=False) -> ChannelResult:
+def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progress, integral=False) -> ChannelResult:
     say = progress or (lambda text: None)
     rng = np.random.default_rng([seed, sum(map(ord, name))])
     mean = float(np.nanmean(raw))
@@ -103,7 +108,7 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, progress, integr
     doubts = []
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]
     if shared > 0:
-        terms.append(CommonMode(N=shared, channels=(name,)))
+        terms.append(CommonMode(N=shared, channels=(name,), filtered=1 if filtered else None))
     if clean.of_integral is not None and (given is None or given.rounding is None):
         terms.append(clean.of_integral)
     held_terms = len(terms) - (0 if given is None else len(given.noise.terms))
@@ -186,7 +191,7 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, progress, integr
     between = _between(base_sum, model, findings, state)
     refit = _refit(base_sum, state, findings, n_base - held_terms, held_terms) if steps else None
     swallowed = [] if given is not None else absorbed(state)
-    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit, state.evidence)
+    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit, state.evidence, clean.filled)
 
 
 def _doubtful(steps, shared):

@@ -34,7 +34,7 @@ class Clean:
     `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside meanwhile, `findings` what was
     found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x - coarse`, `step` the grid,
     `of_integral` the quantization where it is the integral that is rounded, `blind` the bins of the spectrum where samples
-    that were filled in are stronger than the signal, `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
+    that were filled in (`filled` many) are stronger than the signal, `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
     """
 
     x: np.ndarray
@@ -47,6 +47,7 @@ class Clean:
     swing: np.ndarray | float = 1.0
     of_integral: OfIntegral | None = None
     blind: np.ndarray | None = None
+    filled: int = 0
 
 
 def gross_jumps(x, fs) -> np.ndarray:
@@ -98,7 +99,7 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
     of_integral = OfIntegral.of_grid(step, fs) if integral and step is not None else None
     if of_integral is not None:
         if integral_of(base, step, fs) is None:
-            findings.append(Quantization().on_grid(of_integral, step, len(np.unique(good))))
+            findings.append(Quantization().on_grid(of_integral, step, len(np.unique(good)), None if rounded is None else rounded.doubt))
     elif rounded is not None:
         findings.append(rounded)
     clipped = Saturation().detect(good, step, held.get("saturation"))
@@ -178,7 +179,14 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         k = smooth.layout.slow
         white = float(np.mean(extra[k:k + 12]) * fs / 2)
     blind = smooth.level < EMPTY * np.mean(smooth.on(2048)) if (hidden | spiked).any() else None
-    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing, of_integral, blind)
+    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing, of_integral, blind, int(np.count_nonzero(hidden | spiked)))
+
+
+def may_be_of_integral(raw, step: float, fs: float) -> bool:
+    """Whether the spectrum leaves room for the errors of a rounded integral, which are strongest at half the sampling rate."""
+    smooth = Smooth(first_fill(raw, np.isnan(raw)), fs)
+    top = smooth.layout.f > 0.45 * fs
+    return bool(np.mean(smooth.level[top]) > 0.9 * np.mean(OfIntegral.of_grid(step, fs).psd(smooth.layout.f[top], fs)))
 
 
 def integral_of(base, step: float, fs: float) -> OfIntegral | None:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from imu_lib.gap.battery import battery, stack
-from imu_lib.processes import Constant, Sum
+from imu_lib.processes import Constant, Sum, WhiteNoise
 
 #: Simulations in an ensemble.
 SIZE = 100
@@ -50,24 +50,25 @@ class Draws:
             amplitude = next(p.name for p in term.parameters if p.kind == "amplitude")
             unit = term.with_(**{amplitude: 1.0})
             part = quick if term.fast else slow
-            part += getattr(term, amplitude) * self._unit(unit, count, low_pass)
+            part += getattr(term, amplitude) * self.unit(unit, count, low_pass)
         return slow, quick
 
-    def _unit(self, unit, count: int, low_pass) -> np.ndarray:
-        key = (unit, count, low_pass)
+    def unit(self, process, count: int, low_pass, name: str | None = None) -> np.ndarray:
+        """A process of amplitude 1, the one that is drawn as number `count` of its `name`, behind the filter, shape (n,)."""
+        key = (process, count, low_pass, name)
         if key not in self._made:
-            rng = self.rng(unit.name, count)
+            rng = self.rng(name or process.name, count)
             if low_pass is None:
-                out = unit.simulate(self.n, self.fs, rng)
-            elif unit.name in LONG or getattr(unit, "correlation_time", 0.0) > PASSES:
-                out = filtered(self._unit(unit, count, None), low_pass, self.fs)
+                out = process.simulate(self.n, self.fs, rng)
+            elif process.name in LONG or getattr(process, "correlation_time", 0.0) > PASSES:
+                out = through(self.unit(process, count, None), low_pass, self.fs)
             else:
-                out = behind(unit, low_pass, self.n, self.fs, rng)
+                out = behind(process, low_pass, self.n, self.fs, rng)
             self._made[key] = out
         return self._made[key]
 
 
-def filtered(x, low_pass, fs: float) -> np.ndarray:
+def through(x, low_pass, fs: float) -> np.ndarray:
     """Noise whose power lies far below the rate at which the filter runs, behind the filter but for its delay, shape (n,)."""
     n = len(x)
     line = np.linspace(x[0], x[-1], n)                     # the ends meet without a jump
@@ -106,8 +107,11 @@ def draw(model: Sum, draws: Draws, *, common=None):
     return model.behind(slow, quick, draws.fs, draws.rng("electronics"), common=common)
 
 
-def simulate(jobs, n: int, fs: float, seeds, temperature, levels) -> list[list[dict]]:
-    """Batteries of simulations: for each job (model, start, stop in samples, shared N or 0, lost mask or None) one list over the seeds."""
+def simulate(jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool = False) -> list[list[dict]]:
+    """Batteries of simulations: for each job (model, start, stop in samples, shared N or 0, lost mask or None) one list over the seeds.
+
+    `filtered`: the shared noise enters before the low-pass filter.
+    """
     t = np.arange(n) / fs
     ready = [centred(model, level, t, temperature) for (model, *_), level in zip(jobs, levels)]
     out = [[] for _ in jobs]
@@ -116,7 +120,8 @@ def simulate(jobs, n: int, fs: float, seeds, temperature, levels) -> list[list[d
         for k, (model, (_, start, stop, shared, lost)) in enumerate(zip(ready, jobs)):
             key = (id(jobs[k][0]), shared)
             if key not in made:
-                common = None if not shared else draws.rng("common").standard_normal(n) * shared * np.sqrt(fs)
+                before = model.low_pass if filtered else None
+                common = None if not shared else shared * draws.unit(WhiteNoise(N=1.0), 0, before, "common")
                 made = {key: draw(model, draws, common=common)}
             x = made[key]
             if lost is not None:

@@ -90,9 +90,10 @@ def spectrum(terms, low_pass, layout: Bins, fs: float) -> np.ndarray:
     f = layout.nodes
     if low_pass is not None:
         from imu_lib.processes import Sum
-        # what channels have in common is added behind their filters
-        s = Sum(tuple(t for t in terms if t.name != "common_mode"), (low_pass,)).psd(f, fs)
-        terms = [t for t in terms if t.name == "common_mode"]
+        # what channels have in common may be added behind their filters
+        behind = [t for t in terms if t.name == "common_mode" and not t.filtered]
+        s = Sum(tuple(t for t in terms if t not in behind), (low_pass,)).psd(f, fs)
+        terms = behind
     else:
         s = np.zeros(f.shape)
     for term in terms:

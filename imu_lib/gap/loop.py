@@ -118,7 +118,9 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
             if name in noise:
                 noise[name] = float(np.hypot(noise[name], process.N))
     # -- the channels ------------------------------------------------------------------------------------------
-    work = [(name, raw[name], fs, model[name] if model is not None and name in model else None, temperature, seed, noise[name]) for name in names]
+    filtered = any(p.filtered for p in (*held, *([shared] if shared is not None else [])))
+    work = [(name, raw[name], fs, model[name] if model is not None and name in model else None, temperature, seed, noise[name], filtered)
+            for name in names]
     results, done = {}, 1
     for name, result in _each(_channel, work, jobs):
         results[name] = result
@@ -139,12 +141,12 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
                   name=(model.name if model is not None else "") or record.name, source="imu-lib gap")
     reports = {name: ChannelReport(r) for name, r in results.items()}
     if simulations:
-        _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs, lambda i: tell(done + i, total, "simulations"))
+        _measure(reports, raw, fs, temperature, noise, held, filtered, simulations, seed, jobs, lambda i: tell(done + i, total, "simulations"))
     return Report(reports, record_steps, time_left or coherence_left, base, grown, record, time.perf_counter() - started, model is not None)
 
 
-def _channel(name, x, fs, base, temperature, seed, shared):
-    return name, analyse(name, x, fs, base, temperature=temperature, seed=seed, shared=shared)
+def _channel(name, x, fs, base, temperature, seed, shared, filtered):
+    return name, analyse(name, x, fs, base, temperature=temperature, seed=seed, shared=shared, filtered=filtered)
 
 
 def _each(function, work, jobs):
@@ -164,7 +166,7 @@ def _stages_of_model(result: ChannelResult) -> list:
     return [result.base, *result.between, result.model]
 
 
-def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs, tick):
+def _measure(reports, raw, fs, temperature, noise, held, filtered, simulations, seed, jobs, tick):
     """Gap indices of every channel: before, after each step, after all, and on the held-out part."""
     n = len(next(iter(raw.values())))
     cut = int(FITTED * n)
@@ -199,7 +201,7 @@ def _measure(reports, raw, fs, temperature, noise, held, simulations, seed, jobs
     for i in range(0, simulations, share):
         # a quarter of an ensemble for the models on the way to the last: they are shown, and nothing hangs on them
         these = [k for k, key in enumerate(keys) if key not in passing or i < simulations / 4]
-        tasks.append((these, [work[k] for k in these], n, fs, seeds[i:i + share], temperature, [levels[k] for k in these]))
+        tasks.append((these, [work[k] for k in these], n, fs, seeds[i:i + share], temperature, [levels[k] for k in these], filtered))
     for i, (these, made) in enumerate(_each(_ensemble, tasks, jobs)):
         for k, batteries in zip(these, made):
             rows[keys[k]] += batteries

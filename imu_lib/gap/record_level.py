@@ -16,11 +16,14 @@ from imu_lib.gap.fast import taper
 from imu_lib.gap.innovations import first_fill, trend
 from imu_lib.gap.steps import Step
 from imu_lib.processes import CommonMode as SharedNoise
+from imu_lib.processes import Sum, WhiteNoise
 
 #: Gain in log-likelihood that noise in common has to bring.
 COMMON_GAIN = 16.0
 #: Ordinates in a band at the least, and bands at the most: within a band the spectra have to be level.
 ORDINATES, MOST = 500, 192
+#: Log-likelihood by which noise that enters before the filters has to be better than behind them.
+FILTERED = 8.0
 #: log10 p below which what is left of the coherence is reported.
 LEFT = -6.0
 
@@ -102,11 +105,16 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
     mean = np.einsum("b,bij->ij", weight, matrix).real
     sd = np.sqrt(np.diag(mean))
 
-    def gain(members, density):
+    # noise that enters before the channels' filters keeps its share of their noise where they fall off
+    before = np.array(np.broadcast_to(np.median(level[:len(f) // 4], axis=0), level.shape))
+    for i, name in enumerate(names):
+        low_pass = bases[name].low_pass if bases and name in bases else None
+        if low_pass is not None:
+            before[:, i] = level[:, i] / Sum((WhiteNoise(N=np.sqrt(0.5)),), (low_pass,)).psd(f, fs)
+
+    def gain(members, density, level=level):
         """Log-likelihood gained by a density in common, each band with its own levels."""
-        share = density / level[:, members]
-        if np.any(share >= 0.999):
-            return -np.inf
+        share = np.minimum(density / level[:, members], 0.999)
         model = np.sqrt(share[:, :, None] * share[:, None, :])
         model[:, range(len(members)), range(len(members))] = 1.0
         sign, logdet = np.linalg.slogdet(model)
@@ -120,29 +128,32 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
     for size in range(2, len(linked) + 1):
         for members in combinations(linked, size):
             members = list(members)
-            guess = np.median([mean[i, j] for i, j in combinations(members, 2)])
-            if guess <= 0:
-                continue
             # beyond all of the noise of a member there is nothing to share
-            loss = partial(_loss, gain, members)
-            fit = minimize_scalar(loss, bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
-            if best is None or -fit.fun > best[0]:
-                best = (-fit.fun, members, float(np.exp(fit.x)))
+            for levels, handicap, part in ((level, 0.0, mean), (before, FILTERED, np.mean(matrix[:len(f) // 4], axis=0).real)):
+                guess = np.median([part[i, j] for i, j in combinations(members, 2)])
+                if guess <= 0:
+                    continue
+                loss = partial(_loss, partial(gain, level=levels), members)
+                fit = minimize_scalar(loss, bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
+                if best is None or -fit.fun - handicap > best[0]:
+                    best = (-fit.fun - handicap, members, float(np.exp(fit.x)), levels)
     found, note = None, {}
     rest = matrix
     if best is not None and best[0] > COMMON_GAIN:
-        value, members, density = best
+        value, members, density, levels = best
         h = 1e-2
-        curve = -(gain(members, density * np.exp(h)) - 2 * value + gain(members, density * np.exp(-h))) / h**2
+        curve = -sum(c * gain(members, density * np.exp(d), levels) for c, d in ((1, h), (-2, 0.0), (1, -h))) / h**2
         spread = 0.5 / np.sqrt(max(curve, 1e-9))
-        density, spread = _with_levels(density, spread, [names[i] for i in members], matrix[:, members][:, :, members], count, f, fs, bases or {})
+        if levels is level:
+            density, spread = _with_levels(density, spread, [names[i] for i in members], matrix[:, members][:, :, members], count, f, fs, bases or {})
         N = np.sqrt(density / 2)
-        found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members))
+        found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members), filtered=None if levels is level else 1)
         note = {"gain": value, "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
                 "coherence": float(np.mean([r[i, j] ** 2 for i, j in combinations(members, 2)])), "z_before": _size(matrix, count)}
         member = np.zeros(k)
         member[members] = 1.0
-        rest = matrix - density * np.outer(member, member) * (1 - np.eye(k))
+        fall = np.sqrt(level / levels)                     # of a filter, where there is one
+        rest = matrix - density * np.outer(member, member) * (1 - np.eye(k)) * fall[:, :, None] * fall[:, None, :]
         note["z_after"] = _size(rest, count)
     return found, note, _left(names, rest, matrix, count, f)
 
@@ -158,7 +169,7 @@ def _with_levels(density, spread, names, matrix, count, f, fs, bases):
         model = np.exp(log_density) * np.ones((len(f), len(names), len(names)))
         model[:, range(len(names)), range(len(names))] += own
         return float(np.sum(count * (np.linalg.slogdet(model)[1] + np.einsum("bii->b", np.linalg.solve(model, matrix)).real)))
-    at, reach, h = np.log(density), 6 * spread, 1e-2
+    at, reach, h = np.log(density), max(6 * spread, 0.06), 1e-2
     best = minimize_scalar(loss, bounds=(at - 2 * reach, at + 2 * reach), method="bounded", options={"xatol": 1e-5}).x
     if abs(best - at) > reach:                             # another noise in a channel: its level says nothing of this one
         return density, spread
@@ -190,7 +201,8 @@ def _left(names, rest, matrix, count, f):
 def common_step(process, note) -> Step:
     """Noise in common as a step of the record."""
     names = ", ".join(process.channels)
-    return Step("common_mode", {"N": process.N, "channels": list(process.channels)}, {"N": note["interval"]},
+    parameters = {name: v for name, v in process.to_json().items() if name != "process"}
+    return Step("common_mode", parameters, {"N": note["interval"]},
                 f"coherence between {names}: {note['coherence']:.2g} where independent channels have none",
                 float(1 / (1 + np.exp(-(min(note["gain"], 300) - 12)))),
                 {"effect": "none", "confidence": 0.0}, [], gain=note["gain"], gap_before=note["z_before"], gap_after=note["z_after"], cause=CommonMode.cause)

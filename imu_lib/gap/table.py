@@ -40,7 +40,8 @@ def describe(step, channel: str) -> str:
     if channel == "record" and p.get("channels"):  # the noise's unit is that of the channels that share it
         kinds = {c.split("_")[0] for c in p["channels"]}
         unit = p["channels"][0] if len(kinds) == 1 else ""
-        return f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}"
+        return f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}" \
+               + (", before their filters" if p.get("filtered") else "")
     if step.effect == "parameter_change":
         return f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> {value(p['name'], p['to'], channel)}"
     shown = [KINDS.get(k) or f"{k} {_hertz(v) if k == 'rate' and step.effect in SAMPLED else value(k, v, channel)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -21,10 +22,14 @@ class CommonMode(WhiteNoise):
     ----------
     N : float, signal unit / sqrt(Hz)
     channels : sequence of str
+    filtered : int, optional
+        1: it enters before the channels' low-pass filters; else behind them.
     """
 
     channels: tuple[str, ...] = ()
+    filtered: int | None = None
     name: ClassVar[str] = "common_mode"
+    parameters: ClassVar = (*WhiteNoise.parameters, Parameter("filtered", "count", "1: before the channels' filters", optional=True))
 
     def __post_init__(self):
         super().__post_init__()
@@ -34,6 +39,18 @@ class CommonMode(WhiteNoise):
 
     def to_json(self):
         return {**super().to_json(), "channels": list(self.channels)}
+
+    def on(self, filters: dict, n: int, fs: float, rng) -> dict:
+        """What each of its channels (name -> low-pass filter or None) gets of one draw: name -> ndarray, shape (n,)."""
+        grids = {name: (1, 0) if f is None or not self.filtered else f.grid(fs) for name, f in filters.items()}
+        fine = math.lcm(*(steps for steps, _ in grids.values()))
+        lead = max(-(-before // steps) for steps, before in grids.values())
+        white = self.with_(channels=()).simulate((n + lead) * fine, fs * fine, rng)
+        out = {}
+        for name, (steps, before) in grids.items():
+            x = white.reshape(-1, fine // steps).mean(axis=1)[lead * steps - before:]
+            out[name] = x if (steps, before) == (1, 0) and not (self.filtered and filters[name]) else filters[name].run(x, fs, n)
+        return out
 
 
 @dataclass(frozen=True)
