@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.gap import fast, slow
-from imu_lib.gap.effects import CATALOGUE, SPECTRAL
+from imu_lib.gap.effects import CATALOGUE, DRIFTS, SPECTRAL
 from imu_lib.gap.engine import Data
 from imu_lib.gap.search import filter_candidates
 from imu_lib.gap.state import State
@@ -88,8 +88,8 @@ SWALLOWED, FAMILY = 0.5, 0.25
 
 
 def absorbed(state: State) -> list[str]:
-    """Effects that the free base of `state` may have swallowed: those whose spectrum it imitates
-    by a change of its own parameters, to first order in the effect's strength."""
+    """Effects that the free base of `state` may have swallowed: noises whose spectrum it imitates by a change of its own
+    parameters, to first order in the effect's strength, and drifts that would show if its slow noises were not there."""
     data, likelihood, fit = state.data, state.likelihood, state.fit
     names = [t.name for t in state.base]
     s, c = likelihood.shapes(fit.vector)
@@ -108,6 +108,15 @@ def absorbed(state: State) -> list[str]:
             taken.append(np.sum((basis.T @ v) ** 2) > SWALLOWED * np.sum(v**2))
         if np.mean(taken) > FAMILY:
             names.append(effect.name)
+    # a drift that shows in the fast noise alone may be part of a fitted slow noise
+    quick = sum((slow.covariance(t, data.k, data.m, data.fs) for t in fit.terms if t.fast), np.zeros(data.k))
+    for effect in DRIFTS:
+        shapes = [] if effect.sharp else effect.candidates(data)
+        if shapes and quick[0] > 0:
+            d = np.diff(effect.columns(shapes, data), axis=0)
+            seen, alone = (np.sum(slow.whiten(v, d)[1] ** 2, axis=0) for v in (c, quick))
+            if np.mean(seen < SWALLOWED * alone) > FAMILY:
+                names.append(effect.name)
     if "gauss_markov" in names:                            # two levels whose dwells are lost in the noise have its spectrum
         names.append("telegraph")
     return list(dict.fromkeys([*names, "parameter_change"]))
