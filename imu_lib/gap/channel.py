@@ -68,7 +68,8 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     held = None if grid is None else electronics.integral_of(base, grid[0], fs)
     found = _analyse(name, raw, fs, base, **options)
     rounded = next((s for s in found.steps if s.effect == "resolution"), None)
-    if grid is None or held is None and rounded is None and found.unexplained is None and not any(map(_of_differences, found.steps)):
+    alone = rounded is not None and found.unexplained is None
+    if grid is None or held is None and not alone and not any(map(_of_differences, found.steps)):
         return found
     if not electronics.may_be_of_integral(raw, grid[0], fs):
         return found
@@ -89,7 +90,9 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
 
 def _of_differences(step) -> bool:
     """Whether a step beside a grid may come of rounding the integral: differenced errors, white noise the less, samples that agree."""
-    return step.effect in ("quantization", "autoregressive", "stuck") or step.effect == "parameter_change" and step.parameters["name"] in ("N", "Q")
+    if step.effect == "parameter_change":
+        return step.parameters["name"] in ("N", "Q")
+    return step.effect in ("quantization", "stuck") or step.effect == "autoregressive" and len(step.parameters["phi"]) == 1
 
 
 def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progress, integral=False) -> ChannelResult:
