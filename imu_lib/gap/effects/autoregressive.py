@@ -47,27 +47,6 @@ class Alternating(Slot):
         return np.array([1.0, -0.5 * np.log(square) * square / (1 - square)])
 
 
-class FirstOrder(Spectral):
-    """Noise whose neighbours are anticorrelated; where they are correlated it is a quick Gauss-Markov process."""
-
-    name = "autoregressive"
-    cause = "The sensor's loop overshoots from sample to sample, or a filter sharpens its output."
-    domain = "psd"
-    process = Process
-    amplitude = "sigma"
-    rarity = 2.0
-
-    def beside(self, low_pass, fs):
-        return low_pass is None or low_pass.rate == fs
-
-    def grid(self, fs, duration):
-        return [Process(phi=(-r,), sigma=np.sqrt(1 - r * r), rate=fs) for r in (0.3, 0.45, 0.6, 0.75, 0.9, 0.97)]
-
-    def slot(self, index, fs, duration):
-        # with a coefficient near zero it would be white noise by another name
-        return Alternating(index, ("sigma", "damping"), (-60.0, np.log(5e-4)), (30.0, np.log(-np.log(0.25))), (AMPLITUDE_WIDTH, np.log(1e3)))
-
-
 class Autoregressive(Spectral):
     name = "autoregressive"
     cause = "A mechanical resonance of the sensor or its mounting, driven by noise."
@@ -87,3 +66,17 @@ class Autoregressive(Spectral):
     def slot(self, index, fs, duration):
         return Resonance(index, ("sigma", "damping", "frequency"), (-60.0, np.log(5e-4), np.log(0.02)), (30.0, np.log(1.5), np.log(0.98 * np.pi)),
                          (AMPLITUDE_WIDTH, np.log(1e3), np.log(50.0)))
+
+
+class FirstOrder(Autoregressive):
+    """Noise whose neighbours are anticorrelated; where they are correlated it is a quick Gauss-Markov process."""
+
+    cause = "The sensor's loop overshoots from sample to sample, or a filter sharpens its output."
+    rarity = 2.0
+
+    def grid(self, fs, duration):
+        return [Process(phi=(-r,), sigma=np.sqrt(1 - r * r), rate=fs) for r in (0.3, 0.45, 0.6, 0.75, 0.9, 0.97)]
+
+    def slot(self, index, fs, duration):
+        # with a coefficient near zero it would be white noise by another name
+        return Alternating(index, ("sigma", "damping"), (-60.0, np.log(5e-4)), (30.0, np.log(-np.log(0.25))), (AMPLITUDE_WIDTH, np.log(1e3)))
