@@ -93,10 +93,9 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         return None, {}, None
     names, matrix, count, f = cross_spectra(channels, fs)
     k = len(names)
+    passed = np.column_stack([_passed(bases.get(name) if bases else None, f, fs) for name in names])
     for process in held:
-        member = np.array([c in process.channels for c in names], float)
-        off = np.outer(member, member) * (1 - np.eye(k))
-        matrix = matrix - 2 * process.N**2 * off
+        matrix = _without(matrix, 2 * process.N**2, [c in process.channels for c in names], np.sqrt(passed) if process.filtered else None)
     level = np.einsum("bii->bi", matrix).real
     coherence = (matrix / np.sqrt(level[:, :, None] * level[:, None, :])).real
     best = None
@@ -108,9 +107,8 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
     # noise that enters before the channels' filters keeps its share of their noise where they fall off
     before = np.array(np.broadcast_to(np.median(level[:len(f) // 4], axis=0), level.shape))
     for i, name in enumerate(names):
-        low_pass = bases[name].low_pass if bases and name in bases else None
-        if low_pass is not None:
-            before[:, i] = level[:, i] / Sum((WhiteNoise(N=np.sqrt(0.5)),), (low_pass,)).psd(f, fs)
+        if bases and name in bases and bases[name].low_pass is not None:
+            before[:, i] = level[:, i] / passed[:, i]
 
     def gain(members, density, level=level):
         """Log-likelihood gained by a density in common, each band with its own levels."""
@@ -150,12 +148,24 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members), filtered=None if levels is level else 1)
         note = {"gain": value, "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
                 "coherence": float(np.mean([r[i, j] ** 2 for i, j in combinations(members, 2)])), "z_before": _size(matrix, count)}
-        member = np.zeros(k)
-        member[members] = 1.0
-        fall = np.sqrt(level / levels)                     # of a filter, where there is one
-        rest = matrix - density * np.outer(member, member) * (1 - np.eye(k)) * fall[:, :, None] * fall[:, None, :]
+        rest = _without(matrix, density, [i in members for i in range(k)], None if levels is level else np.sqrt(level / levels))
         note["z_after"] = _size(rest, count)
     return found, note, _left(names, rest, matrix, count, f)
+
+
+def _passed(base, f, fs):
+    """Share of white noise that the low-pass filter of a channel's model lets through, shape of `f`."""
+    low_pass = None if base is None else base.low_pass
+    return np.ones(len(f)) if low_pass is None else Sum((WhiteNoise(N=np.sqrt(0.5)),), (low_pass,)).psd(f, fs)
+
+
+def _without(matrix, density, member, fall=None):
+    """The cross-spectra less a `density` that the members share; behind filters of amplitude `fall`, which may turn its phase."""
+    off = np.outer(member, member) & ~np.eye(len(member), dtype=bool)
+    if fall is None:
+        return matrix - density * off
+    expected = density * fall[:, :, None] * fall[:, None, :] * off
+    return matrix * (1.0 - np.minimum(expected / np.maximum(np.abs(matrix), 1e-300), 1.0))
 
 
 def _with_levels(density, spread, names, matrix, count, f, fs, bases):
