@@ -110,3 +110,8 @@ def test_noise_in_common_is_found_on_either_side_of_the_filters(filtered):
     again = truth.simulate_record(N, FS, np.random.default_rng(12))
     once_more = close(again, found.model, simulations=0, jobs=1)
     assert once_more.steps == [] and once_more.record_unexplained is None
+
+
+def test_noise_in_common_of_channels_that_a_model_lacks_is_drawn_for_none():
+    model = Model(channels={"accel_x": Sum((WHITE,))}, record=(CommonMode(N=1.0, channels=("gyro_x", "gyro_y")),), rate=FS)
+    assert set(model.simulate(10, FS, np.random.default_rng(13))) == {"accel_x"}

@@ -84,13 +84,18 @@ def state_power(state: State) -> np.ndarray:
     return Data(data.x - signal, data.fs).power
 
 
+def _elsewhere(term) -> bool:
+    """Whether a term is settled before the competition: noise in common on the record, a rounded integral by its grid."""
+    return term.name == "common_mode" or bool(getattr(term, "rounded", None))
+
+
 def change_candidates(state: State) -> list[Item]:
     """Parameters of the held base that the record would have otherwise."""
     taken = {i.key for i in state.items}
     free = {s.index for s in state.base_slots}
     out, slots, keys = [], [], []
     for index, term in enumerate(state.base):
-        if index in free or term.name == "common_mode" or getattr(term, "rounded", None):
+        if index in free or _elsewhere(term):
             continue
         for p in term.parameters:
             key = f"parameter_change:{index}:{p.name}"
@@ -148,7 +153,7 @@ def filter_candidates(state: State) -> list[Item]:
     extra = data.extra[data.layout.slow:]
     s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
     rows = list(zip(-0.5 * np.sum(nu * (np.log(s) + power / s), axis=1) - base, stages))
-    terms = [t for t in state.fit.terms if t.name != "common_mode" and not getattr(t, "rounded", None)]
+    terms = [t for t in state.fit.terms if not _elsewhere(t)]
     rows = [r for r in rows if all(effects.CATALOGUE[t.name].beside(r[1], data.fs) for t in terms)]
     rows.sort(key=lambda r: -r[0])
     out, kinds = [], set()

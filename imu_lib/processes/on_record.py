@@ -42,14 +42,15 @@ class CommonMode(WhiteNoise):
 
     def on(self, filters: dict, n: int, fs: float, rng) -> dict:
         """What each of its channels (name -> low-pass filter or None) gets of one draw: name -> ndarray, shape (n,)."""
-        grids = {name: (1, 0) if f is None or not self.filtered else f.grid(fs) for name, f in filters.items()}
+        filters = {name: f if self.filtered else None for name, f in filters.items()}
+        grids = {name: (1, 0) if f is None else f.grid(fs) for name, f in filters.items()}
         fine = math.lcm(*(steps for steps, _ in grids.values()))
-        lead = max(-(-before // steps) for steps, before in grids.values())
+        lead = max((-(-before // steps) for steps, before in grids.values()), default=0)
         white = self.with_(channels=()).simulate((n + lead) * fine, fs * fine, rng)
         out = {}
         for name, (steps, before) in grids.items():
             x = white.reshape(-1, fine // steps).mean(axis=1)[lead * steps - before:]
-            out[name] = x if (steps, before) == (1, 0) and not (self.filtered and filters[name]) else filters[name].run(x, fs, n)
+            out[name] = x if filters[name] is None else filters[name].run(x, fs, n)
         return out
 
 

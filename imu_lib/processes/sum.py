@@ -261,11 +261,9 @@ class Sum:
         if common is not None:
             x = x + common
         stages = [s for s in self.stages if not isinstance(s, (LowPass, NoiseLevelChange))]
-        first = [s for s in stages if s.place < Resolution.place]
-        for stage in first:
-            x = stage.apply(x, fs, rng)
-        if self.rounding is not None:
-            x = self.rounding.round(x, fs, rng)
-        for stage in stages[len(first):]:
-            x = stage.apply(x, fs, rng)
+        chain = [(s.place, s.apply) for s in stages]
+        if self.rounding is not None:                      # the integral is rounded where samples would be
+            chain.append((Resolution.place - 0.5, self.rounding.round))
+        for _, act in sorted(chain, key=lambda link: link[0]):
+            x = act(x, fs, rng)
         return x

@@ -12,7 +12,7 @@ def _piled(x, step, side) -> float:
     """How far the outermost value is overfull, as a log-likelihood gain; 0 where it is not."""
     y = side * x
     top = y.max()
-    at = np.flatnonzero(y > top - 0.5 * (step or 0.0)) if step else np.flatnonzero(y == top)
+    at = np.flatnonzero(y > top - 0.5 * step) if step else np.flatnonzero(y == top)
     visits = 1 + np.count_nonzero(np.diff(at) > 1)
     if visits < 3:                                        # one frozen value is no rail
         return 0.0
