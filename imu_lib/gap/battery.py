@@ -12,13 +12,19 @@ from numba import njit
 from scipy.fft import rfft
 
 DOMAINS = ("psd", "lines", "allan", "autocorrelation", "distribution", "mean", "variance", "temperature")
+#: Bands of equal width that the range up to half the sampling rate is divided into, for the spectrum and its lines.
+BANDS = 64
 
 
 @lru_cache(maxsize=4)
 def _window(n: int):
-    """Hann taper of mean square 1, and edges of logarithmic bins of its ordinates."""
+    """Hann taper of mean square 1, and edges of the bands of its ordinates: logarithmic up to the width of `BANDS` equal ones."""
     taper = (np.hanning(n) * np.sqrt(8 / 3)).astype(np.float32)
-    return taper, np.unique(np.round(np.geomspace(3, n // 2 - 1, 33)).astype(int))
+    last = n // 2 - 1
+    edges = np.geomspace(3, last, 33)
+    equal = np.linspace(0, last, BANDS + 1)
+    narrow = edges[:-1][np.diff(edges) < equal[1]]
+    return taper, np.unique(np.round(np.concatenate([narrow, equal[equal > narrow[-1] + 0.5 * equal[1]]])).astype(int))
 
 
 @njit(cache=True, nogil=True)

@@ -10,17 +10,16 @@ from imu_lib.gap.base_fit import absorbed, free_base
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.resolution import grid_of
 from imu_lib.gap.engine import Data, measured
+from imu_lib.gap.grown import between, grown, refits
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
-from imu_lib.processes import CommonMode, Stage, Sum
+from imu_lib.processes import CommonMode, Sum
 
 #: Effects whose doubts leave the name without high confidence.
 DOUBTED = 0.5
 #: Confidence at the most where three noises or more had to be added.
 MANY = 0.8
-#: Part of the record, from its beginning, that the held-out comparison is fitted on.
-FITTED = 0.6
 #: Part of the shared noise's variance by which its estimate may be off.
 SHARED = 0.1
 #: What is found in single samples or their level: evidences of records that differ in it can't be compared.
@@ -37,8 +36,8 @@ class ChannelResult:
 
     `base` is the model it started from (fitted where none was given), `model` the grown one, `evidence` its log evidence for
     the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may have swallowed, `unexplained`
-    None or a sentence, `refit` the grown model fitted to the first part of the record, None where that part does not show
-    every effect, `filled` the number of samples that were filled in.
+    None or a sentence, `refit` models fitted to the first part of the record, one a simulation, empty where that part does not
+    show every effect, `filled` the number of samples that were filled in.
     """
 
     name: str
@@ -50,7 +49,7 @@ class ChannelResult:
     checks: list = field(default_factory=list)
     mean: float = 0.0
     between: list = field(default_factory=list)
-    refit: Sum | None = None
+    refit: list = field(default_factory=list)
     evidence: float = 0.0
     filled: int = 0
 
@@ -190,11 +189,11 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progre
         steps = [s.capped(MANY) for s in steps]
     steps = _doubtful(steps, shared)
     base_sum = given if given is not None else Sum(tuple(state.base[held_terms:n_base]))
-    model = _grown(base_sum, state, findings, n_base - held_terms, held_terms)
-    between = _between(base_sum, model, findings, state)
-    refit = _refit(base_sum, state, findings, n_base - held_terms, held_terms) if steps else None
+    parts = base_sum, state, findings, n_base - held_terms, held_terms
+    model = grown(*parts)
+    refit = refits(*parts, rng) if steps else []
     swallowed = [] if given is not None else absorbed(state)
-    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between, refit, state.evidence, clean.filled)
+    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between(base_sum, findings, state), refit, state.evidence, clean.filled)
 
 
 def _doubtful(steps, shared):
@@ -261,76 +260,3 @@ def _deterministic(state):
         if item.signal is not None:
             out += item.signal
     return out
-
-
-def _grown(base, state, findings, n_base, shared):
-    """The base with what was found: changed parameters, added processes, drifts with their amplitudes, stages.
-
-    `shared` terms after the base's own stand for noise that the record accounts for; they are left out.
-    """
-    fit = state.fit
-    terms = [t for t in base.terms]
-    noise = [i for i, t in enumerate(terms) if not t.deterministic]
-    fitted = list(fit.terms)
-    own = fitted[shared:n_base + shared] if not base.terms or state.base_slots else fitted[:n_base]
-    for place, index in enumerate(noise):
-        terms[index] = own[place]
-    terms += fitted[n_base + shared:]
-    stages = {s.name: s for s in base.stages}
-    for b, item in zip(fit.beta, state.column_items):
-        amplitude = item.effect.amplitude
-        terms.append(item.process.with_(**{amplitude: float(b)}))
-    for item in state.items:
-        if item.name == "low_pass":
-            stages["low_pass"] = fit.low_pass
-        elif item.signal is not None:
-            terms.append(item.process)
-    for f in findings:
-        if isinstance(f.process, Stage):
-            stages[f.process.name] = f.process
-        else:
-            terms.append(f.process)
-    return Sum(tuple(terms), tuple(stages.values()))
-
-
-def _between(base, model, findings, state):
-    """The models after each step but the last: the base with the first effects only."""
-    count = len(findings) + len(state.items)
-    out = []
-    for k in range(1, count):
-        few = findings[:k]
-        items = list(state.items[:max(0, k - len(findings))])
-        part = state.with_items(items)
-        held = len(state.fit.terms) - len([i for i in state.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"])
-        noise = [t for t in base.terms if not t.deterministic]
-        out.append(_grown(base, part, few, len(noise), held - len(noise)))
-    return out
-
-
-def _refit(base, state, findings, n_base, shared):
-    """The grown model with its free parameters fitted to the first part of the record alone; None where an effect
-    happens only in the rest."""
-    data = state.data
-    n = int(FITTED * data.n)
-    late = [i for i in state.items if i.name == "step" and i.process.time > 0.95 * n / data.fs]
-    late += [f for f in findings if f.process.name == "noise_level_change" and f.process.time > 0.95 * n / data.fs]
-    if late:
-        return None
-    x = data.x
-    first = Data(x[:n], data.fs, white=data.white, temperature=None if data.temperature is None else data.temperature[:n])
-    if data.blind is not None:
-        first = Data(first.x, data.fs, white=data.white, temperature=first.temperature,
-                     blind=np.interp(first.layout.f, data.layout.f, data.blind.astype(float)) > 0)
-    items = []
-    for item in state.items:
-        if item.column is not None:
-            column = np.diff(item.effect.columns([item.process], first)[:, 0])
-            if not np.any(column):
-                return None
-            items.append(replace(item, column=column))
-        elif item.signal is not None:
-            items.append(replace(item, signal=item.signal[:n]))
-        else:
-            items.append(item)
-    again = State(first, state.base, items, low_pass=state.base_low_pass, base_slots=state.base_slots)
-    return _grown(base, again, findings, n_base, shared)

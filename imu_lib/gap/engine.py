@@ -184,7 +184,8 @@ class Likelihood:
         r = r - a @ beta
         return ll - 0.5 * (logdet + r @ r), beta, cov
 
-    def _bounds(self):
+    def bounds(self):
+        """The least and the most that each free parameter may be, logarithms, shapes (k,)."""
         return (np.concatenate([np.asarray(s.low, float) for s in self.slots]), np.concatenate([np.asarray(s.high, float) for s in self.slots]))
 
     def maximise(self, start=None, *, iterations: int = 14, tolerance: float = 0.02) -> Fit:
@@ -195,7 +196,7 @@ class Likelihood:
         best, beta, beta_cov = self.value(x, shapes)
         information = np.zeros((k, k))
         if k:
-            low, high = self._bounds()
+            low, high = self.bounds()
             x = np.clip(x, low, high)
             shapes = self.shapes(x)
             best, beta, beta_cov = self.value(x, shapes)

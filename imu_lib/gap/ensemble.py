@@ -10,9 +10,10 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
+from scipy.optimize import brentq
 
 from imu_lib.gap.battery import battery, stack
-from imu_lib.processes import Constant, Sum, WhiteNoise
+from imu_lib.processes import Constant, Resolution, Saturation, Sum, WhiteNoise
 
 #: Simulations in an ensemble.
 SIZE = 100
@@ -101,6 +102,32 @@ def centred(model: Sum, level: float, t, temperature) -> Sum:
     return Sum(tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),), model.stages)
 
 
+def behind_mean(model: Sum, mean: float, n: int, fs: float, temperature=None, shared: float = 0.0) -> float:
+    """The level before the electronics of a record whose output has this mean: they differ where it is clipped or coarsely rounded."""
+    chain = sorted((s for s in model.stages if isinstance(s, (Saturation, Resolution))), key=lambda s: s.place)
+    if not chain:
+        return mean
+    f = np.geomspace(fs / n, fs / 2, 4001)
+    power = Sum(tuple(t for t in model.terms if not t.deterministic), tuple(s for s in model.stages if s is model.low_pass)).psd(f, fs)
+    sd = np.sqrt(np.trapezoid(power, f) + shared**2 * fs)
+    t = np.linspace(0, n - 1, 50).astype(int)
+    drift = Sum(tuple(p for p in model.drifts.terms if p.name != "constant")).mean(t / fs, None if temperature is None else temperature[t])
+    change = model.find("noise_level_change")
+    sd = sd * (np.ones(len(t)) if change is None else change.factor(n, fs)[t])
+    u = np.linspace(-6, 6, 6001)
+    weight = np.exp(-0.5 * u * u) / np.sum(np.exp(-0.5 * u * u))
+
+    def excess(level):
+        x = level + (drift - drift.mean())[:, None] + sd[:, None] * u
+        for stage in chain:
+            x = stage.apply(x, fs, None)
+        return float(np.mean(x @ weight)) - mean
+    reach = max([3 * sd.max(), *(s.lsb for s in chain if s.name == "resolution")])
+    if excess(mean - reach) > 0 or excess(mean + reach) < 0:
+        return mean
+    return float(brentq(excess, mean - reach, mean + reach, xtol=1e-4 * reach))
+
+
 def draw(model: Sum, draws: Draws, *, common=None):
     """A realisation of the model, shape (n,)."""
     slow, quick = draws.terms(model.terms, model.low_pass)
@@ -108,18 +135,23 @@ def draw(model: Sum, draws: Draws, *, common=None):
 
 
 def simulate(jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool = False) -> list[list[dict]]:
-    """Batteries of simulations: for each job (model, start, stop in samples, shared N or 0, lost mask or None) one list over the seeds.
+    """Batteries of simulations: for each job (models, start, stop in samples, shared N or 0, lost mask or None) one list over the seeds.
 
+    A job has one model, or several that stand for what is uncertain in it: they take turns, by the last number of the seed.
     `filtered`: the shared noise enters before the low-pass filter.
     """
     t = np.arange(n) / fs
-    ready = [centred(model, level, t, temperature) for (model, *_), level in zip(jobs, levels)]
+    ready = {}
     out = [[] for _ in jobs]
     for seed in seeds:
         draws, made = Draws(seed, n, fs, temperature), {}
-        for k, (model, (_, start, stop, shared, lost)) in enumerate(zip(ready, jobs)):
-            key = (id(jobs[k][0]), shared)
+        for k, ((models, start, stop, shared, lost), level) in enumerate(zip(jobs, levels)):
+            model = models[seed[-1] % len(models)]
+            key = (id(model), shared)
             if key not in made:
+                if id(model) not in ready:
+                    ready[id(model)] = centred(model, level, t, temperature)
+                model = ready[id(model)]
                 before = model.low_pass if filtered else None
                 common = None if not shared else shared * draws.unit(WhiteNoise(N=1.0), 0, before, "common")
                 made = {key: draw(model, draws, common=common)}
@@ -152,19 +184,16 @@ class Index:
 def index(measured: dict, rows: list[dict]) -> Index:
     """Distance of the measurement from the ensemble over the median distance of one simulation from the others.
 
-    The distance is the root mean square over all statistics, so that one record's index scatters by some 0.1 about 1 where
-    the model is right; a domain's own index, of a few statistics, by more.
+    Either is standardised by simulations that it is not itself one of. The distance is the root mean square over all
+    statistics, some 190, so that one record's index scatters by 0.06 about 1 where the model is right; a domain's own
+    index, of a few statistics, by more.
     """
-    many, count = stack(rows), len(rows)
+    many = stack(rows)
     near, far = {}, {}
     for d, s in many.items():
         if s.shape[1] == 0:
             continue
-        mean, sd = s.mean(axis=0), s.std(axis=0, ddof=1)
-        sd = np.where(sd > 1e-6 * (1 + np.abs(mean)), sd, ALIKE)
-        z = (measured[d] - mean) / sd / np.sqrt(1 + 1 / count)
-        near[d] = ((s - mean) / sd) ** 2 * count / (count - 1)
-        far[d] = np.minimum(np.abs(z), 1e3) ** 2
+        near[d], far[d] = _squares(s, measured[d])
 
     def ratio(whole, each):
         each = np.sqrt(np.mean(each, axis=1))
@@ -172,3 +201,16 @@ def index(measured: dict, rows: list[dict]) -> Index:
         return float(np.sqrt(np.mean(whole)) / median), float(np.quantile(each, 0.95) / median)
     value, spread = ratio(np.concatenate(list(far.values())), np.concatenate(list(near.values()), axis=1))
     return Index(value, {d: ratio(far[d], near[d])[0] for d in far}, spread)
+
+
+def _squares(s, measured):
+    """Squared deviations of each simulation from the others, shape of `s` (simulations, statistics), and of the measurement from all."""
+    count = len(s)
+    mean, var = s.mean(axis=0), s.var(axis=0, ddof=1)
+    own = s - mean
+    # mean and variance of the others, from those of all
+    others = np.maximum(((count - 1) * var - own**2 * count / (count - 1)) / (count - 2), 0.0)
+    alike = np.sqrt(var) <= 1e-6 * (1 + np.abs(mean))
+    near = np.where(alike, 0.0, (own * count / (count - 1)) ** 2 / np.where(others > 0, others, 1.0) / (1 + 1 / (count - 1)))
+    far = (measured - mean) ** 2 / np.where(alike, ALIKE**2, var) / (1 + 1 / count)
+    return np.minimum(near, 1e6), np.minimum(far, 1e6)

@@ -1,0 +1,118 @@
+"""Models that the workflow makes of a base and of what was found: the grown one, those on the way, and refits to a part."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from imu_lib.gap.engine import Data
+from imu_lib.gap.state import State
+from imu_lib.processes import Stage, Sum
+
+#: Part of the record, from its beginning, that the held-out comparison is fitted on.
+FITTED = 0.6
+#: Models that stand for what a fit to that part leaves uncertain.
+REFITS = 100
+
+
+def grown(base, state, findings, n_base, shared, *, fit=None):
+    """The base with what was found: changed parameters, added processes, drifts with their amplitudes, stages.
+
+    `shared` terms after the base's own stand for noise that the record accounts for; they are left out. `fit` takes the
+    place of the state's own.
+    """
+    fit = state.fit if fit is None else fit
+    terms = [t for t in base.terms]
+    noise = [i for i, t in enumerate(terms) if not t.deterministic]
+    fitted = list(fit.terms)
+    own = fitted[shared:n_base + shared] if not base.terms or state.base_slots else fitted[:n_base]
+    for place, index in enumerate(noise):
+        terms[index] = own[place]
+    terms += fitted[n_base + shared:]
+    stages = {s.name: s for s in base.stages}
+    for b, item in zip(fit.beta, state.column_items):
+        amplitude = item.effect.amplitude
+        terms.append(item.process.with_(**{amplitude: float(b)}))
+    for item in state.items:
+        if item.name == "low_pass":
+            stages["low_pass"] = fit.low_pass
+        elif item.signal is not None:
+            terms.append(item.process)
+    for f in findings:
+        if isinstance(f.process, Stage):
+            stages[f.process.name] = f.process
+        else:
+            terms.append(f.process)
+    return Sum(tuple(terms), tuple(stages.values()))
+
+
+def between(base, findings, state):
+    """The models after each step but the last: the base with the first effects only."""
+    count = len(findings) + len(state.items)
+    out = []
+    for k in range(1, count):
+        few = findings[:k]
+        items = list(state.items[:max(0, k - len(findings))])
+        part = state.with_items(items)
+        held = len(state.fit.terms) - len([i for i in state.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"])
+        noise = [t for t in base.terms if not t.deterministic]
+        out.append(grown(base, part, few, len(noise), held - len(noise)))
+    return out
+
+
+def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
+    """Grown models whose free parameters are drawn from their distribution given the first part of the record alone.
+
+    The distribution is normal about the fit, in logarithms but for the amplitudes of drifts: what is predicted from the first
+    part scatters by the noise and by what the first part leaves open. Empty where an effect happens only in the rest.
+    """
+    data = state.data
+    n = int(FITTED * data.n)
+    late = [i for i in state.items if i.name == "step" and i.process.time > 0.95 * n / data.fs]
+    late += [f for f in findings if f.process.name == "noise_level_change" and f.process.time > 0.95 * n / data.fs]
+    if late:
+        return []
+    x = data.x
+    first = Data(x[:n], data.fs, white=data.white, temperature=None if data.temperature is None else data.temperature[:n])
+    if data.blind is not None:
+        first = Data(first.x, data.fs, white=data.white, temperature=first.temperature,
+                     blind=np.interp(first.layout.f, data.layout.f, data.blind.astype(float)) > 0)
+    items = []
+    for item in state.items:
+        if item.column is not None:
+            column = np.diff(item.effect.columns([item.process], first)[:, 0])
+            if not np.any(column):
+                return []
+            items.append(replace(item, column=column))
+        elif item.signal is not None:
+            items.append(replace(item, signal=item.signal[:n]))
+        else:
+            items.append(item)
+    again = State(first, state.base, items, low_pass=state.base_low_pass, base_slots=state.base_slots)
+    free = len(again.fit.vector) + len(again.fit.beta) > 0
+    return [grown(base, again, findings, n_base, shared, fit=fit) for fit in _drawn(again, rng, REFITS if free else 1)]
+
+
+def _drawn(state, rng, count):
+    """Fits whose parameters are drawn from the normal distribution about the state's own, within the bounds of each."""
+    fit, likelihood = state.fit, state.likelihood
+    vectors, betas = np.zeros((count, 0)), np.zeros((count, 0))
+    if len(fit.vector):
+        # where the data say little the prior's width is what is left
+        prior = np.diag(1.0 / np.concatenate([np.asarray(s.widths, float) for s in fit.slots]) ** 2)
+        low, high = likelihood.bounds()
+        cov = np.linalg.inv(np.linalg.pinv(fit.cov) + prior)
+        vectors = rng.multivariate_normal(fit.vector, cov, count, method="eigh")
+        at = np.cumsum([0, *(len(s.names) for s in fit.slots)])
+        for k in (at[i] for i, s in enumerate(fit.slots) if s.index == -1):
+            # a filter's cutoff takes a few values only: its spectrum is made once for each
+            grid = 0.5 * np.sqrt(cov[k, k])
+            vectors[:, k] = fit.vector[k] + grid * np.round((vectors[:, k] - fit.vector[k]) / grid)
+        vectors = np.clip(vectors, low, high)
+    if len(fit.beta):
+        betas = rng.multivariate_normal(fit.beta, fit.beta_cov, count, method="eigh")
+    out = []
+    for vector, beta in zip(vectors, betas):
+        terms, low_pass = likelihood.unpack(vector)
+        out.append(replace(fit, terms=tuple(terms), low_pass=low_pass, beta=beta))
+    return out
