@@ -17,7 +17,8 @@ from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.effects.spikes import Spikes
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.stuck import Stuck
-from imu_lib.gap.innovations import Smooth, first_fill, impute, shadows, surprises
+from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises
+from imu_lib.gap.outliers import deconvolved
 from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.processes import Quantization as OfIntegral
 
@@ -139,20 +140,15 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         else:
             clean = rest
         measured = np.where(hidden, clean, rest)
-        # neighbours of a spike are judged without it, spikes by what was measured
-        probe = clean if spiked.any() else measured
-        even = smooth
+        probe, even = measured, smooth
         if step is not None and step > DITHER * np.sqrt(smooth.conditional_variance):
             # a few levels have no median and no shoulders: spread each over its own width
-            probe = probe + step * (rng.random(len(probe)) - 0.5)
-            even = Smooth(probe, fs)
-        y = surprises(probe, even)
-        if spiked.any():
-            y[spiked] += (rest - clean)[spiked] / np.sqrt(even.conditional_variance)
+            dither = step * (rng.random(len(probe)) - 0.5)
+            probe, even = probe + dither, Smooth(clean + dither, fs)
+        y, instead = deconvolved(surprises(probe, even), even)
         y[hidden | _edges(measured, y)] = 0.0
         for end in (y[:64], y[-64:]):
             end[np.abs(end) < 20] = 0.0                 # a filter that starts up is no spike, unless it is one by eye
-        y[shadows(y, even)] = 0.0
         new = Spikes().detect(y[~hidden], even, held.get("spikes"))
         if new is None and "spikes" not in held:
             spikes = None
@@ -164,6 +160,7 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
             spikes = new
         else:
             spiked[np.abs(y) > 5] = True
+        spiked |= instead & ~hidden
         if abs(int(spiked.sum()) - int(count)) <= 0.01 * count:
             break
     if spikes is not None:
@@ -207,9 +204,14 @@ def _edges(x, y, *, reach: int = 4) -> np.ndarray:
     if len(at) == 0 or len(at) > len(x) // 50:
         return out
     lag = np.arange(2, reach + 2)
-    before, after = np.median(x[at[:, None] - lag], axis=1), np.median(x[at[:, None] + lag], axis=1)
+
+    def levels(at):
+        return np.median(x[at[:, None] - lag], axis=1), np.median(x[at[:, None] + lag], axis=1)
+    before, after = levels(at)
     far = np.maximum(np.abs(x[at] - before), np.abs(x[at] - after))
-    jump = at[np.abs(after - before) > 0.7 * far]
+    # a filtered signal moves as much anywhere
+    usual = 1.4826 * np.median(np.abs(np.subtract(*levels(np.linspace(reach + 2, len(x) - reach - 3, 4000).astype(int)))))
+    jump = at[np.abs(after - before) > np.maximum(0.7 * far, 3.5 * usual)]
     for k in (-1, 0, 1):
         out[jump + k] = True
     return out

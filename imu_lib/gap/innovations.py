@@ -73,6 +73,12 @@ class Smooth:
         return float(np.mean(left) ** 2 / np.mean(left**2))
 
     @property
+    def traces(self) -> float:
+        """Samples that one which is thrown off makes surprising: the sum of the squares of the surprises' autocorrelation."""
+        inverse = 1.0 / self.on(4096)
+        return float(np.mean(inverse**2) / np.mean(inverse) ** 2)
+
+    @property
     def sample_variance(self) -> float:
         """Variance of a sample of the fast part."""
         return float(self.on(2048).mean() * self.fs / 2)
@@ -117,28 +123,6 @@ def surprises(x, smooth: Smooth) -> np.ndarray:
     size = _size(len(x))
     inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)
     return _filter(x - trend(x, smooth.m), inverse, size) / np.sqrt(np.mean(inverse))
-
-
-def shadows(y, smooth: Smooth, *, least: float = 5.0, reach: int = 48) -> np.ndarray:
-    """Surprises that a stronger one beside them accounts for, mask (n,): in coloured noise a sample that is thrown off makes its
-    neighbours surprising, too."""
-    out = np.zeros(len(y), bool)
-    strong = np.flatnonzero(np.abs(y) > least)
-    if len(strong) == 0 or len(strong) > len(y) // 20:
-        return out
-    size = 4096
-    response = np.abs(irfft(1.0 / smooth.on(size), size)[:reach + 1])
-    response = np.concatenate([response[:0:-1], response]) / response[0]
-    response[reach] = 0.0
-    height = np.abs(np.pad(y, reach))
-    hidden = np.zeros(len(height), bool)
-    for i in strong[np.argsort(-np.abs(y[strong]), kind="stable")]:
-        if not hidden[i + reach]:
-            part = slice(i, i + 2 * reach + 1)
-            shadow = response * height[i + reach]
-            hidden[part] |= (shadow > 2.0) & (height[part] < 1.3 * shadow + 3.0)
-    out[:] = hidden[reach:len(y) + reach]
-    return out
 
 
 def first_fill(x, bad) -> np.ndarray:

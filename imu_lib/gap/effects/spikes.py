@@ -2,8 +2,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import minimize
-from scipy.special import ndtr
+from scipy.optimize import minimize, minimize_scalar
+from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, kstest
 
 from imu_lib.processes import Spikes as Stage
@@ -12,6 +12,8 @@ from .base import Effect, Finding
 
 #: From here on a surprise is looked at as a spike of its own, standard deviations.
 OUTLIER = 5.0
+#: Samples that a spike makes surprising, on the mean, from which on the smallest are not counted one by one.
+TRACES = 3.0
 #: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two normals does not fill them.
 EDGES, SHAPE = np.array([1.0, 1.5, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.5, 5.0, 6.0, 8.0, 11.0, 15.0, np.inf]), -5.0
 
@@ -41,6 +43,27 @@ def mixture(y):
     return -best.fun, 1 / (1 + np.exp(-best.x[0])), float(np.exp(best.x[1])), s
 
 
+def exceedances(y, s):
+    """As `mixture`, from the surprises beyond `OUTLIER` times `s` alone.
+
+    In strongly coloured noise a spike too small to be taken out on its own leaves traces on many samples, which the shoulders
+    would count as spikes of their own.
+    """
+    far = np.abs(y[np.abs(y) > OUTLIER * s]) / s
+    n, k = len(y), len(far)
+    if k < 2:
+        return 0.0, 1.0 / n, OUTLIER, s
+
+    def loss(log_scale):
+        wide = np.sqrt(1 + np.exp(2 * log_scale))
+        return k * (np.log(wide) + log_ndtr(-OUTLIER / wide)) + 0.5 * np.sum(far**2) / wide**2
+    scale = float(np.exp(minimize_scalar(loss, (0.0, np.log(4 * far.max())), method="bounded", bounds=(0.0, np.log(4 * far.max()))).x))
+    wide = np.sqrt(1 + scale**2)
+    p = min(k / n / (2 * ndtr(-OUTLIER / wide)), 0.2)
+    gain = np.sum(np.logaddexp(np.log1p(-p), np.log(p) - np.log(wide) + 0.5 * (far * scale / wide) ** 2))
+    return float(gain), p, scale, s
+
+
 def shape(height, tail) -> float:
     """log10 of the p-value of the heights from one standard deviation on against `tail`, the share expected beyond each.
 
@@ -63,7 +86,8 @@ class Spikes(Effect):
         """`y` are the surprises of the samples, in standard deviations."""
         if np.abs(y).max() < OUTLIER:
             return None
-        gain, p, scale, s = mixture(y)
+        traces = smooth.traces > TRACES
+        gain, p, scale, s = exceedances(y, 1.4826 * np.median(np.abs(y[::7]))) if traces else mixture(y)
         hit = np.flatnonzero(np.abs(y) > OUTLIER * s)
         if gain < 14 or len(hit) < 2 or scale < 2.5:      # a broader shoulder is another distribution, not spikes
             return None
@@ -71,7 +95,7 @@ class Spikes(Effect):
         rate, height = p * smooth.fs, scale * sd
         if held is not None and abs(rate / held.rate - 1) < 0.3 and abs(height / held.scale - 1) < 0.3:
             return None
-        count = max(p * len(y), 1.0)
+        count = max(len(hit) if traces else p * len(y), 1.0)
         a, b = 1.96 / np.sqrt(count), 1.96 / np.sqrt(2 * count)
         found = Finding(self, Stage(rate=rate, scale=height), gain,
                         f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard deviations, "
@@ -81,11 +105,11 @@ class Spikes(Effect):
         z2 = (y / s) ** 2
         odds = np.log(p / (1 - p)) - 0.5 * np.log1p(scale**2) + 0.5 * z2 * scale**2 / (1 + scale**2)
         found.mask = odds > 0
-        found.doubt = self.doubt(y / s, p, scale, smooth.fs)
+        found.doubt = self.doubt(y / s, p, scale, shoulders=not traces)
         return found
 
     @staticmethod
-    def doubt(y, p, scale, fs) -> str | None:
+    def doubt(y, p, scale, *, shoulders: bool = True) -> str | None:
         """Why these outliers are no spikes of normal height at random times, or None."""
         hit = np.flatnonzero(np.abs(y) > OUTLIER)
         k = len(hit)
@@ -100,7 +124,7 @@ class Spikes(Effect):
         positive = np.count_nonzero(y[hit] > 0)
         if abs(positive - k / 2) > 4 * np.sqrt(k / 4):
             return "distribution of the innovations: the outliers have mostly one sign"
-        if shape(np.abs(y), tail) < SHAPE:
+        if shoulders and shape(np.abs(y), tail) < SHAPE:
             return "distribution of the innovations: the shoulders are not those of spikes on normal noise"
         if kstest(hit / len(y), "uniform").pvalue < 1e-4:
             return "distribution of the innovations: the outliers crowd at certain times"
