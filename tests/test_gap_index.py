@@ -5,7 +5,7 @@ import pytest
 from imu_lib.gap import ensemble
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.grown import REFITS, _drawn
-from imu_lib.processes import Constant, Flicker, GaussMarkov, Ramp, RandomWalk, Resolution, Saturation, Sum, WhiteNoise
+from imu_lib.processes import Constant, Flicker, GaussMarkov, RandomWalk, Resolution, Saturation, Sum, WhiteNoise
 
 
 def test_index_of_a_right_model_is_one_on_average_and_scatters_little():

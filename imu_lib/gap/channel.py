@@ -193,7 +193,8 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progre
     model = grown(*parts)
     refit = refits(*parts, rng) if steps else []
     swallowed = [] if given is not None else absorbed(state)
-    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between(base_sum, findings, state), refit, state.evidence, clean.filled)
+    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between(base_sum, findings, state), refit,
+                         state.evidence, clean.filled)
 
 
 def _doubtful(steps, shared):
