@@ -7,7 +7,8 @@ import pytest
 from imu_lib import gap, presets
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects import CATALOGUE
-from imu_lib.gap.innovations import Smooth, impute
+from imu_lib.gap.imputation import impute
+from imu_lib.gap.innovations import Smooth
 from imu_lib.model import Model
 from imu_lib.processes import OF_CHANNEL, Sum, from_json
 from imu_lib.record import Record

@@ -17,7 +17,8 @@ from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.effects.spikes import Spikes
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.stuck import Stuck
-from imu_lib.gap.innovations import Smooth, first_fill, impute, surprises
+from imu_lib.gap.imputation import first_fill, impute
+from imu_lib.gap.innovations import Smooth, surprises
 from imu_lib.gap.outliers import deconvolved
 from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.processes import Quantization as OfIntegral

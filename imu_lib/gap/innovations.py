@@ -1,11 +1,13 @@
-"""What a smooth spectrum does not foresee: whitening, and filling samples in under the fitted coloured noise."""
+"""What a smooth spectrum does not foresee: whitening, and how far a sample is from what its neighbours foretell."""
 from __future__ import annotations
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
-from scipy.special import ndtr, ndtri
 
 from imu_lib.gap import fast, slow
+
+#: Share of the mean spectrum below which a stop band is not followed where samples are drawn.
+DEPTH = 1e-5
 
 
 def trend(x, m: int) -> np.ndarray:
@@ -46,8 +48,8 @@ class Smooth:
         self._cache = {}
 
     def slow_too(self, size: int) -> np.ndarray:
-        """As `on`, with the slow end of the record's own spectrum."""
-        return np.maximum(self.between(self.full, size), 1e-3 * np.mean(self.on(size)))
+        """As `on`, with the slow end of the record's own spectrum and further down into a stop band: what is drawn must not fill it."""
+        return np.maximum(self.between(self.full, size), DEPTH * np.mean(self.on(size)))
 
     def on(self, size: int) -> np.ndarray:
         """The spectrum, unit^2/Hz, at the ordinates of a real transform of `size` points."""
@@ -99,7 +101,8 @@ def _shifted(layout):
     return replace(layout, edge=layout.edge - layout.edge[0])
 
 
-def _size(n):
+def padded_size(n):
+    """Length of the transforms of `n` samples: even, quick, and long enough that the ends do not meet."""
     size = next_fast_len(n + min(n, 4096), real=True)
     while size % 2:
         size = next_fast_len(size + 1, real=True)
@@ -114,105 +117,12 @@ def _filter(x, gain, size):
 
 def whitened(x, smooth: Smooth) -> np.ndarray:
     """The fast part of a record as white noise of variance 1 (zero phase)."""
-    size = _size(len(x))
+    size = padded_size(len(x))
     return _filter(x - trend(x, smooth.m), 1.0 / np.sqrt(smooth.on(size) * smooth.fs / 2), size)
 
 
 def surprises(x, smooth: Smooth) -> np.ndarray:
     """How far each sample lies from what all the others foretell, in standard deviations."""
-    size = _size(len(x))
+    size = padded_size(len(x))
     inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)
     return _filter(x - trend(x, smooth.m), inverse, size) / np.sqrt(np.mean(inverse))
-
-
-def first_fill(x, bad) -> np.ndarray:
-    """Bad samples replaced by the straight line between good ones plus what good samples deviate from it elsewhere."""
-    out = np.array(x, float)
-    good = np.flatnonzero(~bad)
-    wrong = np.flatnonzero(bad)
-    if len(wrong) == 0:
-        return out
-    level = _level(x, bad)
-    source = good[(np.arange(len(wrong)) + len(good) // 3) % len(good)]
-    out[wrong] = level[wrong] + x[source] - level[source]
-    return out
-
-
-def _level(x, bad):
-    """The level from the good samples of each of some 2000 blocks, straight lines across blocks that have too few of them."""
-    m = max(8, len(x) // 2000)
-    k = len(x) // m
-    ok = ~bad[:k * m].reshape(k, m)
-    count = ok.sum(axis=1)
-    total = np.where(ok, np.where(bad, 0.0, x)[:k * m].reshape(k, m), 0.0).sum(axis=1)
-    full = count >= max(1, m // 4)
-    if not full.any():
-        full = count > 0
-    return np.interp(np.arange(len(x)), (np.arange(k) + 0.5)[full] * m, total[full] / count[full])
-
-
-def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 40) -> np.ndarray:
-    """Bad samples drawn from their distribution given the good ones under the spectrum (conditional simulation).
-
-    `above` and `below` are (mask, limit): samples known only to lie beyond a limit.
-    """
-    bad = bad.copy()
-    for side in (above, below):
-        if side is not None:
-            bad |= side[0]
-    wrong = np.flatnonzero(bad)
-    out = np.array(x, float)
-    if len(wrong) == 0:
-        return out
-    out[wrong] = first_fill(x, bad)[wrong]
-    base = fast._bridge(out)
-    size = _size(len(x))
-    density = smooth.slow_too(size) * smooth.fs / 2
-    inverse = 1.0 / density
-    draw = irfft(rfft(rng.standard_normal(size)) * np.sqrt(density), size)[:len(x)]
-    residual = out - base - draw
-    residual[wrong] = 0.0
-
-    def apply(v):
-        full = np.zeros(size)
-        full[wrong] = v
-        return irfft(rfft(full) * inverse, size)[wrong]
-    full = np.zeros(size)
-    full[:len(x)] = residual
-    b = -irfft(rfft(full) * inverse, size)[wrong]
-    # gradients find the mean of a long gap last: start from the level around it
-    v = _level(residual, bad)[wrong]
-    r = b - apply(v)
-    p, rr = r.copy(), r @ r
-    stop = 1e-8 * float(b @ b)
-    for _ in range(iterations):
-        if rr <= stop:
-            break
-        ap = apply(p)
-        alpha = rr / (p @ ap)
-        v += alpha * p
-        r -= alpha * ap
-        new = r @ r
-        p, rr = r + new / rr * p, new
-    out[wrong] = base[wrong] + draw[wrong] + v
-    sd = np.sqrt(smooth.conditional_variance)
-    for side, sign in ((above, 1.0), (below, -1.0)):
-        if side is None or not side[0].any():
-            continue
-        at = np.flatnonzero(side[0])
-        # given its neighbours a clipped sample is normal around their forecast, cut at the limit
-        middle = base[at] + v[np.searchsorted(wrong, at)] + draw[at] - _own(draw, smooth, size, at)
-        a = sign * (side[1] - middle) / sd
-        u = rng.random(len(at))
-        tail = ndtr(-a)
-        z = np.where(tail > 1e-12, -ndtri(np.maximum(u * tail, 1e-300)), a)
-        out[at] = np.where(sign * (middle + sign * sd * z - side[1]) < 0, side[1], middle + sign * sd * z)
-    return out
-
-
-def _own(draw, smooth, size, at):
-    """What each drawn sample adds to the forecast from its neighbours."""
-    full = np.zeros(size)
-    full[:len(draw)] = draw
-    inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)
-    return irfft(rfft(full) * inverse, size)[at] / np.mean(inverse)

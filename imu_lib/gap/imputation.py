@@ -1,0 +1,150 @@
+"""Samples drawn anew given the others, under the spectrum of the record: missing ones, and those that are known to lie beyond a limit."""
+from __future__ import annotations
+
+import numpy as np
+from scipy.fft import irfft, rfft
+from scipy.special import ndtr, ndtri
+
+from imu_lib.gap import fast
+from imu_lib.gap.innovations import Smooth, padded_size
+
+#: Samples that one which is thrown off makes surprising from which on clipped ones are drawn together, and how often.
+COUPLED, SWEEPS = 1.5, 24
+
+
+def first_fill(x, bad) -> np.ndarray:
+    """Bad samples replaced by the straight line between good ones plus what good samples deviate from it elsewhere."""
+    out = np.array(x, float)
+    good = np.flatnonzero(~bad)
+    wrong = np.flatnonzero(bad)
+    if len(wrong) == 0:
+        return out
+    level = _level(x, bad)
+    source = good[(np.arange(len(wrong)) + len(good) // 3) % len(good)]
+    out[wrong] = level[wrong] + x[source] - level[source]
+    return out
+
+
+def _level(x, bad):
+    """The level from the good samples of each of some 2000 blocks, straight lines across blocks that have too few of them."""
+    m = max(8, len(x) // 2000)
+    k = len(x) // m
+    ok = ~bad[:k * m].reshape(k, m)
+    count = ok.sum(axis=1)
+    total = np.where(ok, np.where(bad, 0.0, x)[:k * m].reshape(k, m), 0.0).sum(axis=1)
+    full = count >= max(1, m // 4)
+    if not full.any():
+        full = count > 0
+    return np.interp(np.arange(len(x)), (np.arange(k) + 0.5)[full] * m, total[full] / count[full])
+
+
+def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 40) -> np.ndarray:
+    """Bad samples drawn from their distribution given the good ones under the spectrum (conditional simulation).
+
+    `above` and `below` are (mask, limit): samples known only to lie beyond a limit.
+    """
+    bad = bad.copy()
+    for side in (above, below):
+        if side is not None:
+            bad |= side[0]
+    wrong = np.flatnonzero(bad)
+    out = np.array(x, float)
+    if len(wrong) == 0:
+        return out
+    out[wrong] = first_fill(x, bad)[wrong]
+    base = fast._bridge(out)
+    size = padded_size(len(x))
+    density = smooth.slow_too(size) * smooth.fs / 2
+    inverse = 1.0 / density
+    draw = irfft(rfft(rng.standard_normal(size)) * np.sqrt(density), size)[:len(x)]
+    residual = out - base - draw
+    residual[wrong] = 0.0
+
+    def apply(v):
+        full = np.zeros(size)
+        full[wrong] = v
+        return irfft(rfft(full) * inverse, size)[wrong]
+    full = np.zeros(size)
+    full[:len(x)] = residual
+    b = -irfft(rfft(full) * inverse, size)[wrong]
+    # gradients find the mean of a long gap last: start from the level around it
+    v = _level(residual, bad)[wrong]
+    r = b - apply(v)
+    p, rr = r.copy(), r @ r
+    stop = 1e-8 * float(b @ b)
+    for _ in range(iterations):
+        if rr <= stop:
+            break
+        ap = apply(p)
+        alpha = rr / (p @ ap)
+        v += alpha * p
+        r -= alpha * ap
+        new = r @ r
+        p, rr = r + new / rr * p, new
+    out[wrong] = base[wrong] + draw[wrong] + v
+    sides = [(side, sign) for side, sign in ((above, 1.0), (below, -1.0)) if side is not None and side[0].any()]
+    short = np.zeros(len(x), bool)
+    for side, sign in sides:
+        short |= side[0] & (sign * (out - side[1]) < 0)
+    if not short.any():
+        return out
+    if smooth.traces > COUPLED:
+        for k in range(SWEEPS):
+            for side, sign in sides:
+                _redraw(out, base, inverse, *side, sign, k % 2, rng)
+        return out
+    sd = np.sqrt(smooth.conditional_variance)
+    for side, sign in sides:
+        # given its neighbours a clipped sample is normal around their forecast, cut at the limit
+        at = np.flatnonzero(side[0] & short)
+        middle = base[at] + v[np.searchsorted(wrong, at)] + draw[at] - _own(draw, smooth, size, at)
+        out[at] = _beyond(middle, sd, side[1], sign, rng)
+    return out
+
+
+def _redraw(out, base, inverse, mask, limit, sign, odd, rng, *, draws: int = 64, longest: int = 40):
+    """Every second run of clipped samples drawn together, in place, given all samples outside of it and that it lies beyond the limit."""
+    n = len(out)
+    full = np.zeros(2 * (len(inverse) - 1))
+    full[:n] = out - base
+    pull = irfft(rfft(full) * inverse, len(full))[:n]
+    precision = irfft(inverse, len(full))[:longest]
+    edge = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    first, length = edge[::2][odd::2], np.diff(edge)[::2][odd::2]
+    for size in np.unique(length):
+        at = first[length == size][:, None] + np.arange(size)
+        if size > longest:                                 # a level of its own
+            out[at] = np.where(sign * (out[at] - limit) < 0, limit, out[at])
+            continue
+        own = precision[np.abs(np.subtract.outer(np.arange(size), np.arange(size)))]
+        cov = np.linalg.inv(own)
+        middle = out[at] - pull[at] @ cov
+        root = np.linalg.cholesky(0.5 * (cov + cov.T))
+        trial = middle + rng.standard_normal((draws, *at.shape)) @ root.T
+        over = np.min(sign * (trial - limit), axis=2)      # shape (draws, runs)
+        new = trial[np.argmax(over >= 0, axis=0), np.arange(len(at))]
+        none = ~(over >= 0).any(axis=0)
+        if none.any():                                     # one sample after the other, many times
+            part = np.where(sign * (new[none] - limit) < 0, limit, new[none])
+            for _ in range(60):
+                for j in range(size):
+                    centre = part[:, j] - (part - middle[none]) @ own[j] / own[j, j]
+                    part[:, j] = _beyond(centre, 1 / np.sqrt(own[j, j]), limit, sign, rng)
+            new[none] = part
+        out[at] = new
+
+
+def _beyond(middle, sd, limit, sign, rng):
+    """Normal numbers about `middle`, shape (n,), of standard deviation `sd`, that lie beyond the limit."""
+    a = sign * (limit - middle) / sd
+    tail = ndtr(-a)
+    z = np.where(tail > 1e-12, -ndtri(np.maximum(rng.random(len(middle)) * tail, 1e-300)), a)
+    return np.where(z < a, limit, middle + sign * sd * z)
+
+
+def _own(draw, smooth, size, at):
+    """What each drawn sample adds to the forecast from its neighbours."""
+    full = np.zeros(size)
+    full[:len(draw)] = draw
+    inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)
+    return irfft(rfft(full) * inverse, size)[at] / np.mean(inverse)
