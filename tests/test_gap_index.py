@@ -20,6 +20,21 @@ def test_index_of_a_right_model_is_one_on_average_and_scatters_little():
     assert np.mean(values > 1.2) <= 0.02
 
 
+def test_statistics_that_move_together_count_as_one():
+    rng = np.random.default_rng(7)
+
+    def row(shared):
+        return {"psd": shared + 0.05 * rng.standard_normal(80), "lines": rng.standard_normal(40)}
+    rows = [row(rng.standard_normal()) for _ in range(100)]
+    weight = ensemble._weights(np.array([np.concatenate(list(r.values())) for r in rows]))
+    # 80 copies weigh what one of forty others does, which chance correlations of one in a hundred take little from
+    assert weight[:80].sum() == pytest.approx(1.0, rel=0.1) and weight[80:].mean() == pytest.approx(1.0, rel=0.1)
+    values = [ensemble.index(row(rng.standard_normal()), rows).value for _ in range(200)]
+    # forty-one independent squares: 1 / sqrt(82); with equal weights it were that of a single one, 0.4
+    assert np.std(values) < 0.15 and np.mean(values) == pytest.approx(1.0, abs=0.05)
+    assert ensemble.index({"psd": np.full(80, 9.0), "lines": rng.standard_normal(40)}, rows).domains["psd"] > 5
+
+
 @pytest.mark.parametrize(("stage", "offset"), [(Resolution(lsb=2.5), 0.27 * 2.5), (Resolution(lsb=2.5), -0.3 * 2.5), (Saturation(limit=0.8), 0.4)])
 def test_level_behind_electronics_that_move_the_mean(stage, offset):
     """White noise of standard deviation 1; the mean of the output is known to 1 / sqrt(n), the level a little worse."""
