@@ -57,7 +57,7 @@ def exceedances(y, s):
     def loss(log_scale):
         wide = np.sqrt(1 + np.exp(2 * log_scale))
         return k * (np.log(wide) + log_ndtr(-OUTLIER / wide)) + 0.5 * np.sum(far**2) / wide**2
-    scale = float(np.exp(minimize_scalar(loss, (0.0, np.log(4 * far.max())), method="bounded", bounds=(0.0, np.log(4 * far.max()))).x))
+    scale = float(np.exp(minimize_scalar(loss, method="bounded", bounds=(0.0, np.log(4 * far.max()))).x))
     wide = np.sqrt(1 + scale**2)
     p = min(k / n / (2 * ndtr(-OUTLIER / wide)), 0.2)
     gain = np.sum(np.logaddexp(np.log1p(-p), np.log(p) - np.log(wide) + 0.5 * (far * scale / wide) ** 2))
