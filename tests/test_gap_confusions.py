@@ -112,6 +112,17 @@ def test_noise_in_common_is_found_on_either_side_of_the_filters(filtered):
     assert once_more.steps == [] and once_more.record_unexplained is None
 
 
+def test_noise_in_common_before_filters_of_different_kinds():
+    """Each turns its phase by another amount; every channel was given a larger N, with full confidence."""
+    filters = {"gyro_x": (LowPass(taps=8, rate=FS),), "gyro_y": (), "gyro_z": (LowPass(order=3, cutoff=25.0, rate=FS),)}
+    base = Model(channels={c: Sum((WhiteNoise(N=1e-4),), f) for c, f in filters.items()}, rate=FS)
+    truth = Model(channels=base.channels, record=(CommonMode(N=5e-5, channels=tuple(filters), filtered=1),), rate=FS)
+    found = close(truth.simulate_record(N, FS, np.random.default_rng(14)), base, simulations=0, jobs=1)
+    (where, step), = found.steps
+    assert (where, step.effect, step.parameters.get("filtered"), step.parameters["channels"]) == ("record", "common_mode", 1, list(filters))
+    assert abs(step.parameters["N"] / 5e-5 - 1) < 0.05 and found.record_unexplained is None
+
+
 def test_noise_in_common_of_channels_that_a_model_lacks_is_drawn_for_none():
     model = Model(channels={"accel_x": Sum((WHITE,))}, record=(CommonMode(N=1.0, channels=("gyro_x", "gyro_y")),), rate=FS)
     assert set(model.simulate(10, FS, np.random.default_rng(13))) == {"accel_x"}

@@ -98,7 +98,10 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
     for process in held:
         matrix = _without(matrix, 2 * process.N**2, [c in process.channels for c in names], np.sqrt(passed) if process.filtered else None)
     level = np.einsum("bii->bi", matrix).real
-    coherence = (matrix / np.sqrt(level[:, :, None] * level[:, None, :])).real
+    norm = np.sqrt(level[:, :, None] * level[:, None, :])
+    # before the filters, where each turns the phase by its own amount
+    turn = np.exp(1j * np.column_stack([_phase(bases.get(name) if bases else None, f, fs) for name in names]))
+    straight = matrix * turn[:, :, None].conj() * turn[:, None, :]
     best = None
     total = count.sum()
     weight = count / total
@@ -111,7 +114,7 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         if bases and name in bases and bases[name].low_pass is not None:
             before[:, i] = level[:, i] / passed[:, i]
 
-    def gain(members, density, level=level):
+    def gain(members, density, level=level, matrix=matrix):
         """Log-likelihood gained by a density in common, each band with its own levels."""
         share = np.minimum(density / level[:, members], 0.999)
         model = np.sqrt(share[:, :, None] * share[:, None, :])
@@ -119,29 +122,30 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         sign, logdet = np.linalg.slogdet(model)
         if np.any(sign <= 0):
             return -np.inf
-        r = coherence[np.ix_(range(len(level)), members, members)]
+        r = (matrix / norm).real[np.ix_(range(len(norm)), members, members)]
         return float(-np.sum(count * (logdet + np.einsum("bii->b", np.linalg.solve(model, r)) - len(members))))
     r = mean / np.outer(sd, sd)
-    strength = r * np.sqrt(2 * total)
+    both = np.maximum(r, np.einsum("b,bij->ij", weight, straight).real / np.outer(sd, sd))
+    strength = both * np.sqrt(2 * total)
     linked = [i for i in range(k) if any(strength[i, j] > 3.5 for j in range(k) if j != i)]
     for size in range(2, len(linked) + 1):
         for members in combinations(linked, size):
             members = list(members)
             # beyond all of the noise of a member there is nothing to share
-            for levels, handicap, part in ((level, 0.0, mean), (before, FILTERED, np.mean(matrix[:len(f) // 4], axis=0).real)):
+            for levels, cross, handicap, part in ((level, matrix, 0.0, mean), (before, straight, FILTERED, np.mean(straight[:len(f) // 4], axis=0).real)):
                 guess = np.median([part[i, j] for i, j in combinations(members, 2)])
                 if guess <= 0:
                     continue
-                loss = partial(_loss, partial(gain, level=levels), members)
+                loss = partial(_loss, partial(gain, level=levels, matrix=cross), members)
                 fit = minimize_scalar(loss, bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
                 if best is None or -fit.fun - handicap > best[0]:
-                    best = (-fit.fun - handicap, members, float(np.exp(fit.x)), levels)
+                    best = (-fit.fun - handicap, members, float(np.exp(fit.x)), levels, cross)
     found, note = None, {}
     rest = matrix
     if best is not None and best[0] > COMMON_GAIN:
-        value, members, density, levels = best
+        value, members, density, levels, cross = best
         h = 1e-2
-        curve = -sum(c * gain(members, density * np.exp(d), levels) for c, d in ((1, h), (-2, 0.0), (1, -h))) / h**2
+        curve = -sum(c * gain(members, density * np.exp(d), levels, cross) for c, d in ((1, h), (-2, 0.0), (1, -h))) / h**2
         spread = 0.5 / np.sqrt(max(curve, 1e-9))
         if levels is level:
             density, spread = _with_levels(density, spread, [names[i] for i in members], matrix[:, members][:, :, members], count, f, fs, bases or {})
@@ -158,6 +162,12 @@ def _passed(base, f, fs):
     """Share of white noise that the low-pass filter of a channel's model lets through, shape of `f`."""
     low_pass = None if base is None else base.low_pass
     return np.ones(len(f)) if low_pass is None else Sum((WhiteNoise(N=np.sqrt(0.5)),), (low_pass,)).psd(f, fs)
+
+
+def _phase(base, f, fs):
+    """Phase by which the low-pass filter of a channel's model turns what passes it, shape of `f`, rad."""
+    low_pass = None if base is None else base.low_pass
+    return np.zeros(len(f)) if low_pass is None else low_pass.phase(f, fs)
 
 
 def _without(matrix, density, member, fall=None):

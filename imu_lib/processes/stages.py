@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.signal import butter, lfilter, sosfilt
+from scipy.signal import butter, lfilter, sosfilt, sosfreqz
 
 from imu_lib.errors import InputError
 
@@ -117,6 +117,17 @@ class LowPass(Stage):
         # a Butterworth filter through the bilinear transform, its cutoff kept
         with np.errstate(over="ignore"):
             return 1.0 / (1.0 + (np.tan(np.pi * f / rate) / np.tan(np.pi * self.cutoff / rate)) ** (2 * self.order))
+
+    def phase(self, f, fs: float) -> np.ndarray:
+        """Phase of the response, rad, at frequencies `f` Hz up to half the filter's rate, same shape; negative where it lags."""
+        rate = fs if self.rate is None else self.rate
+        turn = 2 * np.pi * np.asarray(f, dtype=float) / rate
+        if self.taps is not None:
+            side_lobe = np.sin(0.5 * self.taps * turn) * np.sin(0.5 * turn) < 0
+            return -0.5 * (self.taps - 1) * turn + np.pi * side_lobe
+        if self.smoothing:
+            return -np.angle(1.0 - self._memory(rate) * np.exp(-1j * turn))
+        return np.angle(sosfreqz(self._sos(rate), worN=turn)[1])
 
     def _check(self, rate):
         if not 0.0 < self.cutoff < rate / 2.0:
