@@ -27,7 +27,7 @@ def deconvolved(y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, roun
     response = response / response[0]
     both = np.concatenate([response[:0:-1], response])
     # in a stop band that the spectrum's floor hides the surprises are smaller than they were thought
-    least = least * min(1.0, 1.4826 * float(np.median(np.abs(y[::7]))))
+    least = least * min(1.0, loudest(y))
     padded, rest, at = np.pad(y, reach), np.array(y, float), np.zeros(0, int)
     heights, near = np.zeros(0), np.zeros(0, int)
     for _ in range(rounds):
@@ -50,6 +50,11 @@ def deconvolved(y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, roun
     instead = np.zeros(len(y), bool)
     instead[near] = True
     return rest, instead
+
+
+def loudest(y, parts: int = 16) -> float:
+    """Standard deviation of the surprises, without their outliers, in the part of the record where it is largest."""
+    return max(1.4826 * float(np.median(np.abs(part[::5]))) for part in np.array_split(y, parts))
 
 
 def _settled(y, at, new, near, response, least):

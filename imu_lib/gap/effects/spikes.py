@@ -8,6 +8,7 @@ from scipy.stats import chi2, kstest
 
 from imu_lib.processes import Spikes as Stage
 
+from ..outliers import loudest
 from .base import Effect, Finding
 
 #: From here on a surprise is looked at as a spike of its own, standard deviations.
@@ -86,8 +87,10 @@ class Spikes(Effect):
         """`y` are the surprises of the samples, in standard deviations."""
         if np.abs(y).max() < OUTLIER:
             return None
-        traces = smooth.traces > TRACES
-        gain, p, scale, s = exceedances(y, 1.4826 * np.median(np.abs(y[::7]))) if traces else mixture(y)
+        gain, p, scale, s = mixture(y)
+        traces = smooth.traces > TRACES and gain > 14 and scale > 2.5
+        if traces:
+            gain, p, scale, s = exceedances(y, loudest(y))
         hit = np.flatnonzero(np.abs(y) > OUTLIER * s)
         if gain < 14 or len(hit) < 2 or scale < 2.5:      # a broader shoulder is another distribution, not spikes
             return None
