@@ -16,15 +16,19 @@ DOMAINS = ("psd", "lines", "allan", "autocorrelation", "distribution", "mean", "
 BANDS = 64
 
 
+def edges(n: int) -> np.ndarray:
+    """Edges of the bands of the spectrum of `n` samples, in ordinates: logarithmic up to the width of `BANDS` equal ones."""
+    last = n // 2 - 1
+    steps = np.geomspace(3, last, 33)
+    equal = np.linspace(0, last, BANDS + 1)
+    narrow = steps[:-1][np.diff(steps) < equal[1]]
+    return np.unique(np.round(np.concatenate([narrow, equal[equal > narrow[-1] + 0.5 * equal[1]]])).astype(int))
+
+
 @lru_cache(maxsize=4)
 def _window(n: int):
-    """Hann taper of mean square 1, and edges of the bands of its ordinates: logarithmic up to the width of `BANDS` equal ones."""
-    taper = (np.hanning(n) * np.sqrt(8 / 3)).astype(np.float32)
-    last = n // 2 - 1
-    edges = np.geomspace(3, last, 33)
-    equal = np.linspace(0, last, BANDS + 1)
-    narrow = edges[:-1][np.diff(edges) < equal[1]]
-    return taper, np.unique(np.round(np.concatenate([narrow, equal[equal > narrow[-1] + 0.5 * equal[1]]])).astype(int))
+    """Hann taper of mean square 1, and the edges of the bands."""
+    return (np.hanning(n) * np.sqrt(8 / 3)).astype(np.float32), edges(n)
 
 
 @njit(cache=True, nogil=True)
@@ -103,13 +107,13 @@ def battery(x, fs: float, temperature=None) -> dict:
     x = x - x.mean()
     out = {}
     y = x.astype(np.float32)
-    taper, edges = _window(n)
+    taper, edge = _window(n)
     z = rfft(y * taper)
     p = z.real**2 + z.imag**2
-    mean = np.add.reduceat(p[:edges[-1]], edges[:-1]) / np.diff(edges)
+    mean = np.add.reduceat(p[:edge[-1]], edge[:-1]) / np.diff(edge)
     out["psd"] = np.log(mean + 1e-30 * mean.max())
-    size = np.diff(edges)
-    peak = np.maximum.reduceat(p[:edges[-1]], edges[:-1])
+    size = np.diff(edge)
+    peak = np.maximum.reduceat(p[:edge[-1]], edge[:-1])
     wide = size > 40
     out["lines"] = np.log(peak[wide] / mean[wide]) if wide.any() else np.zeros(0)
     # Allan variances of block sums, from the cumulative sum

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from imu_lib.gap.battery import edges
 from imu_lib.plots import style
 
 LABELS = {"psd": ("frequency, Hz", "power spectral density, dB"), "allan": ("averaging time, s", "Allan deviation, dB")}
@@ -12,8 +13,8 @@ NAMES = {"psd": "spectrum", "lines": "lines", "allan": "Allan deviation", "autoc
 def _abscissa(domain, count, rate, n):
     if domain == "allan":
         return 3.0 ** np.arange(count) / rate
-    edges = np.unique(np.round(np.geomspace(3, n // 2 - 1, 33)).astype(int))
-    return np.sqrt(edges[:-1] * edges[1:])[:count] * rate / n
+    edge = edges(n)
+    return np.sqrt(edge[:-1] * edge[1:])[:count] * rate / n
 
 
 @style.styled
