@@ -5,7 +5,7 @@ import numpy as np
 from imu_lib.gap.battery import edges
 from imu_lib.plots import style
 
-LABELS = {"psd": ("frequency, Hz", "power spectral density, dB"), "allan": ("averaging time, s", "Allan deviation, dB")}
+LABELS = {"psd": ("frequency, Hz", "PSD, dB"), "allan": ("averaging time, s", "Allan deviation, dB")}
 NAMES = {"psd": "spectrum", "lines": "lines", "allan": "Allan deviation", "autocorrelation": "autocorrelation", "distribution": "distribution",
          "mean": "mean", "variance": "variance", "temperature": "temperature"}
 
@@ -24,7 +24,7 @@ def band(report, *, domain="psd", rate, n, ax=None):
     `report` is the channel's report of `gap.close`; `domain` is "psd" or "allan"; `n` samples at `rate` Hz.
     """
     x, y = LABELS[domain]
-    ax = style.axes(ax, x=x, y=y + " from the final model", size=(6.4, 3.4))
+    ax = style.axes(ax, x=x, y=y + " from the final model", size=(6.4, 3.6))
     measured = np.asarray(report.batteries["measured"][domain])
     after = np.array([b[domain] for b in report.batteries["after"]])
     before = np.array([b[domain] for b in report.batteries["before"]])
@@ -34,6 +34,7 @@ def band(report, *, domain="psd", rate, n, ax=None):
     for rows, colour, label in ((before, style.BEFORE, "simulations before"), (after, style.AFTER, "simulations after")):
         low, high = np.quantile(rows, [0.025, 0.975], axis=0)
         ax.fill_between(t, scale * (low - middle), scale * (high - middle), color=colour, alpha=0.3, lw=0, label=label)
+        ax.plot(t, scale * (np.median(rows, axis=0) - middle), color=colour, lw=1.0)       # a band may be too narrow to be seen
     ax.plot(t, scale * (measured - middle), color=style.BLACK, marker=".", label="measurement")
     ax.set_xscale("log")
     ax.legend(loc="best")
