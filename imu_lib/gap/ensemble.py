@@ -95,10 +95,14 @@ def behind(unit, low_pass, n: int, fs: float, rng) -> np.ndarray:
     return irfft(z, size)[:n]
 
 
+def _moving(model: Sum) -> Sum:
+    """The drifts of a model but for its constant."""
+    return Sum(tuple(p for p in model.drifts.terms if p.name != "constant"))
+
+
 def centred(model: Sum, level: float, t, temperature) -> Sum:
     """The model with the constant that gives its simulations the record's mean before the electronics."""
-    drifts = Sum(tuple(p for p in model.drifts.terms if p.name != "constant"))
-    offset = level - float(np.mean(drifts.mean(t, temperature)))
+    offset = level - float(np.mean(_moving(model).mean(t, temperature)))
     return Sum(tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),), model.stages)
 
 
@@ -108,11 +112,11 @@ def behind_mean(model: Sum, mean: float, n: int, fs: float, temperature=None, sh
     if not chain:
         return mean
     f = np.geomspace(fs / n, fs / 2, 4001)
-    power = Sum(tuple(t for t in model.terms if not t.deterministic), tuple(s for s in model.stages if s is model.low_pass)).psd(f, fs)
+    power = Sum(model.noise.terms, tuple(s for s in model.stages if s is model.low_pass)).psd(f, fs)
     sd = np.sqrt(np.trapezoid(power, f) + shared**2 * fs)
-    t = np.linspace(0, n - 1, 50).astype(int)
-    drift = Sum(tuple(p for p in model.drifts.terms if p.name != "constant")).mean(t / fs, None if temperature is None else temperature[t])
-    change = model.find("noise_level_change")
+    moving, change = _moving(model), model.find("noise_level_change")
+    t = np.linspace(0, n - 1, 50 if moving.terms or change else 1).astype(int)     # one instant where nothing moves
+    drift = moving.mean(t / fs, None if temperature is None else temperature[t])
     sd = sd * (np.ones(len(t)) if change is None else change.factor(n, fs)[t])
     u = np.linspace(-6, 6, 6001)
     weight = np.exp(-0.5 * u * u) / np.sum(np.exp(-0.5 * u * u))

@@ -54,7 +54,7 @@ def between(base, findings, state):
         few = findings[:k]
         items = list(state.items[:max(0, k - len(findings))])
         part = state.with_items(items)
-        held = len(state.fit.terms) - len([i for i in state.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"])
+        held = len(state.fit.terms) - len(state.noise_items)
         noise = [t for t in base.terms if not t.deterministic]
         out.append(grown(base, part, few, len(noise), held - len(noise)))
     return out

@@ -10,6 +10,8 @@ from imu_lib.gap.innovations import Smooth, padded_size
 
 #: Samples that one which is thrown off makes surprising from which on clipped ones are drawn together, and how often.
 COUPLED, SWEEPS = 1.5, 24
+#: Samples of the longest run that is.
+LONGEST = 40
 
 
 def first_fill(x, bad) -> np.ndarray:
@@ -61,12 +63,10 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
     residual[wrong] = 0.0
 
     def apply(v):
-        full = np.zeros(size)
+        full = np.zeros(len(x))
         full[wrong] = v
-        return irfft(rfft(full) * inverse, size)[wrong]
-    full = np.zeros(size)
-    full[:len(x)] = residual
-    b = -irfft(rfft(full) * inverse, size)[wrong]
+        return _pull(full, inverse)[wrong]
+    b = -_pull(residual, inverse)[wrong]
     # gradients find the mean of a long gap last: start from the level around it
     v = _level(residual, bad)[wrong]
     r = b - apply(v)
@@ -89,9 +89,11 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
     if not short.any():
         return out
     if smooth.traces > COUPLED:
+        precision = irfft(inverse, size)[:LONGEST]
+        runs = [_runs(side[0]) for side, _ in sides]
         for k in range(SWEEPS):
-            for side, sign in sides:
-                _redraw(out, base, inverse, *side, sign, k % 2, rng)
+            for (side, sign), (first, length) in zip(sides, runs):
+                _redraw(out, _pull(out - base, inverse), precision, first[k % 2::2], length[k % 2::2], side[1], sign, rng)
         return out
     sd = np.sqrt(smooth.conditional_variance)
     for side, sign in sides:
@@ -102,18 +104,25 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
     return out
 
 
-def _redraw(out, base, inverse, mask, limit, sign, odd, rng, *, draws: int = 64, longest: int = 40):
-    """Every second run of clipped samples drawn together, in place, given all samples outside of it and that it lies beyond the limit."""
-    n = len(out)
-    full = np.zeros(2 * (len(inverse) - 1))
-    full[:n] = out - base
-    pull = irfft(rfft(full) * inverse, len(full))[:n]
-    precision = irfft(inverse, len(full))[:longest]
+def _pull(x, inverse):
+    """A series times the inverse covariance of noise whose inverse spectrum is given at the ordinates of a longer transform, shape of `x`."""
+    return irfft(rfft(x, 2 * (len(inverse) - 1)) * inverse)[:len(x)]
+
+
+def _runs(mask):
+    """First samples and lengths of the runs in a mask."""
     edge = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    first, length = edge[::2][odd::2], np.diff(edge)[::2][odd::2]
+    return edge[::2], np.diff(edge)[::2]
+
+
+def _redraw(out, pull, precision, first, length, limit, sign, rng, *, draws: int = 64):
+    """Runs of clipped samples drawn together, in place, given all samples outside of each and that it lies beyond the limit.
+
+    `pull` is what the inverse covariance, of which `precision` is the first row, makes of `out`.
+    """
     for size in np.unique(length):
         at = first[length == size][:, None] + np.arange(size)
-        if size > longest:                                 # a level of its own
+        if size > len(precision):                          # a level of its own
             out[at] = np.where(sign * (out[at] - limit) < 0, limit, out[at])
             continue
         own = precision[np.abs(np.subtract.outer(np.arange(size), np.arange(size)))]
@@ -144,7 +153,5 @@ def _beyond(middle, sd, limit, sign, rng):
 
 def _own(draw, smooth, size, at):
     """What each drawn sample adds to the forecast from its neighbours."""
-    full = np.zeros(size)
-    full[:len(draw)] = draw
     inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)
-    return irfft(rfft(full) * inverse, size)[at] / np.mean(inverse)
+    return _pull(draw, inverse)[at] / np.mean(inverse)

@@ -94,13 +94,14 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         return None, {}, None
     names, matrix, count, f = cross_spectra(channels, fs)
     k = len(names)
-    passed = np.column_stack([_passed(bases.get(name) if bases else None, f, fs) for name in names])
+    filters = [bases[name].low_pass if bases and name in bases else None for name in names]
+    passed = np.column_stack([_passed(low_pass, f, fs) for low_pass in filters])
     for process in held:
         matrix = _without(matrix, 2 * process.N**2, [c in process.channels for c in names], np.sqrt(passed) if process.filtered else None)
     level = np.einsum("bii->bi", matrix).real
     norm = np.sqrt(level[:, :, None] * level[:, None, :])
     # before the filters, where each turns the phase by its own amount
-    turn = np.exp(1j * np.column_stack([_phase(bases.get(name) if bases else None, f, fs) for name in names]))
+    turn = np.exp(1j * np.column_stack([np.zeros(len(f)) if low_pass is None else low_pass.phase(f, fs) for low_pass in filters]))
     straight = matrix * turn[:, :, None].conj() * turn[:, None, :]
     best = None
     total = count.sum()
@@ -110,11 +111,13 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
 
     # noise that enters before the channels' filters keeps its share of their noise where they fall off
     before = np.array(np.broadcast_to(np.median(level[:len(f) // 4], axis=0), level.shape))
-    for i, name in enumerate(names):
-        if bases and name in bases and bases[name].low_pass is not None:
+    for i, low_pass in enumerate(filters):
+        if low_pass is not None:
             before[:, i] = level[:, i] / passed[:, i]
 
-    def gain(members, density, level=level, matrix=matrix):
+    behind_them, before_them = (level, (matrix / norm).real), (before, (straight / norm).real)
+
+    def gain(members, density, level, coherence):
         """Log-likelihood gained by a density in common, each band with its own levels."""
         share = np.minimum(density / level[:, members], 0.999)
         model = np.sqrt(share[:, :, None] * share[:, None, :])
@@ -122,7 +125,7 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         sign, logdet = np.linalg.slogdet(model)
         if np.any(sign <= 0):
             return -np.inf
-        r = (matrix / norm).real[np.ix_(range(len(norm)), members, members)]
+        r = coherence[np.ix_(range(len(level)), members, members)]
         return float(-np.sum(count * (logdet + np.einsum("bii->b", np.linalg.solve(model, r)) - len(members))))
     r = mean / np.outer(sd, sd)
     both = np.maximum(r, np.einsum("b,bij->ij", weight, straight).real / np.outer(sd, sd))
@@ -132,42 +135,35 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         for members in combinations(linked, size):
             members = list(members)
             # beyond all of the noise of a member there is nothing to share
-            for levels, cross, handicap, part in ((level, matrix, 0.0, mean), (before, straight, FILTERED, np.mean(straight[:len(f) // 4], axis=0).real)):
+            for place, handicap, part in ((behind_them, 0.0, mean), (before_them, FILTERED, np.mean(straight[:len(f) // 4], axis=0).real)):
                 guess = np.median([part[i, j] for i, j in combinations(members, 2)])
                 if guess <= 0:
                     continue
-                loss = partial(_loss, partial(gain, level=levels, matrix=cross), members)
+                loss = partial(_loss, partial(gain, level=place[0], coherence=place[1]), members)
                 fit = minimize_scalar(loss, bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
                 if best is None or -fit.fun - handicap > best[0]:
-                    best = (-fit.fun - handicap, members, float(np.exp(fit.x)), levels, cross)
+                    best = (-fit.fun - handicap, members, float(np.exp(fit.x)), place)
     found, note = None, {}
     rest = matrix
     if best is not None and best[0] > COMMON_GAIN:
-        value, members, density, levels, cross = best
+        value, members, density, place = best
         h = 1e-2
-        curve = -sum(c * gain(members, density * np.exp(d), levels, cross) for c, d in ((1, h), (-2, 0.0), (1, -h))) / h**2
+        curve = -sum(c * gain(members, density * np.exp(d), *place) for c, d in ((1, h), (-2, 0.0), (1, -h))) / h**2
         spread = 0.5 / np.sqrt(max(curve, 1e-9))
-        if levels is level:
+        if place is behind_them:
             density, spread = _with_levels(density, spread, [names[i] for i in members], matrix[:, members][:, :, members], count, f, fs, bases or {})
         N = np.sqrt(density / 2)
-        found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members), filtered=None if levels is level else 1)
+        found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members), filtered=None if place is behind_them else 1)
         note = {"gain": value, "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
                 "coherence": float(np.mean([r[i, j] ** 2 for i, j in combinations(members, 2)])), "z_before": _size(matrix, count)}
-        rest = _without(matrix, density, [i in members for i in range(k)], None if levels is level else np.sqrt(level / levels))
+        rest = _without(matrix, density, [i in members for i in range(k)], None if place is behind_them else np.sqrt(level / before))
         note["z_after"] = _size(rest, count)
     return found, note, _left(names, rest, matrix, count, f)
 
 
-def _passed(base, f, fs):
-    """Share of white noise that the low-pass filter of a channel's model lets through, shape of `f`."""
-    low_pass = None if base is None else base.low_pass
+def _passed(low_pass, f, fs):
+    """Share of white noise that the low-pass filter of a channel lets through, shape of `f`."""
     return np.ones(len(f)) if low_pass is None else Sum((WhiteNoise(N=np.sqrt(0.5)),), (low_pass,)).psd(f, fs)
-
-
-def _phase(base, f, fs):
-    """Phase by which the low-pass filter of a channel's model turns what passes it, shape of `f`, rad."""
-    low_pass = None if base is None else base.low_pass
-    return np.zeros(len(f)) if low_pass is None else low_pass.phase(f, fs)
 
 
 def _without(matrix, density, member, fall=None):

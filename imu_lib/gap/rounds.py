@@ -217,7 +217,7 @@ def explains_as_telegraph(state: State, item: Item) -> bool:
     """Whether a telegraph of the same spectrum would look the same, its dwells being lost in the noise."""
     if item.name != "gauss_markov":
         return False
-    at = len(state.base) + [i for i in state.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"].index(item)
+    at = len(state.base) + state.noise_items.index(item)
     process, others = state.fit.terms[at], [t for k, t in enumerate(state.fit.terms) if k != at]
     noise = sum(float(t.psd(np.array([0.5 / (np.pi * process.correlation_time)]), state.data.fs)[0]) for t in others) / 2
     # beside a drift the likelihood of two levels is a lower bound, short by some tens

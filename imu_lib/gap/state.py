@@ -88,6 +88,11 @@ class State:
         return terms, tuple(slots[k] for k in slots), low_pass, matrix, columns
 
     @property
+    def noise_items(self) -> list:
+        """The items that add a noise to the base, in the order of the terms behind it."""
+        return [i for i in self.items if i.slot is not None and i.base_index is None and i.column is None and i.name != "low_pass"]
+
+    @property
     def cleaned(self) -> Data:
         """The record without the signals that were taken out (telegraphs)."""
         data = self.data

@@ -6,9 +6,9 @@ from scipy.optimize import minimize, minimize_scalar
 from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, kstest
 
+from imu_lib.gap.outliers import loudest
 from imu_lib.processes import Spikes as Stage
 
-from ..outliers import loudest
 from .base import Effect, Finding
 
 #: From here on a surprise is looked at as a spike of its own, standard deviations.
