@@ -1,4 +1,6 @@
-"""What all tests share: one thread per worker, figures without a screen, the folder of real records, nbval with history."""
+"""What all tests share: one thread per worker, figures without a screen, the folder of real
+records, nbval with history.
+"""
 
 import os
 
@@ -17,8 +19,12 @@ ROOT = Path(__file__).resolve().parent
 
 
 def _execute_cell_input(self, cell_input, allow_stdin=None):
-    """nbval executes cells without history; IPython looks there for the semicolon that keeps axes from being printed."""
-    return self.kc.execute(cell_input, store_history=True, allow_stdin=allow_stdin, stop_on_error=False)
+    """nbval executes cells without history; IPython looks there for the semicolon that keeps axes
+    from being printed.
+    """
+    return self.kc.execute(
+        cell_input, store_history=True, allow_stdin=allow_stdin, stop_on_error=False
+    )
 
 
 RunningKernel.execute_cell_input = _execute_cell_input
@@ -32,7 +38,9 @@ def root():
 
 @pytest.fixture(scope="session")
 def data_dir():
-    """The folder of real records, `IMU_LIB_DATA`; tests that need it are skipped where it is not there."""
+    """The folder of real records, `IMU_LIB_DATA`; tests that need it are skipped where it is not
+    there.
+    """
     value = os.environ.get("IMU_LIB_DATA", "")
     if not value:
         pytest.skip("real records are not at hand: IMU_LIB_DATA is not set")

@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""One door to everything: `python3 make.py TASK`, on Linux, macOS and Windows, Python 3.11 or later.
+"""One door to everything: `python3 make.py TASK`, on Linux, macOS and Windows, Python 3.11 or
+later.
 
-Standard library only. Each task first makes sure that `.venv` holds what environment.txt lists and the
-project itself (editable, with its command `imu-lib`); that takes a minute or two once and nothing afterwards.
+Standard library only. Each task first makes sure that `.venv` holds what environment.txt lists and
+the
+project itself (editable, with its command `imu-lib`); that takes a minute or two once and nothing
+afterwards.
 
   book                    execute the chapters on the embedded data, then build book/_build/html
   test [PYTEST ARGS]      all tests and the notebooks' stored outputs; with arguments, just what they name
   refresh [NOTEBOOKS]     re-execute chapters (default: all) and store their outputs
   bench [NAMES]           run benchmarks/NAME.py (default: all) and store their tables
   pdf                     the whole book as one PDF (needs Chromium or Chrome)
-  lint                    ruff over the code
+  lint                    ruff over the code: rules and format
 """
 
 import contextlib
@@ -33,20 +36,28 @@ class Stop(Exception):
 
 def main(arguments):
     if sys.version_info < (3, 11):
-        raise Stop("make.py needs Python 3.11 or later, this is {}.{}: start it with a newer one, for instance "
-                   "`python3.12 make.py book`.".format(*sys.version_info[:2]))
+        raise Stop(
+            "make.py needs Python 3.11 or later, this is {}.{}: start it with a newer one, for instance "
+            "`python3.12 make.py book`.".format(*sys.version_info[:2])
+        )
     task = arguments[0] if arguments else ""
     if task in ("-h", "--help", "help"):
         print(__doc__)
         return 0
     if task not in TASKS:
-        raise Stop(("there is no task `{}`: ".format(task) if task else "a task is needed: ")
-                   + "choose one of " + ", ".join(TASKS) + ".")
+        raise Stop(
+            ("there is no task `{}`: ".format(task) if task else "a task is needed: ")
+            + "choose one of "
+            + ", ".join(TASKS)
+            + "."
+        )
     set_up()
     return TASKS[task](arguments[1:])
 
 
-# ---- tasks -------------------------------------------------------------------------------------------------
+# ---- tasks
+# -------------------------------------------------------------------------------------------------
+
 
 def book(arguments):
     return run(PYTHON, "-m", "imu_lib.book", "build", *arguments)
@@ -55,13 +66,32 @@ def book(arguments):
 def test(arguments):
     if arguments:
         return run(PYTHON, "-m", "pytest", *arguments)
-    listing = subprocess.run([str(PYTHON), "-m", "imu_lib.book", "executable"], cwd=ROOT, env=environment(),
-                             stdout=subprocess.PIPE, text=True)
+    listing = subprocess.run(
+        [str(PYTHON), "-m", "imu_lib.book", "executable"],
+        cwd=ROOT,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     if listing.returncode != 0:  # the package does not even import: its message stands above
         return listing.returncode
     notebooks = listing.stdout.split("\n")
-    return run(PYTHON, "-m", "pytest", "tests", *filter(None, notebooks), "-n", "2", "--dist", "loadfile",
-               "--nbval", "--nbval-current-env", "--nbval-cell-timeout", "300", "-q")
+    return run(
+        PYTHON,
+        "-m",
+        "pytest",
+        "tests",
+        *filter(None, notebooks),
+        "-n",
+        "2",
+        "--dist",
+        "loadfile",
+        "--nbval",
+        "--nbval-current-env",
+        "--nbval-cell-timeout",
+        "300",
+        "-q",
+    )
 
 
 def refresh(arguments):
@@ -69,10 +99,16 @@ def refresh(arguments):
 
 
 def bench(arguments):
-    scripts = {path.stem: path for path in sorted((ROOT / "benchmarks").glob("*.py")) if path.stem[0] != "_"}
+    scripts = {
+        path.stem: path
+        for path in sorted((ROOT / "benchmarks").glob("*.py"))
+        if path.stem[0] != "_"
+    }
     unknown = [name for name in arguments if name not in scripts]
     if unknown:
-        raise Stop("there is no benchmark `{}`: choose from {}.".format(unknown[0], ", ".join(scripts)))
+        raise Stop(
+            "there is no benchmark `{}`: choose from {}.".format(unknown[0], ", ".join(scripts))
+        )
     return max((run(PYTHON, scripts[name]) for name in arguments or scripts), default=0)
 
 
@@ -81,18 +117,24 @@ def pdf(arguments):
 
 
 def lint(arguments):
-    return run(PYTHON, "-m", "ruff", "check", *(arguments or ["."]))
+    files = arguments or ["."]
+    return run(PYTHON, "-m", "ruff", "check", *files) or run(
+        PYTHON, "-m", "ruff", "format", "--check", *files
+    )
 
 
 TASKS = {"book": book, "test": test, "refresh": refresh, "bench": bench, "pdf": pdf, "lint": lint}
 
 
-# ---- set-up ------------------------------------------------------------------------------------------------
+# ---- set-up
+# ------------------------------------------------------------------------------------------------
+
 
 def set_up():
     """Make `.venv` what environment.txt says; at once when it already is.
 
-    The stamp is written last: without one the environment is made afresh, so an interrupted set-up does no harm.
+    The stamp is written last: without one the environment is made afresh, so an interrupted set-up
+    does no harm.
     With the stamp of an earlier environment.txt, what changed is installed on top.
     """
     if is_ready():
@@ -104,10 +146,14 @@ def set_up():
         if STAMP.exists() and works():
             done = install(uv=has_uv())
         else:
-            done = (has_uv() and create(uv=True) and install(uv=True)) or (create(uv=False) and install(uv=False))
+            done = (has_uv() and create(uv=True) and install(uv=True)) or (
+                create(uv=False) and install(uv=False)
+            )
         if not done:
-            raise Stop("the packages of environment.txt could not be installed (the messages above say why): check "
-                       "the network connection and run the same command again; deleting .venv starts afresh.")
+            raise Stop(
+                "the packages of environment.txt could not be installed (the messages above say why): check "
+                "the network connection and run the same command again; deleting .venv starts afresh."
+            )
         STAMP.write_text(fingerprint(), encoding="utf-8")
         say("set-up done")
 
@@ -118,8 +164,12 @@ def is_ready():
 
 def fingerprint():
     digest = hashlib.sha256()
-    for part in ((ROOT / "environment.txt").read_bytes(), (ROOT / "pyproject.toml").read_bytes(),
-                 str(ROOT).encode(), sys.version.encode()):
+    for part in (
+        (ROOT / "environment.txt").read_bytes(),
+        (ROOT / "pyproject.toml").read_bytes(),
+        str(ROOT).encode(),
+        sys.version.encode(),
+    ):
         digest.update(hashlib.sha256(part).digest())
     return digest.hexdigest()
 
@@ -140,8 +190,10 @@ def create(uv):
     if uv:
         return run("uv", "venv", "--quiet", "--no-project", "--python", sys.executable, VENV) == 0
     if run(sys.executable, "-m", "venv", VENV) != 0:
-        raise Stop("Python could not make a virtual environment: on Debian and Ubuntu "
-                   "`sudo apt install python3-venv` adds what it lacks.")
+        raise Stop(
+            "Python could not make a virtual environment: on Debian and Ubuntu "
+            "`sudo apt install python3-venv` adds what it lacks."
+        )
     return True
 
 
@@ -149,18 +201,32 @@ def install(uv):
     if uv:
         pip = ["uv", "pip", "install", "--quiet", "--python", PYTHON]
     else:
-        pip = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-input"]
-    # --no-build-isolation: the build back end is in environment.txt, nothing is fetched a second time
-    return (run(*pip, "-r", ROOT / "environment.txt") == 0
-            and run(*pip, "--no-deps", "--no-build-isolation", "-e", ROOT) == 0)
+        pip = [
+            PYTHON,
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+            "--no-input",
+        ]
+    # --no-build-isolation: the build back end is in environment.txt, nothing is fetched a second
+    # time
+    return (
+        run(*pip, "-r", ROOT / "environment.txt") == 0
+        and run(*pip, "--no-deps", "--no-build-isolation", "-e", ROOT) == 0
+    )
 
 
 @contextlib.contextmanager
 def lock():
-    """Two calls at once: the second waits. The system frees the lock when a process ends, however it ends."""
+    """Two calls at once: the second waits. The system frees the lock when a process ends, however
+    it ends.
+    """
     with open(ROOT / ".make.lock", "w", encoding="utf-8") as handle:
         if WINDOWS:
             import msvcrt
+
             while True:
                 try:
                     msvcrt.locking(handle.fileno(), msvcrt.LK_LOCK, 1)
@@ -169,20 +235,39 @@ def lock():
                     continue
         else:
             import fcntl
+
             fcntl.flock(handle, fcntl.LOCK_EX)
         yield
 
 
-# ---- helpers -----------------------------------------------------------------------------------------------
+# ---- helpers
+# -----------------------------------------------------------------------------------------------
+
 
 def environment():
-    """What every child process runs with: one thread per process, the kernel of this environment, UTF-8."""
-    values = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", PYTHONUTF8="1",
-                  JUPYTER_PREFER_ENV_PATH="1", PYDEVD_DISABLE_FILE_VALIDATION="1", VIRTUAL_ENV=str(VENV))
+    """What every child process runs with: one thread per process, the kernel of this environment,
+    UTF-8.
+    """
+    values = dict(
+        os.environ,
+        OMP_NUM_THREADS="1",
+        OPENBLAS_NUM_THREADS="1",
+        MKL_NUM_THREADS="1",
+        PYTHONUTF8="1",
+        JUPYTER_PREFER_ENV_PATH="1",
+        PYDEVD_DISABLE_FILE_VALIDATION="1",
+        VIRTUAL_ENV=str(VENV),
+    )
     values["PATH"] = str(PYTHON.parent) + os.pathsep + values.get("PATH", "")
-    if values.get("IMU_LIB_DATA"):  # chapters run in their own folder: what was meant from here must not change there
+    if values.get(
+        "IMU_LIB_DATA"
+    ):  # chapters run in their own folder: what was meant from here must not change there
         values["IMU_LIB_DATA"] = os.path.abspath(values["IMU_LIB_DATA"])
-    for name in ("MPLBACKEND", "PYTHONHOME", "PYTHONPATH"):  # an outer setting would change figures or imports
+    for name in (
+        "MPLBACKEND",
+        "PYTHONHOME",
+        "PYTHONPATH",
+    ):  # an outer setting would change figures or imports
         values.pop(name, None)
     return values
 

@@ -1,9 +1,12 @@
-"""Overlapped Allan deviation of 2.52 million samples at 100 averaging times: ours and allantools', side by side.
+"""Overlapped Allan deviation of 2.52 million samples at 100 averaging times: ours and allantools',
+side by side.
 
     python benchmarks/allan_speed.py
 
-Both run in this process on the same record and the same averaging times, in turn; the table has the median and the
-fastest of the rounds, the ratio of each pair, the largest relative difference of the results, and the greatest memory
+Both run in this process on the same record and the same averaging times, in turn; the table has
+the median and the
+fastest of the rounds, the ratio of each pair, the largest relative difference of the results, and
+the greatest memory
 that each allocated above its input (tracemalloc, which sees numpy's arrays).
 """
 
@@ -42,7 +45,9 @@ def timed(call):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--hours", type=float, default=7.0)
     options = parser.parse_args(arguments)
@@ -65,16 +70,33 @@ def main(arguments=None):
     pairs = [(timed(ours)[0], timed(theirs)[0]) for _ in range(options.rounds)]
     mine, other = np.array(pairs).T
     result = {
-        "command": "python benchmarks/allan_speed.py", "date": time.strftime("%Y-%m-%d", time.gmtime()),
-        "machine": {"processors": os.cpu_count(), "load_before": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
-                    "system": platform.system(), "python": platform.python_version()},
+        "command": "python benchmarks/allan_speed.py",
+        "date": time.strftime("%Y-%m-%d", time.gmtime()),
+        "machine": {
+            "processors": os.cpu_count(),
+            "load_before": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
+            "system": platform.system(),
+            "python": platform.python_version(),
+        },
         "versions": {name: metadata.version(name) for name in ("numpy", "numba", "allantools")},
-        "samples": n, "averaging_times": int(tau.size),
-        "imu_lib": {"median_s": float(np.median(mine)), "fastest_s": float(mine.min()), "peak_MiB": peak(ours),
-                    "first_call_s": first},
-        "allantools": {"median_s": float(np.median(other)), "fastest_s": float(other.min()), "peak_MiB": peak(theirs)},
-        "ratio": {"median": float(np.median(other / mine)), "lowest": float((other / mine).min()),
-                  "of_fastest": float(other.min() / mine.min())},
+        "samples": n,
+        "averaging_times": int(tau.size),
+        "imu_lib": {
+            "median_s": float(np.median(mine)),
+            "fastest_s": float(mine.min()),
+            "peak_MiB": peak(ours),
+            "first_call_s": first,
+        },
+        "allantools": {
+            "median_s": float(np.median(other)),
+            "fastest_s": float(other.min()),
+            "peak_MiB": peak(theirs),
+        },
+        "ratio": {
+            "median": float(np.median(other / mine)),
+            "lowest": float((other / mine).min()),
+            "of_fastest": float(other.min() / mine.min()),
+        },
         "largest_relative_difference": difference,
     }
     RESULT.parent.mkdir(exist_ok=True)

@@ -1,8 +1,10 @@
-"""Coverage of the calibration's 95 % intervals over simulated hand-held records, every one of another sensor.
+"""Coverage of the calibration's 95 % intervals over simulated hand-held records, every one of
+another sensor.
 
     python benchmarks/calibration_coverage.py [--records 200]
 
-Writes benchmarks/results/calibration_coverage.json: for 12, 24 and 48 poses the share of intervals of bias, scale factor and
+Writes benchmarks/results/calibration_coverage.json: for 12, 24 and 48 poses the share of intervals
+of bias, scale factor and
 cross-coupling that hold the truth, accelerometers and gyroscopes, and the median half width.
 """
 
@@ -31,7 +33,9 @@ FS, ACCEL_SD, GYRO_SD = 50.0, 0.03, 0.003
 
 
 def one(poses, seed):
-    """Hits and half widths of one record: {quantity: [(hit, half width), ...]}; None where its poses are refused."""
+    """Hits and half widths of one record: {quantity: [(hit, half width), ...]}; None where its
+    poses are refused.
+    """
     rng = np.random.default_rng((poses, seed))
     upper = {k: rng.normal(0, 0.005) for k in ("xy", "xz", "yz")}
     full = {k: rng.normal(0, 0.005) for k in ("xy", "xz", "yx", "yz", "zx", "zy")}
@@ -40,12 +44,20 @@ def one(poses, seed):
         "gyroscopes": calibration.triad(rng.normal(0, 0.005, 3), rng.normal(0, 0.01, 3), full),
     }
     accel, gyro = simulated.hand_held(
-        poses, FS, rng, accelerometers=truth["accelerometers"], gyroscopes=truth["gyroscopes"], rest=3.0,
-        accel_noise=simulated.white(ACCEL_SD, rng), gyro_noise=simulated.white(GYRO_SD, rng),
+        poses,
+        FS,
+        rng,
+        accelerometers=truth["accelerometers"],
+        gyroscopes=truth["gyroscopes"],
+        rest=3.0,
+        accel_noise=simulated.white(ACCEL_SD, rng),
+        gyro_noise=simulated.white(GYRO_SD, rng),
     )
     try:
         found = calibration.calibrate(accel, gyro, FS)
-    except InputError:  # a dozen poses thrown at random may leave an axis out, which is refused by name
+    except (
+        InputError
+    ):  # a dozen poses thrown at random may leave an axis out, which is refused by name
         return None
     out = {}
     for kind, true in truth.items():
@@ -53,10 +65,15 @@ def one(poses, seed):
         pairs = {
             "bias": zip(triad.biases, true.bias),
             "scale factor": zip(triad.scale_factors, np.diag(true.matrix) - 1),
-            "cross-coupling": ((e, true.matrix["xyz".index(k[0]), "xyz".index(k[1])]) for k, e in triad.cross_coupling.items()),
+            "cross-coupling": (
+                (e, true.matrix["xyz".index(k[0]), "xyz".index(k[1])])
+                for k, e in triad.cross_coupling.items()
+            ),
         }
         for name, rows in pairs.items():
-            out[f"{kind}, {name}"] = [(e.covers(t), (e.high - e.low) / 2) for e, t in rows if e is not None]
+            out[f"{kind}, {name}"] = [
+                (e.covers(t), (e.high - e.low) / 2) for e, t in rows if e is not None
+            ]
     return out
 
 
@@ -81,7 +98,13 @@ def main():
         "command": f"python benchmarks/calibration_coverage.py --records {args.records}",
         "date": date.today().isoformat(),
         "versions": {p: version(p) for p in ("numpy", "scipy", "numba")},
-        "record": {"rate_hz": FS, "rest_s": 3.0, "turn_s": 2.0, "accel_sd": ACCEL_SD, "gyro_sd": GYRO_SD},
+        "record": {
+            "rate_hz": FS,
+            "rest_s": 3.0,
+            "turn_s": 2.0,
+            "accel_sd": ACCEL_SD,
+            "gyro_sd": GYRO_SD,
+        },
         "seeds": f"(poses, 0) to (poses, {args.records - 1})",
         "refused": refused,
         "results": table,
@@ -90,7 +113,9 @@ def main():
     path.parent.mkdir(exist_ok=True)
     path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     for name, row in table.items():
-        print(f"{name.ljust(44)} {row['coverage_percent']:5.1f} % of {row['intervals']}, half width {row['median_half_width']:.3g}")
+        print(
+            f"{name.ljust(44)} {row['coverage_percent']:5.1f} % of {row['intervals']}, half width {row['median_half_width']:.3g}"
+        )
 
 
 if __name__ == "__main__":

@@ -1,9 +1,12 @@
-"""The 2008 paper's update-interval study with many drives: how the error grows, and which noise model wins by how much.
+"""The 2008 paper's update-interval study with many drives: how the error grows, and which noise
+model wins by how much.
 
     python benchmarks/calibration_update_interval.py [--runs 200]
 
-Writes benchmarks/results/update_interval.json: pooled horizontal RMS errors per interval, model and ground, the paired ratio of
-AR(4) to GM(1) with its 95 % interval, how often a set of ten drives names the wrong winner, and the filter's time per epoch.
+Writes benchmarks/results/update_interval.json: pooled horizontal RMS errors per interval, model
+and ground, the paired ratio of
+AR(4) to GM(1) with its 95 % interval, how often a set of ten drives names the wrong winner, and
+the filter's time per epoch.
 """
 
 from __future__ import annotations
@@ -34,7 +37,9 @@ GROUNDS = {"flat": study.Scenario(), "tilted 0.6 deg": study.Scenario(tilt=0.6 *
 def batch(ground, seed, runs, models, drive, model):
     """Horizontal RMS of each run: {interval: {model: (r,)}}."""
     scenario = GROUNDS[ground]
-    drawn = study.simulate(drive, model, np.random.default_rng((2008, seed)), runs=runs, scenario=scenario)
+    drawn = study.simulate(
+        drive, model, np.random.default_rng((2008, seed)), runs=runs, scenario=scenario
+    )
     found = study.study(drive, drawn, models, scenario=scenario)
     return {t: {name: e.horizontal for name, e in row.items()} for t, row in found.items()}
 
@@ -46,23 +51,33 @@ def main():
     args = parser.parse_args()
     model, drive = imu.preset("rga300ca"), study.parking_lot()
     fitted = study.fit_static(model, np.random.default_rng(2008))
-    models = {"GM(1)": fitted.gm, "AR(4)": fitted.ar, "AR(4), slow state": study.with_slow_state(fitted.ar, 0.1, 20.0)}
+    models = {
+        "GM(1)": fitted.gm,
+        "AR(4)": fitted.ar,
+        "AR(4), slow state": study.with_slow_state(fitted.ar, 0.1, 20.0),
+    }
     drawn = study.simulate(drive, model, np.random.default_rng(1), runs=2)
-    study.errors(drive, drawn, fitted.ar, 10)                     # compile
+    study.errors(drive, drawn, fitted.ar, 10)  # compile
     begin = time.perf_counter()
     study.errors(drive, drawn, fitted.ar, 10)
     per_epoch = (time.perf_counter() - begin) / (2 * len(drive.inputs))
     table = {}
     for ground in GROUNDS:
-        rows = Parallel(args.jobs)(delayed(batch)(ground, k, 10, models, drive, model) for k in range(args.runs // 10))
+        rows = Parallel(args.jobs)(
+            delayed(batch)(ground, k, 10, models, drive, model) for k in range(args.runs // 10)
+        )
         for t in study.INTERVALS:
             errors = {name: np.concatenate([r[t][name] for r in rows]) for name in models}
             ratio = study.paired(errors["AR(4)"], errors["GM(1)"])
             sets = [np.mean(np.log(r[t]["AR(4)"] / r[t]["GM(1)"])) for r in rows]
             table[f"{ground}, {t} s"] = {
-                "horizontal_rms_m": {name: float(f"{np.sqrt(np.mean(e**2)):.4g}") for name, e in errors.items()},
+                "horizontal_rms_m": {
+                    name: float(f"{np.sqrt(np.mean(e**2)):.4g}") for name, e in errors.items()
+                },
                 "ar4_over_gm1": {k: round(v, 4) for k, v in ratio.to_json().items()},
-                "ten_drives_name_the_other_winner_percent": round(100 * float(np.mean(np.sign(sets) != np.sign(np.log(ratio.value)))), 1),
+                "ten_drives_name_the_other_winner_percent": round(
+                    100 * float(np.mean(np.sign(sets) != np.sign(np.log(ratio.value)))), 1
+                ),
             }
     result = {
         "command": f"python benchmarks/calibration_update_interval.py --runs {args.runs}",
@@ -78,8 +93,12 @@ def main():
     print(f"{1e6 * per_epoch:.2f} microseconds per epoch, 13 states")
     for name, row in table.items():
         r = row["ar4_over_gm1"]
-        print(name.ljust(22), row["horizontal_rms_m"], f"AR(4)/GM(1) {r['value']:.3f} [{r['low']:.3f}, {r['high']:.3f}],",
-              f"ten drives wrong {row['ten_drives_name_the_other_winner_percent']:.0f} %")
+        print(
+            name.ljust(22),
+            row["horizontal_rms_m"],
+            f"AR(4)/GM(1) {r['value']:.3f} [{r['low']:.3f}, {r['high']:.3f}],",
+            f"ten drives wrong {row['ten_drives_name_the_other_winner_percent']:.0f} %",
+        )
 
 
 if __name__ == "__main__":

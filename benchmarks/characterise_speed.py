@@ -1,6 +1,6 @@
 """Six axes of seven hours through `characterise`: wall time, and where the time goes on one axis.
 
-    python benchmarks/characterise_speed.py --workers 2
+python benchmarks/characterise_speed.py --workers 2
 """
 
 from __future__ import annotations
@@ -19,15 +19,21 @@ RESULT = Path(__file__).parent / "results" / "characterise_speed.json"
 
 def parts(x, fs):
     """Processor time of each method on one axis, s, everything compiled before."""
-    methods = {"Allan variance": lambda: (allan.deviation(x, fs), allan.characterise(x, fs)),
-               "spectrum": lambda: spectrum.characterise(x, fs), "autocorrelation": lambda: autocorrelation.characterise(x, fs),
-               "autoregressive": lambda: autoregressive.characterise(x, fs), "likelihood": lambda: fitted([x], fs, None, [])}
+    methods = {
+        "Allan variance": lambda: (allan.deviation(x, fs), allan.characterise(x, fs)),
+        "spectrum": lambda: spectrum.characterise(x, fs),
+        "autocorrelation": lambda: autocorrelation.characterise(x, fs),
+        "autoregressive": lambda: autoregressive.characterise(x, fs),
+        "likelihood": lambda: fitted([x], fs, None, []),
+    }
     stats = likelihood.Statistics.of(x, fs)
     model = likelihood.CANDIDATES["white + Gauss-Markov + walk"]
     fit = likelihood.fit(stats, None, model)
-    methods |= {"of it: statistics": lambda: likelihood.Statistics.of(x, fs),
-                "of it: one fit with intervals": lambda: likelihood.fit(stats, None, model),
-                "of it: one likelihood": lambda: likelihood.log_likelihood(stats, fit.model)}
+    methods |= {
+        "of it: statistics": lambda: likelihood.Statistics.of(x, fs),
+        "of it: one fit with intervals": lambda: likelihood.fit(stats, None, model),
+        "of it: one likelihood": lambda: likelihood.log_likelihood(stats, fit.model),
+    }
     out = {}
     for name, run in methods.items():
         run()
@@ -38,7 +44,9 @@ def parts(x, fs):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=RESULT)
     options = parser.parse_args(arguments)
@@ -49,10 +57,22 @@ def main(arguments=None):
     wall = time.perf_counter() - start
     table = parts(record["accel_x"], record.rate)
     options.out.parent.mkdir(exist_ok=True)
-    options.out.write_text(json.dumps({
-        "command": f"python benchmarks/characterise_speed.py --workers {options.workers}", "date": time.strftime("%Y-%m-%d", time.gmtime()),
-        "cores": os.cpu_count(), "load_before": load, "samples": record.n, "channels": len(record.channel_names),
-        "wall_s": round(wall, 2), "processor_s_per_axis": {k: round(v, 4) for k, v in table.items()}}, indent=1) + "\n")
+    options.out.write_text(
+        json.dumps(
+            {
+                "command": f"python benchmarks/characterise_speed.py --workers {options.workers}",
+                "date": time.strftime("%Y-%m-%d", time.gmtime()),
+                "cores": os.cpu_count(),
+                "load_before": load,
+                "samples": record.n,
+                "channels": len(record.channel_names),
+                "wall_s": round(wall, 2),
+                "processor_s_per_axis": {k: round(v, 4) for k, v in table.items()},
+            },
+            indent=1,
+        )
+        + "\n"
+    )
     print(f"{wall:.1f} s wall, {options.workers} workers, load before {load}")
     for name, seconds in table.items():
         print(f"  {name:30s} {seconds:.4f} s")

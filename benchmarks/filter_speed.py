@@ -2,9 +2,12 @@
 
     python benchmarks/filter_speed.py
 
-Fifteen simulated minutes at 100 Hz; the least of `REPEATS` runs, as processor time and as wall time of the whole run
-(alignment and logs included), divided by the number of IMU epochs. Last, five models times seven outages times two drives.
+Fifteen simulated minutes at 100 Hz; the least of `REPEATS` runs, as processor time and as wall
+time of the whole run
+(alignment and logs included), divided by the number of IMU epochs. Last, five models times seven
+outages times two drives.
 """
+
 import json
 import platform
 import time
@@ -30,14 +33,20 @@ def epoch_times(drive, model):
         engine.solve(moments=[])
         runs.append((time.process_time() - cpu, time.perf_counter() - wall))
     cpu, wall = np.min(runs, axis=0) / solution.time.size * 1e6
-    return {"states": engine.states, "cpu_us": round(float(cpu), 3), "wall_us": round(float(wall), 3)}
+    return {
+        "states": engine.states,
+        "cpu_us": round(float(cpu), 3),
+        "wall_us": round(float(wall), 3),
+    }
 
 
 def main():
     truth, paper = preset("3dm-gx3-25"), preset("3dm-gx3-25-2013")
     rows = []
     for rate in (1.0, 10.0):
-        drive = simulation.simulate_drive(turin.drive(2), truth, np.random.default_rng(1), gnss=simulation.GnssErrors(rate=rate))
+        drive = simulation.simulate_drive(
+            turin.drive(2), truth, np.random.default_rng(1), gnss=simulation.GnssErrors(rate=rate)
+        )
         entries = models.five(names=("15AV", "18AV", "27AR"))
         entries["18AV and six scale factors"] = FilterModel("scale", paper, scale_sd=(0.01, 0.01))
         for name, model in entries.items():
@@ -48,12 +57,25 @@ def main():
     for number in (1, 2):
         drive = simulation.simulate_drive(turin.drive(number), truth, np.random.default_rng(number))
         outages.compare(drive, five, [(o.start, o.duration) for o in turin.outages_of(number)])
-    study = {"cpu_s": round(time.process_time() - cpu, 2), "wall_s": round(time.perf_counter() - wall, 2)}
+    study = {
+        "cpu_s": round(time.process_time() - cpu, 2),
+        "wall_s": round(time.perf_counter() - wall, 2),
+    }
     print("five models x seven outages x two drives", study)
     RESULT.parent.mkdir(exist_ok=True)
-    RESULT.write_text(json.dumps({"command": "python benchmarks/filter_speed.py", "date": time.strftime("%Y-%m-%d"),
-                                  "machine": f"{platform.machine()}, numba {numba.__version__}, numpy {np.__version__}",
-                                  "epochs": rows, "five_models_seven_outages_two_drives": study}, indent=1) + "\n")
+    RESULT.write_text(
+        json.dumps(
+            {
+                "command": "python benchmarks/filter_speed.py",
+                "date": time.strftime("%Y-%m-%d"),
+                "machine": f"{platform.machine()}, numba {numba.__version__}, numpy {np.__version__}",
+                "epochs": rows,
+                "five_models_seven_outages_two_drives": study,
+            },
+            indent=1,
+        )
+        + "\n"
+    )
 
 
 if __name__ == "__main__":

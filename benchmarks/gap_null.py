@@ -4,11 +4,16 @@
     python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl               # resumes; stores the table
     python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl --part 0/2    # one half, into the log only
 
-Single channels, or whole records of six channels (one hour, 100 Hz, even time stamps, all checks of the record: noise in
-common, missing samples, jitter, coherence), drawn from base models of six kinds by the generator of the blind tests. What is
-named or left unexplained is a false alarm; a record is one alarm whatever raised it, and so is one on which the workflow
-fails. The results go to benchmarks/results/gap_null.json or gap_null_records.json with the command, the date and the seeds.
+Single channels, or whole records of six channels (one hour, 100 Hz, even time stamps, all checks
+of the record: noise in
+common, missing samples, jitter, coherence), drawn from base models of six kinds by the generator
+of the blind tests. What is
+named or left unexplained is a false alarm; a record is one alarm whatever raised it, and so is one
+on which the workflow
+fails. The results go to benchmarks/results/gap_null.json or gap_null_records.json with the
+command, the date and the seeds.
 """
+
 from __future__ import annotations
 
 import argparse
@@ -41,24 +46,47 @@ def run_channel(seed, *, free=False):
     duration, fs = [(3600.0, 100.0), (3600.0, 100.0), (1800.0, 100.0)][int(rng.integers(3))]
     made = generator.make(seed, (), duration=duration, fs=fs, channels=("gyro_x",))
     base = Sum.of(from_json(e) for e in made.base["gyro_x"])
-    found = analyse("gyro_x", made.channels["gyro_x"], fs, None if free else base, temperature=made.temperature)
-    return {"seed": seed, "base": [e["process"] for e in made.base["gyro_x"]], "duration": duration,
-            "found": [_short(s) for s in found.steps], "unexplained": found.unexplained,
-            "checks": {c.where[:40]: round(c.log_p, 2) for c in sorted(found.checks, key=lambda c: c.log_p)[:1]}}
+    found = analyse(
+        "gyro_x", made.channels["gyro_x"], fs, None if free else base, temperature=made.temperature
+    )
+    return {
+        "seed": seed,
+        "base": [e["process"] for e in made.base["gyro_x"]],
+        "duration": duration,
+        "found": [_short(s) for s in found.steps],
+        "unexplained": found.unexplained,
+        "checks": {
+            c.where[:40]: round(c.log_p, 2) for c in sorted(found.checks, key=lambda c: c.log_p)[:1]
+        },
+    }
 
 
 def run_record(seed, *, free=False):
-    """One record of six channels: what was found and left unexplained, by channel and on the record; only what is not empty."""
+    """One record of six channels: what was found and left unexplained, by channel and on the
+    record; only what is not empty.
+    """
     made = generator.make(seed, (), duration=3600.0, fs=100.0, channels=generator.CHANNELS)
     n = len(made.channels["gyro_x"])
-    record = Record(made.channels, made.fs, time=np.arange(n) / made.fs, temperature=made.temperature)
+    record = Record(
+        made.channels, made.fs, time=np.arange(n) / made.fs, temperature=made.temperature
+    )
     started = time.perf_counter()
     report = close(record, None if free else Model.from_json(made.base), simulations=0, jobs=1)
-    found, left = {}, {c: r.result.unexplained for c, r in report.channels.items()} | {"record": report.record_unexplained}
+    found, left = (
+        {},
+        {c: r.result.unexplained for c, r in report.channels.items()}
+        | {"record": report.record_unexplained},
+    )
     for where, step in report.steps:
         found.setdefault(where, []).append(_short(step))
-    return {"seed": seed, "base": {c: [e["process"] for e in made.base[c]] for c in made.channels}, "temperature": made.temperature is not None,
-            "found": found, "unexplained": {c: text for c, text in left.items() if text}, "seconds": round(time.perf_counter() - started, 2)}
+    return {
+        "seed": seed,
+        "base": {c: [e["process"] for e in made.base[c]] for c in made.channels},
+        "temperature": made.temperature is not None,
+        "found": found,
+        "unexplained": {c: text for c, text in left.items() if text},
+        "seconds": round(time.perf_counter() - started, 2),
+    }
 
 
 def _short(step):
@@ -68,22 +96,44 @@ def _short(step):
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--channels", type=int, default=1000)
-    parser.add_argument("--records", type=int, metavar="K", help="count K whole records of six channels instead of single channels")
+    parser.add_argument(
+        "--records",
+        type=int,
+        metavar="K",
+        help="count K whole records of six channels instead of single channels",
+    )
     parser.add_argument("--first", type=int, default=500000)
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
-    parser.add_argument("--free", action="store_true", help="fit the base model instead of giving the true one")
-    parser.add_argument("--log", help="a file of finished cases, one a line; a run that finds it goes on from there")
-    parser.add_argument("--part", default="0/1", metavar="I/K", help="run every Kth case from the Ith on, into --log only")
-    parser.add_argument("--name", help="of the stored result; gap_null or gap_null_records where not given")
+    parser.add_argument(
+        "--free", action="store_true", help="fit the base model instead of giving the true one"
+    )
+    parser.add_argument(
+        "--log", help="a file of finished cases, one a line; a run that finds it goes on from there"
+    )
+    parser.add_argument(
+        "--part",
+        default="0/1",
+        metavar="I/K",
+        help="run every Kth case from the Ith on, into --log only",
+    )
+    parser.add_argument(
+        "--name", help="of the stored result; gap_null or gap_null_records where not given"
+    )
     args = parser.parse_args(argv)
     part, parts = map(int, args.part.split("/"))
     if parts > 1 and not args.log:
         parser.error("--part needs --log")
     run = run_channel if args.records is None else run_record
-    seeds = range(args.first, args.first + (args.channels if args.records is None else args.records))
+    seeds = range(
+        args.first, args.first + (args.channels if args.records is None else args.records)
+    )
     log = Path(args.log) if args.log else None
     lines = log.read_text().splitlines() if log and log.exists() else []
-    rows = {r["seed"]: r for r in map(json.loads, lines) if r["seed"] in seeds and r["free"] == args.free and "failed" not in r}
+    rows = {
+        r["seed"]: r
+        for r in map(json.loads, lines)
+        if r["seed"] in seeds and r["free"] == args.free and "failed" not in r
+    }
     started = time.time()
     for i, seed in enumerate(seeds[part::parts]):
         if time.time() - started > 60 * args.minutes:
@@ -92,7 +142,9 @@ def main(argv=None):
             continue
         try:
             row = run(seed, free=args.free)
-        except Exception as error:      # an untouched record that the workflow cannot answer counts as an alarm
+        except (
+            Exception
+        ) as error:  # an untouched record that the workflow cannot answer counts as an alarm
             row = {"seed": seed, "found": {}, "unexplained": {}, "failed": repr(error)}
         rows[seed] = row = {**row, "free": args.free}
         if log:
@@ -113,18 +165,35 @@ def _alarm(row):
 def _store(rows, args, argv):
     rows = [rows[seed] for seed in sorted(rows)]
     alarms = [r for r in rows if _alarm(r)]
-    out = {"command": "python " + " ".join(["benchmarks/gap_null.py", *(argv or sys.argv[1:])]), "date": date.today().isoformat(), "free_base": args.free,
-           "seeds": [rows[0]["seed"], rows[-1]["seed"]] if rows else [],
-           "channels" if args.records is None else "records": len(rows), "false_alarms": len(alarms),
-           "share": round(len(alarms) / max(len(rows), 1), 5), "interval": wilson(len(alarms), len(rows)), "failed": sum("failed" in r for r in rows)}
+    out = {
+        "command": "python " + " ".join(["benchmarks/gap_null.py", *(argv or sys.argv[1:])]),
+        "date": date.today().isoformat(),
+        "free_base": args.free,
+        "seeds": [rows[0]["seed"], rows[-1]["seed"]] if rows else [],
+        "channels" if args.records is None else "records": len(rows),
+        "false_alarms": len(alarms),
+        "share": round(len(alarms) / max(len(rows), 1), 5),
+        "interval": wilson(len(alarms), len(rows)),
+        "failed": sum("failed" in r for r in rows),
+    }
     if args.records is None:
-        out |= {"by_effect": dict(Counter(e[0] for r in rows for e in r["found"])), "unexplained": sum(bool(r["unexplained"]) for r in rows)}
+        out |= {
+            "by_effect": dict(Counter(e[0] for r in rows for e in r["found"])),
+            "unexplained": sum(bool(r["unexplained"]) for r in rows),
+        }
     else:
-        out |= {"by_effect": dict(Counter(e[0] for r in rows for steps in r["found"].values() for e in steps)), "table": _table(rows),
-                "seconds": float(np.median([r["seconds"] for r in rows if "seconds" in r] or [0.0]))}
+        out |= {
+            "by_effect": dict(
+                Counter(e[0] for r in rows for steps in r["found"].values() for e in steps)
+            ),
+            "table": _table(rows),
+            "seconds": float(np.median([r["seconds"] for r in rows if "seconds" in r] or [0.0])),
+        }
     RESULTS.mkdir(exist_ok=True)
     name = args.name or ("gap_null" if args.records is None else "gap_null_records")
-    (RESULTS / f"{name}.json").write_text(json.dumps({**out, "alarms": alarms}, indent=1, default=float) + "\n")
+    (RESULTS / f"{name}.json").write_text(
+        json.dumps({**out, "alarms": alarms}, indent=1, default=float) + "\n"
+    )
 
 
 def _table(rows):
@@ -133,8 +202,16 @@ def _table(rows):
     for where in (*generator.CHANNELS, "record"):
         named, left = ([bool(r[key].get(where)) for r in rows] for key in ("found", "unexplained"))
         alarms = sum(a or b for a, b in zip(named, left))
-        out.append({"where": where, "records": len(rows), "named": sum(named), "unexplained": sum(left), "alarms": alarms,
-                    "interval": wilson(alarms, len(rows))})
+        out.append(
+            {
+                "where": where,
+                "records": len(rows),
+                "named": sum(named),
+                "unexplained": sum(left),
+                "alarms": alarms,
+                "interval": wilson(alarms, len(rows)),
+            }
+        )
     return out
 
 

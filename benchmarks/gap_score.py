@@ -4,10 +4,12 @@
     python benchmarks/gap_score.py --cases 2 --simulations 100 --name gap_score_index   # with the gap index, before and after
     python benchmarks/gap_score.py --kinds step,telegraph --cases 5 --print
 
-The generator (tests/gap_generator.py) shares no code with the package. A case counts for the naming rate if the hidden
+The generator (tests/gap_generator.py) shares no code with the package. A case counts for the
+naming rate if the hidden
 effect is detectable: a log-likelihood gain of 20 or more at its true parameters. Results go to
 benchmarks/results/gap_score.json with the command, the date and the seeds.
 """
+
 from __future__ import annotations
 
 import argparse
@@ -37,13 +39,22 @@ DESCRIBES = ("process", "name", "from", "reference", "channels", "taps", "order"
 
 
 def plan(kinds, cases, first):
-    """(seed, kind, effects, duration s, rate Hz, channels) of every case; lengths and rates vary, one hour at 100 Hz most often."""
+    """(seed, kind, effects, duration s, rate Hz, channels) of every case; lengths and rates vary,
+    one hour at 100 Hz most often.
+    """
     out = []
     for k, kind in enumerate(kinds):
         for i in range(cases):
             seed = first + 1000 * k + i
             rng = np.random.default_rng([seed, 5])
-            duration, fs = [(3600, 100), (3600, 100), (3600, 100), (1800, 100), (5400, 50), (1800, 200)][int(rng.integers(6))]
+            duration, fs = [
+                (3600, 100),
+                (3600, 100),
+                (3600, 100),
+                (1800, 100),
+                (5400, 50),
+                (1800, 200),
+            ][int(rng.integers(6))]
             if kind == "pair":
                 pool = [e for e in generator.KNOWN]
                 effects = list(rng.choice(pool, 2, replace=False))
@@ -51,9 +62,28 @@ def plan(kinds, cases, first):
                 effects = []
             else:
                 effects = [kind]
-            two = any(e in generator.RECORD for e in effects) or kind in ("none", "pair") or rng.random() < 0.3
-            channels = ("gyro_x", "accel_y") if not two else ("gyro_x", "gyro_y") if rng.random() < 0.5 else ("gyro_z", "accel_x")
-            out.append((seed, kind, effects, float(duration), float(fs), channels[:2] if two else channels[:1]))
+            two = (
+                any(e in generator.RECORD for e in effects)
+                or kind in ("none", "pair")
+                or rng.random() < 0.3
+            )
+            channels = (
+                ("gyro_x", "accel_y")
+                if not two
+                else ("gyro_x", "gyro_y")
+                if rng.random() < 0.5
+                else ("gyro_z", "accel_x")
+            )
+            out.append(
+                (
+                    seed,
+                    kind,
+                    effects,
+                    float(duration),
+                    float(fs),
+                    channels[:2] if two else channels[:1],
+                )
+            )
     return out
 
 
@@ -66,16 +96,39 @@ def run(case, *, free=False, simulations=0):
     started = time.perf_counter()
     cpu = time.process_time()
     found = close(record, model, simulations=simulations, jobs=1)
-    steps = [{"channel": c, "effect": s.effect, "confidence": s.confidence, "parameters": s.to_json()["parameters"], "intervals": s.to_json()["intervals"],
-              "indistinguishable": s.indistinguishable, "runner_up": s.runner_up["effect"]} for c, s in found.steps]
+    steps = [
+        {
+            "channel": c,
+            "effect": s.effect,
+            "confidence": s.confidence,
+            "parameters": s.to_json()["parameters"],
+            "intervals": s.to_json()["intervals"],
+            "indistinguishable": s.indistinguishable,
+            "runner_up": s.runner_up["effect"],
+        }
+        for c, s in found.steps
+    ]
     left = {c: r.result.unexplained for c, r in found.channels.items()}
     left["record"] = found.record_unexplained
     truths = json.loads(json.dumps(made.truths, default=float))
-    out = {"seed": seed, "kind": kind, "duration": duration, "rate": fs, "channels": list(channels), "truths": truths, "steps": steps, "unexplained": left,
-           "absorbed": {c: r.result.absorbed for c, r in found.channels.items()}, "seconds": time.perf_counter() - started, "cpu": time.process_time() - cpu,
-           "base": {c: [e["process"] for e in made.base[c]] for c in channels}}
+    out = {
+        "seed": seed,
+        "kind": kind,
+        "duration": duration,
+        "rate": fs,
+        "channels": list(channels),
+        "truths": truths,
+        "steps": steps,
+        "unexplained": left,
+        "absorbed": {c: r.result.absorbed for c, r in found.channels.items()},
+        "seconds": time.perf_counter() - started,
+        "cpu": time.process_time() - cpu,
+        "base": {c: [e["process"] for e in made.base[c]] for c in channels},
+    }
     if simulations:
-        out["gap"] = {c: [r.before.value, r.after.value, r.held_out] for c, r in found.channels.items()}
+        out["gap"] = {
+            c: [r.before.value, r.after.value, r.held_out] for c, r in found.channels.items()
+        }
     out.update(judge(out))
     return out
 
@@ -85,38 +138,74 @@ def matches(step, truth):
     if step["effect"] != truth["effect"] or step["channel"] != truth["channel"]:
         return False
     p = truth.get("parameters", {})
-    return truth["effect"] != "parameter_change" or (step["parameters"]["process"], step["parameters"]["name"]) == (p["process"], p["name"])
+    return truth["effect"] != "parameter_change" or (
+        step["parameters"]["process"],
+        step["parameters"]["name"],
+    ) == (p["process"], p["name"])
 
 
 def same_spectrum(step, truth):
-    """Names for the same thing: a further noise of a family that the base already has is a changed parameter."""
+    """Names for the same thing: a further noise of a family that the base already has is a changed
+    parameter.
+    """
     if step["channel"] != truth["channel"]:
         return False
     a, b = (step["parameters"].get("process") or step["effect"]), truth["effect"]
-    return step["effect"] == "parameter_change" and a == b and b in ("flicker", "random_walk", "quantization", "white_noise")
+    return (
+        step["effect"] == "parameter_change"
+        and a == b
+        and b in ("flicker", "random_walk", "quantization", "white_noise")
+    )
 
 
 def judge(r):
-    """named (all detectable truths named), listed (named or given as a name that the record cannot tell apart), wrong (a name
-    that is not there, with high confidence), false (anything found or left unexplained where nothing was hidden), said (an
+    """named (all detectable truths named), listed (named or given as a name that the record cannot
+    tell apart), wrong (a name
+    that is not there, with high confidence), false (anything found or left unexplained where
+    nothing was hidden), said (an
     unknown effect answered with `unexplained`)."""
     swallowed = {(c, e) for c, names in r.get("absorbed", {}).items() for e in names}
     known = [t for t in r["truths"] if t["effect"] != "unknown" and t["gain"] >= 20]
-    # what a free base says that it may have absorbed counts as detectable only where it was named all the same
-    known = [t for t in known if (t["channel"], t["effect"]) not in swallowed or any(matches(s, t) for s in r["steps"])]
+    # what a free base says that it may have absorbed counts as detectable only where it was named
+    # all the same
+    known = [
+        t
+        for t in known
+        if (t["channel"], t["effect"]) not in swallowed or any(matches(s, t) for s in r["steps"])
+    ]
     weak = [t for t in r["truths"] if t["effect"] != "unknown" and t["gain"] < 20]
     unknown = [t for t in r["truths"] if t["effect"] == "unknown"]
     fits = lambda s, t: matches(s, t) or same_spectrum(s, t)  # noqa: E731
     named = [any(fits(s, t) for s in r["steps"]) for t in known]
-    listed = [any(fits(s, t) or s["channel"] == t["channel"] and t["effect"] in s["indistinguishable"] for s in r["steps"]) for t in known]
+    listed = [
+        any(
+            fits(s, t) or s["channel"] == t["channel"] and t["effect"] in s["indistinguishable"]
+            for s in r["steps"]
+        )
+        for t in known
+    ]
     extra = [s for s in r["steps"] if not any(fits(s, t) for t in r["truths"])]
-    touched = {t["channel"] for t in r["truths"]} | {c for t in r["truths"] for c in t.get("parameters", {}).get("channels", [])}
+    touched = {t["channel"] for t in r["truths"]} | {
+        c for t in r["truths"] for c in t.get("parameters", {}).get("channels", [])
+    }
     clean = [c for c in r["channels"] if c not in touched]
-    false = [c for c in clean if any(s["channel"] == c for s in r["steps"]) or r["unexplained"].get(c)]
-    return {"detectable": len(known), "named": int(sum(named)), "listed": int(sum(listed)), "weak": len(weak),
-            "wrong": [s["effect"] for s in extra if s["confidence"] >= SURE],
-            "extra": [s["effect"] for s in extra], "clean": len(clean), "false": len(false),
-            "said": bool(unknown) and any(r["unexplained"].get(t["channel"]) or r["unexplained"].get("record") for t in unknown)}
+    false = [
+        c for c in clean if any(s["channel"] == c for s in r["steps"]) or r["unexplained"].get(c)
+    ]
+    return {
+        "detectable": len(known),
+        "named": int(sum(named)),
+        "listed": int(sum(listed)),
+        "weak": len(weak),
+        "wrong": [s["effect"] for s in extra if s["confidence"] >= SURE],
+        "extra": [s["effect"] for s in extra],
+        "clean": len(clean),
+        "false": len(false),
+        "said": bool(unknown)
+        and any(
+            r["unexplained"].get(t["channel"]) or r["unexplained"].get("record") for t in unknown
+        ),
+    }
 
 
 def wilson(k, n):
@@ -126,7 +215,9 @@ def wilson(k, n):
 
 
 def covered(results):
-    """For each parameter kind: (within 10 % or interval covering, interval covering, count) over the truths named right."""
+    """For each parameter kind: (within 10 % or interval covering, interval covering, count) over
+    the truths named right.
+    """
     ok, cover, count = 0, 0, 0
     for r in results:
         for t in r["truths"]:
@@ -134,7 +225,11 @@ def covered(results):
             if s is None:
                 continue
             for name, value in t["parameters"].items():
-                if name in DESCRIBES or name == "rate" and t["effect"] not in ("telegraph", "spikes"):
+                if (
+                    name in DESCRIBES
+                    or name == "rate"
+                    and t["effect"] not in ("telegraph", "spikes")
+                ):
                     continue
                 got = s["parameters"].get(name)
                 if got is None or isinstance(value, str):
@@ -152,26 +247,49 @@ def table(results):
     rows = []
     for kind in dict.fromkeys(r["kind"] for r in results):
         part = [r for r in results if r["kind"] == kind]
-        judged = [r for r in part if r["detectable"] and not r["weak"]] if kind == "pair" else [r for r in part if r["detectable"]]
+        judged = (
+            [r for r in part if r["detectable"] and not r["weak"]]
+            if kind == "pair"
+            else [r for r in part if r["detectable"]]
+        )
         named = sum(r["named"] == r["detectable"] for r in judged)
         ok, cover, count = covered(part)
         clean, false = sum(r["clean"] for r in part), sum(r["false"] for r in part)
         unknown = [r for r in part if any(t["effect"] == "unknown" for t in r["truths"])]
-        rows.append({"kind": kind, "cases": len(part), "detectable": len(judged), "named": named, "listed": sum(r["listed"] == r["detectable"] for r in judged),
-                     "named_interval": wilson(named, len(judged)),
-                     "wrong": sum(bool(r["wrong"]) for r in part), "missed": sum(r["named"] < r["detectable"] and not r["extra"] for r in judged),
-                     "clean_channels": clean, "false": false, "unexplained": sum(r["said"] for r in unknown), "unknown": len(unknown),
-                     "parameters": count, "within": ok, "covering": cover, "seconds": round(float(np.median([r["seconds"] for r in part])), 2)})
+        rows.append(
+            {
+                "kind": kind,
+                "cases": len(part),
+                "detectable": len(judged),
+                "named": named,
+                "listed": sum(r["listed"] == r["detectable"] for r in judged),
+                "named_interval": wilson(named, len(judged)),
+                "wrong": sum(bool(r["wrong"]) for r in part),
+                "missed": sum(r["named"] < r["detectable"] and not r["extra"] for r in judged),
+                "clean_channels": clean,
+                "false": false,
+                "unexplained": sum(r["said"] for r in unknown),
+                "unknown": len(unknown),
+                "parameters": count,
+                "within": ok,
+                "covering": cover,
+                "seconds": round(float(np.median([r["seconds"] for r in part])), 2),
+            }
+        )
     return rows
 
 
 def show(rows):
-    print(f"{'kind':<20}{'cases':>6}{'detect.':>8}{'named':>7}{'listed':>7}{'95 %':>16}{'wrong':>7}{'false':>9}{'unexpl.':>9}"
-          f"{'param ok':>10}{'cover':>8}{'s':>7}")
+    print(
+        f"{'kind':<20}{'cases':>6}{'detect.':>8}{'named':>7}{'listed':>7}{'95 %':>16}{'wrong':>7}{'false':>9}{'unexpl.':>9}"
+        f"{'param ok':>10}{'cover':>8}{'s':>7}"
+    )
     for r in rows:
-        print(f"{r['kind']:<20}{r['cases']:>6}{r['detectable']:>8}{r['named']:>7}{r['listed']:>7}{str(r['named_interval']):>16}{r['wrong']:>7}"
-              f"{str(r['false']) + '/' + str(r['clean_channels']):>9}{str(r['unexplained']) + '/' + str(r['unknown']):>9}"
-              f"{str(r['within']) + '/' + str(r['parameters']):>10}{r['covering']:>8}{r['seconds']:>7}")
+        print(
+            f"{r['kind']:<20}{r['cases']:>6}{r['detectable']:>8}{r['named']:>7}{r['listed']:>7}{str(r['named_interval']):>16}{r['wrong']:>7}"
+            f"{str(r['false']) + '/' + str(r['clean_channels']):>9}{str(r['unexplained']) + '/' + str(r['unknown']):>9}"
+            f"{str(r['within']) + '/' + str(r['parameters']):>10}{r['covering']:>8}{r['seconds']:>7}"
+        )
 
 
 def merge(names, into):
@@ -181,27 +299,56 @@ def merge(names, into):
     seen = [(c["kind"], c["seed"], tuple(c["channels"])) for c in cases]
     if len(set(seen)) < len(seen):
         raise SystemExit("the runs share seeds")
-    cases.sort(key=lambda c: ["none", *generator.KNOWN, "pair", *generator.UNKNOWN].index(c["kind"]))
+    cases.sort(
+        key=lambda c: ["none", *generator.KNOWN, "pair", *generator.UNKNOWN].index(c["kind"])
+    )
     rows = table(cases)
     show(rows)
-    out = {"command": "; ".join(r["command"] for r in runs), "date": runs[-1]["date"], "first_seed": [r["first_seed"] for r in runs],
-           "free_base": runs[0]["free_base"], "table": rows, "cases": cases}
+    out = {
+        "command": "; ".join(r["command"] for r in runs),
+        "date": runs[-1]["date"],
+        "first_seed": [r["first_seed"] for r in runs],
+        "free_base": runs[0]["free_base"],
+        "table": rows,
+        "cases": cases,
+    }
     (RESULTS / f"{into}.json").write_text(json.dumps(out, indent=None, default=float) + "\n")
 
 
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kinds", default=",".join(("none", *generator.KNOWN, "pair", *generator.UNKNOWN)))
+    parser.add_argument(
+        "--kinds", default=",".join(("none", *generator.KNOWN, "pair", *generator.UNKNOWN))
+    )
     parser.add_argument("--cases", type=int, default=30)
     parser.add_argument("--first", type=int, default=10000)
     parser.add_argument("--free", action="store_true")
-    parser.add_argument("--print", action="store_true", dest="shown", help="print every case that is not named right; store nothing")
+    parser.add_argument(
+        "--print",
+        action="store_true",
+        dest="shown",
+        help="print every case that is not named right; store nothing",
+    )
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
-    parser.add_argument("--simulations", type=int, default=0, help="size of the ensembles of the gap index; 0 leaves it out")
-    parser.add_argument("--log", help="a file of finished cases, one a line; a run that finds it goes on from there")
+    parser.add_argument(
+        "--simulations",
+        type=int,
+        default=0,
+        help="size of the ensembles of the gap index; 0 leaves it out",
+    )
+    parser.add_argument(
+        "--log", help="a file of finished cases, one a line; a run that finds it goes on from there"
+    )
     parser.add_argument("--name", default="gap_score")
-    parser.add_argument("--part", default="0/1", metavar="I/K", help="run every Kth case from the Ith on, into --log only")
-    parser.add_argument("--merge", metavar="NAMES", help="put stored runs together under --name instead of running")
+    parser.add_argument(
+        "--part",
+        default="0/1",
+        metavar="I/K",
+        help="run every Kth case from the Ith on, into --log only",
+    )
+    parser.add_argument(
+        "--merge", metavar="NAMES", help="put stored runs together under --name instead of running"
+    )
     args = parser.parse_args(argv)
     if args.merge:
         return merge(args.merge.split(","), args.name)
@@ -225,6 +372,7 @@ def main(argv=None):
         except Exception as error:
             if args.shown:
                 import traceback
+
                 traceback.print_exc()
             print("FAILED", case, repr(error), file=sys.stderr)
             continue
@@ -232,14 +380,42 @@ def main(argv=None):
         if log:
             with log.open("a") as file:
                 file.write(json.dumps(r, default=float) + "\n")
-        good = r["named"] == r["detectable"] and not r["wrong"] and not r["false"] and (r["said"] or not any(t["effect"] == "unknown" for t in r["truths"]))
+        good = (
+            r["named"] == r["detectable"]
+            and not r["wrong"]
+            and not r["false"]
+            and (r["said"] or not any(t["effect"] == "unknown" for t in r["truths"]))
+        )
         if args.shown and not good:
-            print("--", r["kind"], r["seed"], f"{r['duration']:.0f}s {r['rate']:.0f}Hz {r['cpu']:.1f}s cpu", r["base"])
+            print(
+                "--",
+                r["kind"],
+                r["seed"],
+                f"{r['duration']:.0f}s {r['rate']:.0f}Hz {r['cpu']:.1f}s cpu",
+                r["base"],
+            )
             for t in r["truths"]:
-                print("     hid  ", t["channel"], t["effect"], t.get("kind", ""), f"{t['gain']:.0f}", t.get("parameters"))
+                print(
+                    "     hid  ",
+                    t["channel"],
+                    t["effect"],
+                    t.get("kind", ""),
+                    f"{t['gain']:.0f}",
+                    t.get("parameters"),
+                )
             for s in r["steps"]:
-                values = {k: (float(f"{v:.4g}") if isinstance(v, float) else v) for k, v in s["parameters"].items()}
-                print("     found", s["channel"], s["effect"], values, f"{s['confidence']:.2f}", s["indistinguishable"])
+                values = {
+                    k: (float(f"{v:.4g}") if isinstance(v, float) else v)
+                    for k, v in s["parameters"].items()
+                }
+                print(
+                    "     found",
+                    s["channel"],
+                    s["effect"],
+                    values,
+                    f"{s['confidence']:.2f}",
+                    s["indistinguishable"],
+                )
             print("     left ", {k: v for k, v in r["unexplained"].items() if v}, flush=True)
     order = {kind: i for i, kind in enumerate(args.kinds.split(","))}
     results.sort(key=lambda r: (order[r["kind"]], r["seed"]))
@@ -248,8 +424,14 @@ def main(argv=None):
     if not args.shown and parts == 1:
         RESULTS.mkdir(exist_ok=True)
         command = " ".join(["python", "benchmarks/gap_score.py", *(argv or sys.argv[1:])])
-        out = {"command": command, "date": date.today().isoformat(), "first_seed": args.first,
-               "free_base": args.free, "table": rows, "cases": results}
+        out = {
+            "command": command,
+            "date": date.today().isoformat(),
+            "first_seed": args.first,
+            "free_base": args.free,
+            "table": rows,
+            "cases": results,
+        }
         (RESULTS / f"{args.name}.json").write_text(json.dumps(out, default=float) + "\n")
 
 

@@ -2,9 +2,12 @@
 
     python benchmarks/gap_speed.py --first 1
 
-Three records: nothing hidden, an effect in one channel, effects in four channels; each with its model and without one.
-Wall time depends on the machine and on what else runs; processor load and cores are stored beside it.
+Three records: nothing hidden, an effect in one channel, effects in four channels; each with its
+model and without one.
+Wall time depends on the machine and on what else runs; processor load and cores are stored beside
+it.
 """
+
 from __future__ import annotations
 
 import argparse
@@ -26,7 +29,11 @@ from imu_lib.gap import close  # noqa: E402
 from imu_lib.model import Model  # noqa: E402
 from imu_lib.record import Record  # noqa: E402
 
-HIDDEN = {"nothing": (), "one effect": ("gauss_markov",), "four effects": ("resolution", "step", "sinusoid", "low_pass")}
+HIDDEN = {
+    "nothing": (),
+    "one effect": ("gauss_markov",),
+    "four effects": ("resolution", "step", "sinusoid", "low_pass"),
+}
 
 
 def main(argv=None):
@@ -41,12 +48,27 @@ def main(argv=None):
             load = os.getloadavg()[0]
             started = time.perf_counter()
             found = close(record, Model.from_json(made.base) if given else None, jobs=2)
-            rows.append({"hidden": what, "model": given, "seconds": round(time.perf_counter() - started, 1), "load_before": round(load, 2),
-                         "found": [s.effect for _, s in found.steps]})
+            rows.append(
+                {
+                    "hidden": what,
+                    "model": given,
+                    "seconds": round(time.perf_counter() - started, 1),
+                    "load_before": round(load, 2),
+                    "found": [s.effect for _, s in found.steps],
+                }
+            )
             print(rows[-1], flush=True)
     command = " ".join(["python", "benchmarks/gap_speed.py", *(argv or sys.argv[1:])])
-    out = {"command": command, "date": date.today().isoformat(), "cores": os.cpu_count(), "simulations": 100, "rows": rows}
-    (ROOT / "benchmarks" / "results" / "gap_speed.json").write_text(json.dumps(out, indent=1) + "\n")
+    out = {
+        "command": command,
+        "date": date.today().isoformat(),
+        "cores": os.cpu_count(),
+        "simulations": 100,
+        "rows": rows,
+    }
+    (ROOT / "benchmarks" / "results" / "gap_speed.json").write_text(
+        json.dumps(out, indent=1) + "\n"
+    )
 
 
 if __name__ == "__main__":

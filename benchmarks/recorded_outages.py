@@ -1,11 +1,16 @@
-"""Outages on the recorded drives: the paper's five models of a standstill against four numbers for a module in a car.
+"""Outages on the recorded drives: the paper's five models of a standstill against four numbers for
+a module in a car.
 
     IMU_LIB_DATA=... python benchmarks/recorded_outages.py
 
-Windows of 30 s every 30 s. The five models are read off a static record of the maker's other module (HiPNUC CH104), for want of one of the
-same units. "in a car" is white noise and a random walk for gyros and accelerometers; its four numbers were chosen by hand on span_a, so that
-span_c and kth_car judge it and span_a and span_b do not; "+ road" adds that a car does not slide. span_a and span_b are two modules on one drive.
+Windows of 30 s every 30 s. The five models are read off a static record of the maker's other
+module (HiPNUC CH104), for want of one of the
+same units. "in a car" is white noise and a random walk for gyros and accelerometers; its four
+numbers were chosen by hand on span_a, so that
+span_c and kth_car judge it and span_a and span_b do not; "+ road" adds that a car does not slide.
+span_a and span_b are two modules on one drive.
 """
+
 import json
 import os
 import time
@@ -19,7 +24,7 @@ from imu_lib.navigation.filter import FilterModel
 from imu_lib.readers import read_record
 
 RESULT = Path(__file__).parent / "results" / "recorded_outages.json"
-TURN_ON = (3.5e-3, 0.2)                      # 0.2 deg/s, 20 mg
+TURN_ON = (3.5e-3, 0.2)  # 0.2 deg/s, 20 mg
 IN_A_CAR = (3e-4, 0.05, 3e-5, 3e-3)
 
 
@@ -29,8 +34,16 @@ def main():
     base = models.read_off(static, 100.0)
     five = models.five(base, static=static, turn_on_sd=TURN_ON)
     car = FilterModel("in a car", tuning.vehicle_model(*IN_A_CAR), turn_on_sd=TURN_ON)
-    entries = {**five, "in a car": car, "in a car + road": car.with_(name="in a car + road", constraint_sd=0.3)}
-    content = {"command": "python benchmarks/recorded_outages.py", "date": time.strftime("%Y-%m-%d"), "drives": {}}
+    entries = {
+        **five,
+        "in a car": car,
+        "in a car + road": car.with_(name="in a car + road", constraint_sd=0.3),
+    }
+    content = {
+        "command": "python benchmarks/recorded_outages.py",
+        "date": time.strftime("%Y-%m-%d"),
+        "drives": {},
+    }
     pooled = {}
     for name in ("span_a", "span_b", "span_c", "kth_car"):
         drive = Drive.load(data / "drive" / f"{name}.npz")
@@ -39,17 +52,38 @@ def main():
         study = outages.compare(drive, entries, windows, gnss=gnss, strict=False)
         errors = {n: study.errors(n, against=study.against[-1]) for n in entries}
         content["drives"][name] = {
-            "outages": len(study.windows), "against": study.against[-1], "notes": list(study.notes),
-            "models": {n: {"states": study.models[n].states, "median": statistics.median_interval(e), "mean": float(e.mean()),
-                           "predicted": float(np.median([s[-1] for s in study.models[n].sigma]))} for n, e in errors.items()}}
+            "outages": len(study.windows),
+            "against": study.against[-1],
+            "notes": list(study.notes),
+            "models": {
+                n: {
+                    "states": study.models[n].states,
+                    "median": statistics.median_interval(e),
+                    "mean": float(e.mean()),
+                    "predicted": float(np.median([s[-1] for s in study.models[n].sigma])),
+                }
+                for n, e in errors.items()
+            },
+        }
         for n, e in errors.items():
             pooled.setdefault(n, []).append(e)
-        print(name, len(study.windows), {n: round(float(np.median(e)), 1) for n, e in errors.items()}, flush=True)
+        print(
+            name,
+            len(study.windows),
+            {n: round(float(np.median(e)), 1) for n, e in errors.items()},
+            flush=True,
+        )
     for label, part in (("all", slice(None)), ("not seen", slice(2, None))):
         joined = {n: np.concatenate(e[part]) for n, e in pooled.items()}
-        content[label] = {"outages": int(joined["18AV"].size),
-                          "paired": [statistics.paired(joined[one], joined[n], (one, n)).to_json() for one in ("in a car", "in a car + road", "18AV")
-                                     for n in entries if n != one]}
+        content[label] = {
+            "outages": int(joined["18AV"].size),
+            "paired": [
+                statistics.paired(joined[one], joined[n], (one, n)).to_json()
+                for one in ("in a car", "in a car + road", "18AV")
+                for n in entries
+                if n != one
+            ],
+        }
     RESULT.write_text(json.dumps(content, indent=1) + "\n")
 
 

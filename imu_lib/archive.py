@@ -24,9 +24,13 @@ def _read(stream, size: int, where: str) -> np.ndarray:
         read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
         shape, fortran, dtype = read(stream)
     except (ValueError, EOFError, SyntaxError, TypeError) as error:
-        raise InputError(f"{where} is not a readable NumPy array ({str(error).splitlines()[0]}); save it again with numpy.savez.") from None
+        raise InputError(
+            f"{where} is not a readable NumPy array ({str(error).splitlines()[0]}); save it again with numpy.savez."
+        ) from None
     if dtype.hasobject:
-        raise InputError(f"{where} holds Python objects, which are not read; save plain number arrays instead.")
+        raise InputError(
+            f"{where} holds Python objects, which are not read; save plain number arrays instead."
+        )
     count = 1
     for length in shape:
         count *= int(length)
@@ -38,14 +42,19 @@ def _read(stream, size: int, where: str) -> np.ndarray:
         )
     data = stream.read(count * dtype.itemsize)
     if len(data) < count * dtype.itemsize:
-        raise InputError(f"{where} ends after {len(data) // max(dtype.itemsize, 1):,} of {count:,} values; it is cut off: write it again.")
-    return np.frombuffer(data, dtype=dtype, count=count).reshape(shape, order="F" if fortran else "C")
+        raise InputError(
+            f"{where} ends after {len(data) // max(dtype.itemsize, 1):,} of {count:,} values; it is cut off: write it again."
+        )
+    return np.frombuffer(data, dtype=dtype, count=count).reshape(
+        shape, order="F" if fortran else "C"
+    )
 
 
 def load_arrays(path) -> dict[str, np.ndarray]:
     """Every array of an .npz file (or the one of an .npy file, under the key `data`), by key.
 
-    The arrays are read-only. Raises InputError where the file is damaged, OSError where it cannot be opened.
+    The arrays are read-only. Raises InputError where the file is damaged, OSError where it cannot
+    be opened.
     """
     path = Path(path)
     with open(path, "rb") as file:
@@ -56,22 +65,30 @@ def load_arrays(path) -> dict[str, np.ndarray]:
         with zipfile.ZipFile(path) as archive:
             members = [m for m in archive.infolist() if m.filename.endswith(".npy")]
             if not members:
-                raise InputError(f"{path} holds no arrays; an .npz with time, gyro and accel is expected.")
+                raise InputError(
+                    f"{path} holds no arrays; an .npz with time, gyro and accel is expected."
+                )
 
             def one(member):
                 # each thread opens the member for itself: inflating releases the interpreter lock
                 with archive.open(member) as stream:
-                    return member.filename[:-4], _read(stream, member.file_size, f"{path}, array `{member.filename[:-4]}`,")
+                    return member.filename[:-4], _read(
+                        stream, member.file_size, f"{path}, array `{member.filename[:-4]}`,"
+                    )
 
             with ThreadPoolExecutor(4) as pool:
                 return dict(pool.map(one, members))
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
-        raise InputError(f"{path} is not a whole .npz file ({error}); it is cut off or damaged: write or fetch it again.") from None
+        raise InputError(
+            f"{path} is not a whole .npz file ({error}); it is cut off or damaged: write or fetch it again."
+        ) from None
 
 
 def numbers(array: np.ndarray, where: str) -> np.ndarray:
     """`array` as float64, refused with a sentence where it holds text or complex numbers."""
     array = np.asarray(array)
     if array.dtype.kind not in "fiub":
-        raise InputError(f"{where} holds {array.dtype} instead of numbers; save it as real numbers.")
+        raise InputError(
+            f"{where} holds {array.dtype} instead of numbers; save it as real numbers."
+        )
     return array.astype(np.float64, copy=False)

@@ -1,4 +1,6 @@
-"""Two models, two records of one sensor, or a record and a model, side by side: at every averaging time and by coefficient."""
+"""Two models, two records of one sensor, or a record and a model, side by side: at every averaging
+time and by coefficient.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ from imu_lib.record import Record
 
 @dataclass(frozen=True)
 class Curve:
-    """Allan deviation at common averaging times with its 95 % interval; a model's interval is a point."""
+    """Allan deviation at common averaging times with its 95 % interval; a model's interval is a
+    point.
+    """
 
     adev: np.ndarray
     low: np.ndarray
@@ -26,9 +30,11 @@ class Curve:
 
 @dataclass(frozen=True)
 class Channel:
-    """One channel of both. ratio: a over b with its 95 % interval; differs: whether the interval excludes 1 after correction for
+    """One channel of both. ratio: a over b with its 95 % interval; differs: whether the interval
+    excludes 1 after correction for
     the number of
-    averaging times looked at. coefficients: name -> (a, b), an Estimate, a number, or None where one has no such term. mean, sd:
+    averaging times looked at. coefficients: name -> (a, b), an Estimate, a number, or None where
+    one has no such term. mean, sd:
     of records."""
 
     tau: np.ndarray
@@ -52,7 +58,9 @@ class Channel:
 
 @dataclass(frozen=True)
 class Comparison:
-    """a, b: what was compared. channels: those that both have. only: the channels that one alone has."""
+    """a, b: what was compared. channels: those that both have. only: the channels that one alone
+    has.
+    """
 
     a: str
     b: str
@@ -64,17 +72,27 @@ class Comparison:
 
 
 def compare(
-    a: Record | Model, b: Record | Model, *, rate: float | None = None, per_decade: int = 2, tell=lambda fits, total: fits
+    a: Record | Model,
+    b: Record | Model,
+    *,
+    rate: float | None = None,
+    per_decade: int = 2,
+    tell=lambda fits, total: fits,
 ) -> Comparison:
     """Lay two side by side.
 
-    a, b: records at rest or error models. rate: Hz at which two models are sampled (their own, else the continuous limit).
-    Records contribute their overlapped Allan deviation and its joint fit, models their closed form and parameters.
-    tell: wraps the running fits, to show progress. ValueError where they have no channel in common, InputError where a record is too short.
+    a, b: records at rest or error models. rate: Hz at which two models are sampled (their own,
+    else the continuous limit).
+    Records contribute their overlapped Allan deviation and its joint fit, models their closed form
+    and parameters.
+    tell: wraps the running fits, to show progress. ValueError where they have no channel in
+    common, InputError where a record is too short.
     """
     common = [c for c in a.channel_names if c in b.channel_names]
     if not common:
-        raise ValueError(f"`a` and `b` have no channel in common: {', '.join(a.channel_names)} against {', '.join(b.channel_names)}")
+        raise ValueError(
+            f"`a` and `b` have no channel in common: {', '.join(a.channel_names)} against {', '.join(b.channel_names)}"
+        )
     rates = [x.rate for x in (a, b) if x.rate] or [rate]
     fs = max((r for r in rates if r), default=None)
     span = min([x.duration for x in (a, b) if isinstance(x, Record)], default=1e5)
@@ -84,15 +102,21 @@ def compare(
     parts = [x.enough().uniform() if isinstance(x, Record) else x for x in (a, b)]
     jobs = [(x, c) for c in common for x in parts if isinstance(x, Record)]
     workers = min(len(jobs), os.cpu_count() or 1) if sum(x.n for x, _ in jobs) > 100_000 else 1
-    fits = Parallel(n_jobs=workers, return_as="generator")(delayed(_fit)(x[c], x.rate) for x, c in jobs)
+    fits = Parallel(n_jobs=workers, return_as="generator")(
+        delayed(_fit)(x[c], x.rate) for x, c in jobs
+    )
     fitted = {(id(x), c): found for (x, c), found in zip(jobs, tell(fits, total=len(jobs)))}
     channels = {c: _channel(c, *parts, tau, rate or fs, fitted) for c in common}
-    only = tuple(c for x, y in ((a, b), (b, a)) for c in x.channel_names if c not in y.channel_names)
+    only = tuple(
+        c for x, y in ((a, b), (b, a)) for c in x.channel_names if c not in y.channel_names
+    )
     return Comparison(a.name or a.source, b.name or b.source, channels, only)
 
 
 def _fit(x, fs) -> dict:
-    """The coefficients of a channel; none where it is too short for a fit, or never changes: the curves stand alone then."""
+    """The coefficients of a channel; none where it is too short for a fit, or never changes: the
+    curves stand alone then.
+    """
     try:
         return allan.characterise(x, fs)
     except ValueError:
@@ -111,7 +135,8 @@ def _channel(name, a, b, tau, fs, fitted) -> Channel:
     log = np.log(ca.adev / cb.adev)
     from scipy.stats import norm
 
-    # as many questions as averaging times: Bonferroni's correction keeps the false alarms of a channel at 5 %
+    # as many questions as averaging times: Bonferroni's correction keeps the false alarms of a
+    # channel at 5 %
     wider = norm.ppf(1 - 0.025 / max(1, len(tau))) / Z95
     differs = (log - wider * down > 1e-9) | (log + wider * up < -1e-9)
     return Channel(
@@ -123,7 +148,10 @@ def _channel(name, a, b, tau, fs, fitted) -> Channel:
         np.exp(log + up),
         differs,
         _coefficients(*(m[1] for m in measured)),
-        *(tuple(float(f(x[name])) if isinstance(x, Record) else None for x in (a, b)) for f in (np.nanmean, np.nanstd)),
+        *(
+            tuple(float(f(x[name])) if isinstance(x, Record) else None for x in (a, b))
+            for f in (np.nanmean, np.nanstd)
+        ),
     )
 
 
@@ -136,9 +164,12 @@ def _curve(x, name, tau, fs, fitted):
         for i, t in enumerate(tau):
             j = curve.at(t)
             if abs(curve.tau[j] / t - 1) < 0.26:
-                # slid along a slope of at most one per octave the value changes less than its interval at these few-sample clusters
+                # slid along a slope of at most one per octave the value changes less than its
+                # interval at these few-sample clusters
                 out[:, i] = curve.adev[j], curve.low[j], curve.high[j]
-        return Curve(*out), {k: v for k, v in fitted[id(x), name].items() if isinstance(v, Estimate)}
+        return Curve(*out), {
+            k: v for k, v in fitted[id(x), name].items() if isinstance(v, Estimate)
+        }
     adev = np.sqrt(np.asarray(x[name].avar(tau, fs), dtype=float))
     parameters, seen = {}, {}
     for process in (*x[name].terms, *x[name].stages):

@@ -1,6 +1,7 @@
 """The drive: an IMU in a vehicle, with GNSS and, where there is one, a reference solution.
 
-Units are SI; body axes forward-right-down, navigation axes north-east-down; positions are latitude and longitude in rad
+Units are SI; body axes forward-right-down, navigation axes north-east-down; positions are latitude
+and longitude in rad
 and height in m above the WGS-84 ellipsoid. All times count from the first IMU sample.
 """
 
@@ -37,9 +38,12 @@ class Drive:
     """A drive; arrays are read-only float64.
 
     time (n,) s, rising; gyro (n, 3) rad/s; accel (n, 3) m/s^2.
-    gnss_time (m,) s, rising; gnss_position (m, 3) rad, rad, m; gnss_velocity (m, 3) m/s NED; the `_sd` in m and m/s, NED;
-    gnss_fix (m,) the receiver's own code. reference_* likewise, reference_attitude (r, 3) roll, pitch, yaw in rad.
-    lever_arm (3,) IMU to antenna, body axes, m. extra: what else the file held. Raises ValueError naming the argument.
+    gnss_time (m,) s, rising; gnss_position (m, 3) rad, rad, m; gnss_velocity (m, 3) m/s NED; the
+    `_sd` in m and m/s, NED;
+    gnss_fix (m,) the receiver's own code. reference_* likewise, reference_attitude (r, 3) roll,
+    pitch, yaw in rad.
+    lever_arm (3,) IMU to antenna, body axes, m. extra: what else the file held. Raises ValueError
+    naming the argument.
     """
 
     time: np.ndarray
@@ -108,8 +112,20 @@ class Drive:
 
     def imu(self) -> Record:
         """The IMU signals alone, as a record."""
-        channels = {f"{kind}_{axis}": getattr(self, kind)[:, i] for kind in ("gyro", "accel") for i, axis in enumerate("xyz")}
-        return Record(channels, self.rate, self.time - self.time[0], self.temperature, self.name, self.source, self.notes)
+        channels = {
+            f"{kind}_{axis}": getattr(self, kind)[:, i]
+            for kind in ("gyro", "accel")
+            for i, axis in enumerate("xyz")
+        }
+        return Record(
+            channels,
+            self.rate,
+            self.time - self.time[0],
+            self.temperature,
+            self.name,
+            self.source,
+            self.notes,
+        )
 
     def slice(self, start: float | None = None, stop: float | None = None) -> Drive:
         """The part from `start` to before `stop`, s on the drive's own clock (which is kept)."""
@@ -118,7 +134,11 @@ class Drive:
             t = getattr(self, clock)
             if t is None:
                 continue
-            part = slice(*np.searchsorted(t, [-np.inf if start is None else start, np.inf if stop is None else stop]))
+            part = slice(
+                *np.searchsorted(
+                    t, [-np.inf if start is None else start, np.inf if stop is None else stop]
+                )
+            )
             for key in [clock] + [k for k, c in _SHAPES.items() if c == clock]:
                 if getattr(self, key) is not None:
                     changes[key] = getattr(self, key)[part]
@@ -129,12 +149,18 @@ class Drive:
 
     @classmethod
     def load(cls, path) -> Drive:
-        """A drive from an `.npz` with the contract's keys. InputError where the file is at fault, OSError where it cannot be opened."""
+        """A drive from an `.npz` with the contract's keys. InputError where the file is at fault,
+        OSError where it cannot be opened.
+        """
         return from_arrays(load_arrays(path), str(path))
 
     def save(self, path) -> None:
         """Write the drive as `.npz` with the contract's keys."""
-        arrays = {f.name: getattr(self, f.name) for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)}
+        arrays = {
+            f.name: getattr(self, f.name)
+            for f in fields(self)
+            if isinstance(getattr(self, f.name), np.ndarray)
+        }
         with open(path, "wb") as file:
             np.savez_compressed(file, **arrays, **self.extra)
 
@@ -145,7 +171,9 @@ def _check_position(position, key):
     good = position[np.isfinite(position).all(axis=1)]
     if not len(good):
         raise ValueError(f"`{key}` holds no position that is a number")
-    if (np.abs(good[:, 0]) > np.pi / 2 + 1e-9).any() or (np.abs(good[:, 1]) > 2 * np.pi + 1e-9).any():
+    if (np.abs(good[:, 0]) > np.pi / 2 + 1e-9).any() or (
+        np.abs(good[:, 1]) > 2 * np.pi + 1e-9
+    ).any():
         raise ValueError(
             f"`{key}` has a latitude of {np.abs(good[:, 0]).max():.4g}, beyond pi/2; latitude and longitude are in rad, "
             "it looks like degrees: multiply them by pi/180"
@@ -153,9 +181,13 @@ def _check_position(position, key):
 
 
 def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ...] = ()) -> Drive:
-    """A Drive from arrays under the contract's keys; fixes out of order or repeated are put right, and `notes` say so."""
+    """A Drive from arrays under the contract's keys; fixes out of order or repeated are put right,
+    and `notes` say so.
+    """
     known = {f.name for f in fields(Drive)} - {"extra", "name", "source", "notes"}
-    missing = [k for k in ("time", "gyro", "accel", "gnss_time", "gnss_position") if k not in arrays]
+    missing = [
+        k for k in ("time", "gyro", "accel", "gnss_time", "gnss_position") if k not in arrays
+    ]
     if missing:
         raise InputError(
             f"{source} has no `{missing[0]}`; a drive needs time, gyro, accel, gnss_time and gnss_position "
@@ -166,7 +198,11 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
         if clock not in values or values[clock].ndim != 1:
             continue
         t = values[clock]
-        partners = [k for k, c in _SHAPES.items() if c == clock and k in values and len(np.atleast_1d(values[k])) == len(t)]
+        partners = [
+            k
+            for k, c in _SHAPES.items()
+            if c == clock and k in values and len(np.atleast_1d(values[k])) == len(t)
+        ]
         good = np.isfinite(t)
         position = clock.replace("_time", "_position")
         if position in partners:
@@ -183,13 +219,18 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
                 values[k] = values[k][order]
     t = values["time"]
     if t.ndim == 1 and len(t) and np.isfinite(t[0]) and t[0] != 0.0:
-        # the contract counts from the first sample; a file on another clock is moved there as a whole
+        # the contract counts from the first sample; a file on another clock is moved there as a
+        # whole
         for k in ("time", "gnss_time", "reference_time"):
             if k in values:
                 values[k] = values[k] - t[0]
     try:
         return Drive(
-            **values, extra={k: v for k, v in arrays.items() if k not in known}, name=Path(source).stem, source=source, notes=notes
+            **values,
+            extra={k: v for k, v in arrays.items() if k not in known},
+            name=Path(source).stem,
+            source=source,
+            notes=notes,
         )
     except ValueError as error:
         raise InputError(f"{source}: {error}.") from None

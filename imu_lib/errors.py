@@ -6,7 +6,8 @@ class ImuLibError(Exception):
 
 
 class InputError(ImuLibError):
-    """A file or a call is at fault; the message is one plain sentence that names what and the remedy.
+    """A file or a call is at fault; the message is one plain sentence that names what and the
+    remedy.
 
     The command line prints the sentence on standard error and exits with status 2.
     """

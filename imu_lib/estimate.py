@@ -59,11 +59,18 @@ class Estimate:
         return Estimate(value, self.low * factor, self.high * factor)
 
     def __format__(self, spec: str) -> str:
-        """`value [low, high]`, each number in `spec` (four digits by default); `< high` where there is no value."""
-        value, low, high = (None if v is None else format(v, spec or ".4g") for v in (self.value, self.low, self.high))
+        """`value [low, high]`, each number in `spec` (four digits by default); `< high` where
+        there is no value.
+        """
+        value, low, high = (
+            None if v is None else format(v, spec or ".4g")
+            for v in (self.value, self.low, self.high)
+        )
         return f"{value} [{low}, {high}]" if self.shown else f"< {high}"
 
     def to_json(self) -> dict:
         """`{"value", "low", "high"}` with numbers that JSON can hold (infinity becomes None)."""
-        return {key: None if v is None or not np.isfinite(v) else float(v)
-                for key, v in (("value", self.value), ("low", self.low), ("high", self.high))}
+        return {
+            key: None if v is None or not np.isfinite(v) else float(v)
+            for key, v in (("value", self.value), ("low", self.low), ("high", self.high))
+        }

@@ -1,6 +1,8 @@
-"""Is a record sound? Its clock, its channels, its units, whether the sensor was at rest, its temperature.
+"""Is a record sound? Its clock, its channels, its units, whether the sensor was at rest, its
+temperature.
 
-`of_record` and `of_drive` look; nothing is changed. What deserves attention is a sentence in `findings`.
+`of_record` and `of_drive` look; nothing is changed. What deserves attention is a sentence in
+`findings`.
 """
 
 from __future__ import annotations
@@ -15,14 +17,18 @@ from imu_lib.readers import plausibility
 from imu_lib.record import Record
 
 WINDOW = 1.0  # s, the length of the windows in which rest is asked
-TURNING = 0.02  # rad/s of a window's mean off the bias: more than any bias drifts within a record at rest
+TURNING = (
+    # rad/s of a window's mean off the bias: more than any bias drifts within a record at rest
+    0.02
+)
 TILTING = 0.15  # m/s^2 between neighbouring windows' means: 0.9 deg of tilt
 SHAKING = 4.0  # times the scatter of the quietest fifth of the windows
 
 
 @dataclass(frozen=True)
 class Clock:
-    """jitter: standard deviation of a stamp about the even grid, s (None without stamps). gaps: (start s, duration s, missing
+    """jitter: standard deviation of a stamp about the even grid, s (None without stamps). gaps:
+    (start s, duration s, missing
     samples), longest first."""
 
     samples: int
@@ -39,9 +45,11 @@ class Clock:
 
 @dataclass(frozen=True)
 class Channel:
-    """One channel, SI. resolution: step of the output grid, None where none shows. saturated: samples at an end of the range
+    """One channel, SI. resolution: step of the output grid, None where none shows. saturated:
+    samples at an end of the range
     where they pile up.
-    frozen: samples in runs of one value longer than chance allows; longest_run in samples. noise: white-noise coefficient from
+    frozen: samples in runs of one value longer than chance allows; longest_run in samples. noise:
+    white-noise coefficient from
     neighbours' differences."""
 
     mean: float
@@ -58,7 +66,9 @@ class Channel:
 
 @dataclass(frozen=True)
 class Motion:
-    """state: at rest, moving, or partly moving. moving_share of the windows; rest_start, rest_stop: the longest stretch at rest, s."""
+    """state: at rest, moving, or partly moving. moving_share of the windows; rest_start,
+    rest_stop: the longest stretch at rest, s.
+    """
 
     state: str
     moving_share: float
@@ -69,7 +79,9 @@ class Motion:
 
 @dataclass(frozen=True)
 class Health:
-    """What `check` says. gnss: of a drive. findings: sentences on what deserves attention; none for a sound record."""
+    """What `check` says. gnss: of a drive. findings: sentences on what deserves attention; none
+    for a sound record.
+    """
 
     name: str
     source: str
@@ -86,7 +98,9 @@ class Health:
 
 
 def of_record(record: Record, *, repeats: int = 0) -> Health:
-    """The health of a record; `repeats` is how many time stamps repeated the one before when it was read."""
+    """The health of a record; `repeats` is how many time stamps repeated the one before when it
+    was read.
+    """
     clock = _clock(record, repeats)
     channels = {c: _channel(x, record.rate) for c, x in record.channels.items()}
     motion = _motion(record)
@@ -114,12 +128,18 @@ def of_drive(drive: Drive) -> Health:
         "rate": 1.0 / usual,
         "from": float(drive.gnss_time[0]),
         "to": float(drive.gnss_time[-1]),
-        "gaps": [(float(drive.gnss_time[i]), float(step[i])) for i in np.argsort(-step)[:5] if step[i] > 1.5 * usual],
+        "gaps": [
+            (float(drive.gnss_time[i]), float(step[i]))
+            for i in np.argsort(-step)[:5]
+            if step[i] > 1.5 * usual
+        ],
         "velocity": drive.gnss_velocity is not None,
         "standard_deviations": drive.gnss_position_sd is not None,
         "reference": drive.has_reference,
         "lever_arm": None if drive.lever_arm is None else drive.lever_arm.tolist(),
-        "max_speed": None if drive.gnss_velocity is None else float(np.nanmax(np.linalg.norm(drive.gnss_velocity[:, :2], axis=1))),
+        "max_speed": None
+        if drive.gnss_velocity is None
+        else float(np.nanmax(np.linalg.norm(drive.gnss_velocity[:, :2], axis=1))),
     }
     if drive.gnss_fix is not None:
         code, count = np.unique(drive.gnss_fix, return_counts=True)
@@ -128,12 +148,24 @@ def of_drive(drive: Drive) -> Health:
     if drive.gnss_time[0] > drive.time[-1] or drive.gnss_time[-1] < drive.time[0]:
         more.append("The fixes and the IMU do not overlap in time.")
     if gnss["gaps"]:
-        more.append(f"{int((step > 1.5 * usual).sum())} gaps between fixes, the longest {float(step.max()):.3g} s.")
+        more.append(
+            f"{int((step > 1.5 * usual).sum())} gaps between fixes, the longest {float(step.max()):.3g} s."
+        )
     if drive.gnss_velocity is None:
         more.append("The fixes have no velocity.")
     # a vehicle moves: that it is not at rest is no finding here
     keep = tuple(f for f in imu.findings if not f.startswith("The sensor"))
-    return Health(drive.name, drive.source, imu.clock, imu.channels, imu.motion, imu.temperature, gnss, drive.notes + imu.notes, keep + tuple(more))
+    return Health(
+        drive.name,
+        drive.source,
+        imu.clock,
+        imu.channels,
+        imu.motion,
+        imu.temperature,
+        gnss,
+        drive.notes + imu.notes,
+        keep + tuple(more),
+    )
 
 
 def _clock(record: Record, repeats: int) -> Clock:
@@ -141,7 +173,8 @@ def _clock(record: Record, repeats: int) -> Clock:
     jitter = None
     if record.time is not None:
         late = record.times() - record.slots() / record.rate
-        # slow drift of the clock is no jitter: the scatter of neighbours' steps about the even ones
+        # slow drift of the clock is no jitter: the scatter of neighbours' steps about the even
+        # ones
         step = np.diff(late)[np.diff(record.slots()) == 1]
         jitter = float(np.std(step) / np.sqrt(2)) if step.size else 0.0
     return Clock(
@@ -169,7 +202,9 @@ def resolution(x: np.ndarray) -> float | None:
     if len(often) > 1 and count[count > 2].sum() > 0.95 * len(x):
         level = often  # a few bridged or spiked samples off the grid are no finer grid
     step = np.diff(level)
-    step = step[step > 2e-6 * max(abs(level[0]), abs(level[-1]), level[-1] - level[0])]  # levels apart by float32 rounding are one
+    step = step[
+        step > 2e-6 * max(abs(level[0]), abs(level[-1]), level[-1] - level[0])
+    ]  # levels apart by float32 rounding are one
     if not step.size:
         return None
     unit = float(np.quantile(step, 0.02))
@@ -189,7 +224,11 @@ def _channel(x: np.ndarray, rate: float) -> Channel:
             count = int((np.abs(good - end) <= tiny).sum())
             next_one = (inner.max() if end == high else inner.min()) if inner.size else end
             # noise thins out towards its extremes; a clipped signal piles up there
-            if inner.size and count >= 5 and count > 2 * int((np.abs(good - next_one) <= tiny).sum()):
+            if (
+                inner.size
+                and count >= 5
+                and count > 2 * int((np.abs(good - next_one) <= tiny).sum())
+            ):
                 saturated += count
     frozen, longest = _frozen(x)
     return Channel(
@@ -214,15 +253,20 @@ def _frozen(x: np.ndarray) -> tuple[int, int]:
     repeat = 1.0 - (len(run) - 1) / max(1, len(x) - 1)
     if len(run) == 1:
         return len(x), longest
-    # longest run that independent samples of this share of repeats are to be expected to make, five times over: coarse steps and
+    # longest run that independent samples of this share of repeats are to be expected to make,
+    # five times over: coarse steps and
     # slow drift repeat more
-    chance = np.log(len(x)) / -np.log(min(max(float(np.quantile(run, 0.9) > 1) * repeat, 1e-3), 0.9999))
+    chance = np.log(len(x)) / -np.log(
+        min(max(float(np.quantile(run, 0.9) > 1) * repeat, 1e-3), 0.9999)
+    )
     least = max(5.0 * chance, 8.0)
     return int(run[run > least].sum()), longest
 
 
 def windows(record: Record) -> tuple[np.ndarray, np.ndarray, int]:
-    """Mean and standard deviation of every channel in windows of WINDOW s, shapes (channels, windows), and samples per window."""
+    """Mean and standard deviation of every channel in windows of WINDOW s, shapes (channels,
+    windows), and samples per window.
+    """
     block = max(10, int(round(WINDOW * record.rate)))
     n = record.n // block
     if n == 0:
@@ -245,7 +289,9 @@ def _motion(record: Record) -> Motion:
         moving |= known & (s > SHAKING * quiet + step)
         if name.startswith("gyro"):
             still = known & (s <= np.quantile(s[known], 0.5))
-            moving |= known & (np.abs(m - np.median(m[still])) > max(TURNING, 5 * quiet / np.sqrt(block)))
+            moving |= known & (
+                np.abs(m - np.median(m[still])) > max(TURNING, 5 * quiet / np.sqrt(block))
+            )
         else:
             jump = np.r_[0.0, np.abs(np.diff(m))]
             moving |= known & (np.nan_to_num(jump) > max(TILTING, 6 * quiet / np.sqrt(block)))
@@ -254,14 +300,25 @@ def _motion(record: Record) -> Motion:
     state = "at rest" if share <= 0.01 else "moving" if share > 0.5 else "partly moving"
     low, high = timing.longest_run(~moving & known, np.array([], dtype=int))
     accel = record["accel"] if all(f"accel_{a}" in record for a in "xyz") else None
-    return Motion(state, share, low * block / record.rate, high * block / record.rate, None if accel is None else plausibility.gravity(accel))
+    return Motion(
+        state,
+        share,
+        low * block / record.rate,
+        high * block / record.rate,
+        None if accel is None else plausibility.gravity(accel),
+    )
 
 
 def _temperature(record: Record) -> dict | None:
     t = record.temperature
     if t is None:
         return None
-    return {"low": float(np.nanmin(t)), "high": float(np.nanmax(t)), "first": float(t[0]), "last": float(t[-1])}
+    return {
+        "low": float(np.nanmin(t)),
+        "high": float(np.nanmax(t)),
+        "first": float(t[0]),
+        "last": float(t[-1]),
+    }
 
 
 def _findings(record, clock, channels, motion, temperature):

@@ -1,4 +1,6 @@
-"""The error model of an IMU: a sum of processes for each channel, and what acts on several of them."""
+"""The error model of an IMU: a sum of processes for each channel, and what acts on several of
+them.
+"""
 
 from __future__ import annotations
 
@@ -45,11 +47,16 @@ class Model:
         for channel in CHANNELS:
             if channel in self.channels:
                 entry = self.channels[channel]
-                ordered[channel] = entry if isinstance(entry, Sum) else Sum.of(
-                    entry if isinstance(entry, Iterable) else [entry])
+                ordered[channel] = (
+                    entry
+                    if isinstance(entry, Sum)
+                    else Sum.of(entry if isinstance(entry, Iterable) else [entry])
+                )
         unknown = sorted(set(self.channels) - set(CHANNELS))
         if unknown:
-            raise InputError(f"unknown channel {unknown[0]!r} in the error model; channels are {', '.join(CHANNELS)}")
+            raise InputError(
+                f"unknown channel {unknown[0]!r} in the error model; channels are {', '.join(CHANNELS)}"
+            )
         if not ordered:
             raise InputError("the error model has no channel; channels are " + ", ".join(CHANNELS))
         object.__setattr__(self, "channels", ordered)
@@ -57,7 +64,9 @@ class Model:
 
     def __getitem__(self, channel: str) -> Sum:
         if channel not in self.channels:
-            raise KeyError(f"the error model has no channel {channel!r}; it has {', '.join(self.channels)}")
+            raise KeyError(
+                f"the error model has no channel {channel!r}; it has {', '.join(self.channels)}"
+            )
         return self.channels[channel]
 
     def __contains__(self, channel: object) -> bool:
@@ -68,10 +77,15 @@ class Model:
         """Names of the channels, in the order of the file format."""
         return tuple(self.channels)
 
-    def with_channels(self, channels: Mapping[str, Sum], *, record: tuple[Process, ...] | None = None) -> Model:
+    def with_channels(
+        self, channels: Mapping[str, Sum], *, record: tuple[Process, ...] | None = None
+    ) -> Model:
         """The same model with some channels (and the record's own processes) replaced."""
-        return replace(self, channels={**self.channels, **channels},
-                       record=self.record if record is None else record)
+        return replace(
+            self,
+            channels={**self.channels, **channels},
+            record=self.record if record is None else record,
+        )
 
     # -- files -----------------------------------------------------------------------------------
     @classmethod
@@ -84,24 +98,35 @@ class Model:
             Naming `where`, the channel, the entry and what is wrong with it.
         """
         if not isinstance(content, Mapping):
-            raise InputError(f"{where}: an error model is an object of channels, not {type(content).__name__}")
+            raise InputError(
+                f"{where}: an error model is an object of channels, not {type(content).__name__}"
+            )
         channels, extra = {}, {}
         for key, value in content.items():
             if key in _RESERVED:
                 continue
             if key not in CHANNELS:
                 if isinstance(value, list):
-                    raise InputError(f"{where}: unknown channel {key!r}; channels are {', '.join(CHANNELS)}")
+                    raise InputError(
+                        f"{where}: unknown channel {key!r}; channels are {', '.join(CHANNELS)}"
+                    )
                 extra[key] = value
                 continue
             channels[key] = Sum.of(_entries(value, f"{where}, channel {key}", on_record=False))
         rate = content.get("rate")
-        if rate is not None and (isinstance(rate, bool) or not isinstance(rate, (int, float)) or not 0 < rate < np.inf):
+        if rate is not None and (
+            isinstance(rate, bool) or not isinstance(rate, (int, float)) or not 0 < rate < np.inf
+        ):
             raise InputError(f"{where}: `rate` must be a positive number of Hz, not {rate!r}")
         try:
-            return cls(channels, tuple(_entries(content.get("record", []), f"{where}, record", on_record=True)),
-                       None if rate is None else float(rate), str(content.get("name", "")),
-                       str(content.get("source", "")), extra)
+            return cls(
+                channels,
+                tuple(_entries(content.get("record", []), f"{where}, record", on_record=True)),
+                None if rate is None else float(rate),
+                str(content.get("name", "")),
+                str(content.get("source", "")),
+                extra,
+            )
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
 
@@ -129,19 +154,28 @@ class Model:
         text = str(path)
         if text.startswith("preset:"):
             from imu_lib.presets import preset
+
             return preset(text.removeprefix("preset:"))
         try:
             content = json.loads(Path(path).read_text(encoding="utf-8"))
         except FileNotFoundError:
-            raise InputError(f"{path}: no such file; give an error-model file (.json) or preset:NAME") from None
+            raise InputError(
+                f"{path}: no such file; give an error-model file (.json) or preset:NAME"
+            ) from None
         except IsADirectoryError:
-            raise InputError(f"{path} is a directory; give an error-model file (.json) or preset:NAME") from None
+            raise InputError(
+                f"{path} is a directory; give an error-model file (.json) or preset:NAME"
+            ) from None
         except OSError as error:
             raise InputError(f"{path} cannot be read: {error.strerror}") from None
         except UnicodeDecodeError:
-            raise InputError(f"{path} is not text; give an error-model file (.json) or preset:NAME") from None
+            raise InputError(
+                f"{path} is not text; give an error-model file (.json) or preset:NAME"
+            ) from None
         except json.JSONDecodeError as error:
-            raise InputError(f"{path}, line {error.lineno}, column {error.colno}: not valid JSON ({error.msg})") from None
+            raise InputError(
+                f"{path}, line {error.lineno}, column {error.colno}: not valid JSON ({error.msg})"
+            ) from None
         return cls.from_json(content, where=str(path))
 
     def save(self, path) -> None:
@@ -152,8 +186,15 @@ class Model:
         temporary.replace(path)
 
     # -- realisations ----------------------------------------------------------------------------
-    def simulate(self, n: int, fs: float, rng: np.random.Generator, *, temperature=None,
-                 channels: Iterable[str] | None = None) -> dict[str, np.ndarray]:
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature=None,
+        channels: Iterable[str] | None = None,
+    ) -> dict[str, np.ndarray]:
         """A realisation of the channels: dict of ndarray, shape (n,), at `fs` Hz.
 
         A channel's draw depends on the state of `rng` alone, not on which others are drawn.
@@ -163,15 +204,34 @@ class Model:
         common = {channel: None for channel in wanted}
         for process in self.record:
             if isinstance(process, CommonMode):
-                parts = process.on({c: self[c].low_pass for c in process.channels if c in self.channels}, n, fs, generators["record"])
+                parts = process.on(
+                    {c: self[c].low_pass for c in process.channels if c in self.channels},
+                    n,
+                    fs,
+                    generators["record"],
+                )
                 for channel, shared in parts.items():
                     if channel in common:
-                        common[channel] = shared if common[channel] is None else common[channel] + shared
-        return {channel: self[channel].simulate(n, fs, generators[channel], temperature=temperature,
-                                                common=common[channel]) for channel in wanted}
+                        common[channel] = (
+                            shared if common[channel] is None else common[channel] + shared
+                        )
+        return {
+            channel: self[channel].simulate(
+                n, fs, generators[channel], temperature=temperature, common=common[channel]
+            )
+            for channel in wanted
+        }
 
-    def simulate_record(self, n: int, fs: float, rng: np.random.Generator, *, temperature=None,
-                        name: str = "", channels: Iterable[str] | None = None) -> Record:
+    def simulate_record(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature=None,
+        name: str = "",
+        channels: Iterable[str] | None = None,
+    ) -> Record:
         """A realisation as a `Record`, with the gaps and the jitter of the model's clock."""
         signals = self.simulate(n, fs, rng, temperature=temperature, channels=channels)
         time = None
@@ -186,8 +246,14 @@ class Model:
                 time = (np.arange(n) / fs if time is None else time)[keep]
                 signals = {channel: x[keep] for channel, x in signals.items()}
                 temperature = None if temperature is None else np.asarray(temperature)[keep]
-        return Record(signals, fs, time=time, temperature=temperature, name=name or self.name,
-                      source=f"simulated from the error model {self.name or 'given'}")
+        return Record(
+            signals,
+            fs,
+            time=time,
+            temperature=temperature,
+            name=name or self.name,
+            source=f"simulated from the error model {self.name or 'given'}",
+        )
 
 
 def _entries(value, where: str, *, on_record: bool) -> list[Process]:

@@ -59,8 +59,13 @@ def published_2013() -> dict[str, Published]:
     for channel, row in ALLAN_2013.items():
         flat_time, sd = FLAT_2013[channel]
         factor = {symbol: units.datasheet(symbol, channel)[0] for symbol in "NBK"}
-        out[channel] = Published(row["N"][0] * factor["N"], row["B"][0] * factor["B"],
-                                 row["K"][0] * factor["K"] if "K" in row else None, flat_time, sd)
+        out[channel] = Published(
+            row["N"][0] * factor["N"],
+            row["B"][0] * factor["B"],
+            row["K"][0] * factor["K"] if "K" in row else None,
+            flat_time,
+            sd,
+        )
     return out
 
 
@@ -84,11 +89,15 @@ def twin_misfit(entry: Sum, published: Published) -> dict[str, float]:
     Returns
     -------
     dict
-        `N` (as an Allan curve shows it), `flat` (Allan deviation at the printed correlation time over
-        0.664 B), `K` (where printed) and `sd` (expected standard deviation of a seven-hour record) as ratios; `slope`,
+        `N` (as an Allan curve shows it), `flat` (Allan deviation at the printed correlation time
+        over
+        0.664 B), `K` (where printed) and `sd` (expected standard deviation of a seven-hour record)
+        as ratios; `slope`,
         the slope of the log-log Allan deviation at that time, as it is (a flat part has 0).
     """
-    white, markov, walk = (entry.find(name) for name in ("white_noise", "gauss_markov", "random_walk"))
+    white, markov, walk = (
+        entry.find(name) for name in ("white_noise", "gauss_markov", "random_walk")
+    )
     low_pass = entry.low_pass or MOVING_AVERAGE_2013
     folded = float(Sum((white,), (low_pass,)).psd(1e-3, 100.0) / white.psd(1e-3))
     seen = white.with_(N=white.N * np.sqrt(folded))
@@ -97,10 +106,12 @@ def twin_misfit(entry: Sum, published: Published) -> dict[str, float]:
     around = np.sqrt(Sum((seen, *slow_terms)).avar(tau * np.array([0.9, 1.0, 1.1])))
     fast = white.N**2 * low_pass.rate / low_pass.taps
     slow = markov.sigma**2 + (0.0 if walk is None else walk.K**2 * DURATION_2013 / 6.0)
-    out = {"N": seen.N / published.N,
-           "flat": around[1] / (FLAT_LEVEL * published.B),
-           "slope": np.log(around[2] / around[0]) / np.log(1.1 / 0.9),
-           "sd": np.sqrt(fast + slow) / published.sd}
+    out = {
+        "N": seen.N / published.N,
+        "flat": around[1] / (FLAT_LEVEL * published.B),
+        "slope": np.log(around[2] / around[0]) / np.log(1.1 / 0.9),
+        "sd": np.sqrt(fast + slow) / published.sd,
+    }
     if walk is not None:
         out["K"] = walk.K / published.K
     return {key: float(value) for key, value in out.items()}
@@ -119,8 +130,10 @@ def _twin_channel(published: Published) -> Sum:
 
     def residuals(log):
         misfit = twin_misfit(entry(np.exp(log)), published)
-        return [(value if key == "slope" else np.log(value)) / _TOLERANCE[key]
-                for key, value in misfit.items()]
+        return [
+            (value if key == "slope" else np.log(value)) / _TOLERANCE[key]
+            for key, value in misfit.items()
+        ]
 
     # four digits are more than the tables hold, and the same on every machine
     best = least_squares(residuals, np.log(start)).x
@@ -129,9 +142,12 @@ def _twin_channel(published: Published) -> Sum:
 
 @cache
 def _twin() -> Model:
-    return Model({channel: _twin_channel(row) for channel, row in published_2013().items()},
-                 rate=100.0, name="3dm-gx3-25",
-                 source="twin of what Quinchia et al. (2013) measured, Tables 4 and 5; moving average of Sec. 5.1")
+    return Model(
+        {channel: _twin_channel(row) for channel, row in published_2013().items()},
+        rate=100.0,
+        name="3dm-gx3-25",
+        source="twin of what Quinchia et al. (2013) measured, Tables 4 and 5; moving average of Sec. 5.1",
+    )
 
 
 def _model_of_2013() -> Model:
@@ -141,29 +157,52 @@ def _model_of_2013() -> Model:
         if row.K is not None:
             terms.append(RandomWalk(row.K))
         channels[channel] = Sum(tuple(terms))
-    return Model(channels, rate=100.0, name="3dm-gx3-25-2013",
-                 source="Quinchia et al. (2013), Eqs. 19-20 and 27-30 with Tables 4 and 5")
+    return Model(
+        channels,
+        rate=100.0,
+        name="3dm-gx3-25-2013",
+        source="Quinchia et al. (2013), Eqs. 19-20 and 27-30 with Tables 4 and 5",
+    )
 
 
 def _isis_imu() -> Model:
     deg, mps = units.DEG, 1.0
     hour = units.MPS_PER_HOUR
-    return Model({
-        "gyro_x": Sum((Quantization(2.5e-3 * deg), WhiteNoise(4.8e-2 * units.DEG_PER_SQRT_HOUR),
-                       Flicker(1.4 * units.DEG_PER_HOUR), RandomWalk(5.2 * units.DEG_PER_HOUR_1_5))),
-        "gyro_y": Sum((Quantization(7.2e-3 * deg), Ramp(72 * units.DEG_PER_HOUR_2))),
-        "gyro_z": Sum((Quantization(9.1e-4 * deg), WhiteNoise(2.6e-2 * units.DEG_PER_SQRT_HOUR),
-                       Flicker(1.2 * units.DEG_PER_HOUR), RandomWalk(8.1 * units.DEG_PER_HOUR_1_5))),
-        "accel_x": Sum((Quantization(4.5e-3 * mps), Flicker(1.4 * hour))),
-        "accel_y": Sum((Quantization(2.1e-3 * mps), Flicker(0.9 * hour), Ramp(3.2 * units.MPS_PER_HOUR_2))),
-        "accel_z": Sum((Quantization(4.8e-1 * mps),)),
-    }, rate=100.0, name="isis-imu",
-        source="Zhao et al. (2011), Tables 2 and 3 (B of Table 3 read as m/s/h); the sampling rate, 100 Hz, is ours")
+    return Model(
+        {
+            "gyro_x": Sum(
+                (
+                    Quantization(2.5e-3 * deg),
+                    WhiteNoise(4.8e-2 * units.DEG_PER_SQRT_HOUR),
+                    Flicker(1.4 * units.DEG_PER_HOUR),
+                    RandomWalk(5.2 * units.DEG_PER_HOUR_1_5),
+                )
+            ),
+            "gyro_y": Sum((Quantization(7.2e-3 * deg), Ramp(72 * units.DEG_PER_HOUR_2))),
+            "gyro_z": Sum(
+                (
+                    Quantization(9.1e-4 * deg),
+                    WhiteNoise(2.6e-2 * units.DEG_PER_SQRT_HOUR),
+                    Flicker(1.2 * units.DEG_PER_HOUR),
+                    RandomWalk(8.1 * units.DEG_PER_HOUR_1_5),
+                )
+            ),
+            "accel_x": Sum((Quantization(4.5e-3 * mps), Flicker(1.4 * hour))),
+            "accel_y": Sum(
+                (Quantization(2.1e-3 * mps), Flicker(0.9 * hour), Ramp(3.2 * units.MPS_PER_HOUR_2))
+            ),
+            "accel_z": Sum((Quantization(4.8e-1 * mps),)),
+        },
+        rate=100.0,
+        name="isis-imu",
+        source="Zhao et al. (2011), Tables 2 and 3 (B of Table 3 read as m/s/h); the sampling rate, 100 Hz, is ours",
+    )
 
 
 def _rga300ca() -> Model:
     # The paper prints no noise parameters. Ours: white noise at half of Table 1's random-walk
-    # limits behind the 10 Hz bandwidth of the 20 Hz logging, a correlated part on the accelerometers
+    # limits behind the 10 Hz bandwidth of the 20 Hz logging, a correlated part on the
+    # accelerometers
     # that a fourth-order model can follow, and Table 1's resolution.
     white = WhiteNoise(0.5 * 0.15 * units.MPS_PER_SQRT_HOUR)
     coloured = {
@@ -172,10 +211,15 @@ def _rga300ca() -> Model:
         "accel_z": Autoregressive((0.45, 0.20, 0.14, 0.09), 1.5e-3, 20.0),
     }
     channels = {channel: Sum((white, process)) for channel, process in coloured.items()}
-    channels["gyro_z"] = Sum((WhiteNoise(0.5 * 2.25 * units.DEG_PER_SQRT_HOUR),),
-                             (Resolution(0.025 * units.DEG_PER_S),))
-    return Model(channels, rate=20.0, name="rga300ca",
-                 source="Park and Gao (2008): Table 1's limits; the noise parameters are ours, the paper prints none")
+    channels["gyro_z"] = Sum(
+        (WhiteNoise(0.5 * 2.25 * units.DEG_PER_SQRT_HOUR),), (Resolution(0.025 * units.DEG_PER_S),)
+    )
+    return Model(
+        channels,
+        rate=20.0,
+        name="rga300ca",
+        source="Park and Gao (2008): Table 1's limits; the noise parameters are ours, the paper prints none",
+    )
 
 
 PRESETS: dict[str, Callable[[], Model]] = {

@@ -1,6 +1,8 @@
-"""The static record: what an IMU at rest put out, with its rate, its time stamps and where it came from.
+"""The static record: what an IMU at rest put out, with its rate, its time stamps and where it came
+from.
 
-Units are SI: rad/s, m/s^2, s, degC. A missing sample is NaN. A record never changes; every method that
+Units are SI: rad/s, m/s^2, s, degC. A missing sample is NaN. A record never changes; every method
+that
 alters one returns a new record whose `notes` say what was done.
 """
 
@@ -19,12 +21,16 @@ CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 
 
 def frozen_array(value, name: str, shape: tuple) -> np.ndarray:
-    """A read-only contiguous float64 array of `shape` (-1 where any length will do); ValueError naming `name` otherwise."""
+    """A read-only contiguous float64 array of `shape` (-1 where any length will do); ValueError
+    naming `name` otherwise.
+    """
     try:
         array = np.ascontiguousarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         raise ValueError(f"`{name}` must hold numbers") from None
-    if array.ndim != len(shape) or any(want not in (-1, got) for want, got in zip(shape, array.shape)):
+    if array.ndim != len(shape) or any(
+        want not in (-1, got) for want, got in zip(shape, array.shape)
+    ):
         wanted = ", ".join("n" if s == -1 else str(s) for s in shape)
         raise ValueError(f"`{name}` must have the shape ({wanted}), not {array.shape}")
     if array is value or array.base is not None:
@@ -37,8 +43,10 @@ def frozen_array(value, name: str, shape: tuple) -> np.ndarray:
 class Record:
     """A static record.
 
-    channels: name -> ndarray (n,), names out of CHANNELS, rad/s and m/s^2, NaN where a sample is missing.
-    rate: samples per second, Hz. time: ndarray (n,), s from the first sample, rising; None means evenly sampled at `rate`.
+    channels: name -> ndarray (n,), names out of CHANNELS, rad/s and m/s^2, NaN where a sample is
+    missing.
+    rate: samples per second, Hz. time: ndarray (n,), s from the first sample, rising; None means
+    evenly sampled at `rate`.
     temperature: ndarray (n,), degC, or None. notes: sentences on what reading or cutting did.
     Raises ValueError naming the argument.
     """
@@ -61,7 +69,9 @@ class Record:
         n = np.size(self.channels[first])
         if n < 2:
             raise ValueError(f"`{first}` has {n} sample(s); at least two are needed")
-        channels = {c: frozen_array(self.channels[c], c, (n,)) for c in CHANNELS if c in self.channels}
+        channels = {
+            c: frozen_array(self.channels[c], c, (n,)) for c in CHANNELS if c in self.channels
+        }
         for name, x in channels.items():
             if np.isinf(x).any():
                 raise ValueError(
@@ -80,28 +90,42 @@ class Record:
             time = frozen_array(self.time, "time", (n,))
             wrong = np.flatnonzero(~(np.diff(time) > 0))
             if not np.isfinite(time[0]) or wrong.size:
-                raise ValueError(f"`time` must rise from sample to sample; it does not at sample {int(wrong[0]) + 1 if wrong.size else 0}")
+                raise ValueError(
+                    f"`time` must rise from sample to sample; it does not at sample {int(wrong[0]) + 1 if wrong.size else 0}"
+                )
             put(self, "time", time)
         if self.temperature is not None:
             put(self, "temperature", frozen_array(self.temperature, "temperature", (n,)))
 
-    def __reduce__(self):  # a mapping proxy cannot be pickled, and records travel to worker processes
-        return Record, (dict(self.channels), self.rate, self.time, self.temperature, self.name, self.source, self.notes)
+    def __reduce__(
+        self,
+    ):  # a mapping proxy cannot be pickled, and records travel to worker processes
+        return Record, (
+            dict(self.channels),
+            self.rate,
+            self.time,
+            self.temperature,
+            self.name,
+            self.source,
+            self.notes,
+        )
 
     def __repr__(self):
-        return (
-            f"Record({self.name or 'unnamed'}: {', '.join(self.channels)}; {self.n} samples at {self.rate:.6g} Hz, {self.duration:.6g} s)"
-        )
+        return f"Record({self.name or 'unnamed'}: {', '.join(self.channels)}; {self.n} samples at {self.rate:.6g} Hz, {self.duration:.6g} s)"
 
     def __contains__(self, key) -> bool:
         return key in self.channels
 
     def __getitem__(self, key: str) -> np.ndarray:
-        """One channel (n,), or `gyro` / `accel` as (n, 3) where all three axes are there. KeyError otherwise."""
+        """One channel (n,), or `gyro` / `accel` as (n, 3) where all three axes are there. KeyError
+        otherwise.
+        """
         if key in ("gyro", "accel"):
             axes = [self.channels.get(f"{key}_{axis}") for axis in "xyz"]
             if any(a is None for a in axes):
-                raise KeyError(f"the record has not all three axes of `{key}`, only {', '.join(self.channels)}")
+                raise KeyError(
+                    f"the record has not all three axes of `{key}`, only {', '.join(self.channels)}"
+                )
             return np.column_stack(axes)
         if key not in self.channels:
             raise KeyError(f"the record has no channel `{key}`, only {', '.join(self.channels)}")
@@ -119,7 +143,11 @@ class Record:
     @property
     def duration(self) -> float:
         """Seconds covered, the last sample's own interval included."""
-        return self.n / self.rate if self.time is None else float(self.time[-1] - self.time[0]) + 1.0 / self.rate
+        return (
+            self.n / self.rate
+            if self.time is None
+            else float(self.time[-1] - self.time[0]) + 1.0 / self.rate
+        )
 
     def times(self) -> np.ndarray:
         """Time of each sample from the first one, s, shape (n,)."""
@@ -140,22 +168,31 @@ class Record:
         )
 
     def slice(self, start: float | None = None, stop: float | None = None) -> Record:
-        """The part from `start` to before `stop`, seconds from the first sample. ValueError where fewer than two samples are left."""
+        """The part from `start` to before `stop`, seconds from the first sample. ValueError where
+        fewer than two samples are left.
+        """
         t = self.times()
         low = 0 if start is None else int(np.searchsorted(t, start - 0.5e-6 / self.rate))
         high = self.n if stop is None else int(np.searchsorted(t, stop - 0.5e-6 / self.rate))
         if high - low < 2:
-            raise ValueError(f"`start` {start} and `stop` {stop} leave fewer than two samples of a record of {self.duration:.6g} s")
+            raise ValueError(
+                f"`start` {start} and `stop` {stop} leave fewer than two samples of a record of {self.duration:.6g} s"
+            )
         return self if (low, high) == (0, self.n) else self.take(slice(low, high))
 
-    # -- gaps -------------------------------------------------------------------------------------------------
+    # -- gaps
+    # -------------------------------------------------------------------------------------------------
 
     def slots(self) -> np.ndarray:
-        """Number of each sample on the even grid at `rate`, shape (n,), int: a number left out is a missing sample."""
+        """Number of each sample on the even grid at `rate`, shape (n,), int: a number left out is
+        a missing sample.
+        """
         return np.arange(self.n) if self.time is None else timing.slots(self.time, self.rate)
 
     def gaps(self) -> tuple[timing.Gap, ...]:
-        """Every gap in the time stamps: where it begins (s), how long it is (s), how many samples are missing."""
+        """Every gap in the time stamps: where it begins (s), how long it is (s), how many samples
+        are missing.
+        """
         return timing.gaps(self.times(), self.slots(), self.rate)
 
     def missing(self) -> np.ndarray:
@@ -166,7 +203,8 @@ class Record:
         return bad
 
     def enough(self, least: int = 100) -> Record:
-        """The record itself; InputError where it has fewer samples than `least`: below, not even the white noise has an interval
+        """The record itself; InputError where it has fewer samples than `least`: below, not even
+        the white noise has an interval
         worth printing."""
         if self.n < least:
             raise InputError(
@@ -176,7 +214,8 @@ class Record:
         return self
 
     def uniform(self) -> Record:
-        """The record on an even grid at `rate`: jitter of the stamps dropped, NaN where a sample is missing. ValueError where
+        """The record on an even grid at `rate`: jitter of the stamps dropped, NaN where a sample
+        is missing. ValueError where
         the gaps are so long that the grid would be over ten times the record."""
         if self.time is None:
             return self
@@ -185,7 +224,9 @@ class Record:
         if n == self.n:
             return replace(self, time=None)
         if n > 10 * self.n + 1_000_000:
-            raise ValueError(f"`time` leaves {n - self.n:,} of {n:,} samples missing; cut the record at its gaps first (start, stop)")
+            raise ValueError(
+                f"`time` leaves {n - self.n:,} of {n:,} samples missing; cut the record at its gaps first (start, stop)"
+            )
 
         def spread(x):
             out = np.full(n, np.nan)
@@ -196,7 +237,9 @@ class Record:
             self,
             channels={c: spread(x) for c, x in self.channels.items()},
             time=None,
-            temperature=None if self.temperature is None else timing.fill(spread(self.temperature), n)[0],
+            temperature=None
+            if self.temperature is None
+            else timing.fill(spread(self.temperature), n)[0],
             notes=self.notes + (f"{n - self.n:,} missing samples put in as NaN on an even grid.",),
         )
 
@@ -205,7 +248,9 @@ class Record:
         broken = np.flatnonzero(np.diff(self.slots()) != 1) + 1
         low, high = timing.longest_run(~self.missing(), broken)
         if high - low < 2:
-            raise ValueError("`channels` have no two neighbouring samples in which every channel is a number")
+            raise ValueError(
+                "`channels` have no two neighbouring samples in which every channel is a number"
+            )
         if (low, high) == (0, self.n):
             return replace(self, time=None)
         part = self.take(
@@ -217,11 +262,17 @@ class Record:
     def continuous(self, *, fill: int = 10) -> Record:
         """What an estimator on `(x, fs)` may be given: evenly sampled, no NaN, nothing silent.
 
-        Gaps of up to `fill` samples are bridged by straight lines, then the longest stretch is taken; `notes` say both.
+        Gaps of up to `fill` samples are bridged by straight lines, then the longest stretch is
+        taken; `notes` say both.
         """
         if self.time is None and not self.missing().any():
             return self
-        even, count = self.longest_stretch() if len(self.slots()) and self.slots()[-1] > 10 * self.n else self.uniform(), 0
+        even, count = (
+            self.longest_stretch()
+            if len(self.slots()) and self.slots()[-1] > 10 * self.n
+            else self.uniform(),
+            0,
+        )
         channels = {}
         for c, x in even.channels.items():
             channels[c], filled = timing.fill(x, fill)
@@ -230,6 +281,9 @@ class Record:
             even = replace(
                 even,
                 channels=channels,
-                notes=even.notes + (f"{count:,} missing samples in short gaps (up to {fill}) bridged by straight lines.",),
+                notes=even.notes
+                + (
+                    f"{count:,} missing samples in short gaps (up to {fill}) bridged by straight lines.",
+                ),
             )
         return even.longest_stretch()

@@ -7,23 +7,36 @@ import math
 
 from imu_lib import units
 
-TITLES = {"allan": "Allan variance", "psd": "spectrum", "likelihood": "likelihood", "gauss_markov": "autocorrelation"}
+TITLES = {
+    "allan": "Allan variance",
+    "psd": "spectrum",
+    "likelihood": "likelihood",
+    "gauss_markov": "autocorrelation",
+}
 NAMES = {"sigma": "Gauss-Markov sigma", "correlation_time": "correlation time"}
-STYLE = ("body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;line-height:1.45}"
-         "table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}"
-         "td,th{white-space:nowrap;padding:.2rem .6rem;border-bottom:1px solid #ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
-         "img{max-width:100%}figcaption{color:#444;font-size:.9rem}.note{color:#444}"
-         "@media (prefers-color-scheme:dark){body{background:#1b1b1b;color:#ddd}td,th{border-color:#444}"
-         "figcaption,.note{color:#aaa}img{background:#fff}}")
+STYLE = (
+    "body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;line-height:1.45}"
+    "table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}"
+    "td,th{white-space:nowrap;padding:.2rem .6rem;border-bottom:1px solid #ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
+    "img{max-width:100%}figcaption{color:#444;font-size:.9rem}.note{color:#444}"
+    "@media (prefers-color-scheme:dark){body{background:#1b1b1b;color:#ddd}td,th{border-color:#444}"
+    "figcaption,.note{color:#aaa}img{background:#fff}}"
+)
 
 
-# -- HTML ----------------------------------------------------------------------------------------------------------
+# -- HTML
+# ----------------------------------------------------------------------------------------------------------
+
 
 def page(title, *parts):
     """A whole HTML page without outside references; `parts` are pieces of HTML in order."""
-    return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n<meta name="viewport" '
-            f'content="width=device-width,initial-scale=1">\n<title>{html.escape(title)}</title>\n<style>{STYLE}</style>'
-            f"</head>\n<body>\n<h1>{html.escape(title)}</h1>\n" + "\n".join(parts) + "\n</body></html>\n")
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n<meta name="viewport" '
+        f'content="width=device-width,initial-scale=1">\n<title>{html.escape(title)}</title>\n<style>{STYLE}</style>'
+        f"</head>\n<body>\n<h1>{html.escape(title)}</h1>\n"
+        + "\n".join(parts)
+        + "\n</body></html>\n"
+    )
 
 
 def heading(text, level=2):
@@ -35,13 +48,20 @@ def paragraph(text, *, note=False):
 
 
 def bullets(items):
-    return "<ul>" + "".join(f"<li>{html.escape(str(item))}</li>" for item in items) + "</ul>" if items else ""
+    return (
+        "<ul>" + "".join(f"<li>{html.escape(str(item))}</li>" for item in items) + "</ul>"
+        if items
+        else ""
+    )
 
 
 def table_html(header, rows):
     """A table; cells are escaped."""
     head = "".join(f"<th>{html.escape(str(cell))}</th>" for cell in header)
-    body = "".join("<tr>" + "".join(f"<td>{html.escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{html.escape(str(cell))}</td>" for cell in row) + "</tr>"
+        for row in rows
+    )
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
@@ -51,6 +71,7 @@ def png(ax):
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
     from imu_lib.plots.style import plt
+
     plt.close(figure)
     return buffer.getvalue()
 
@@ -59,11 +80,15 @@ def figure_html(image, caption=""):
     """A PNG (bytes, or axes) inside the page."""
     data = image if isinstance(image, bytes) else png(image)
     text = html.escape(caption)
-    return (f'<figure><img alt="{text}" src="data:image/png;base64,{base64.b64encode(data).decode()}">'
-            f"<figcaption>{text}</figcaption></figure>")
+    return (
+        f'<figure><img alt="{text}" src="data:image/png;base64,{base64.b64encode(data).decode()}">'
+        f"<figcaption>{text}</figcaption></figure>"
+    )
 
 
-# -- coefficients --------------------------------------------------------------------------------------------------
+# -- coefficients
+# --------------------------------------------------------------------------------------------------
+
 
 def number(value, digits=4):
     """A number to `digits` significant digits, `-` where there is none."""
@@ -71,7 +96,9 @@ def number(value, digits=4):
 
 
 def estimate(e, symbol, channel, digits=4):
-    """`value [low, high]` in the datasheet unit, `< high` where the record does not show the quantity."""
+    """`value [low, high]` in the datasheet unit, `< high` where the record does not show the
+    quantity.
+    """
     base = symbol.rstrip("0123456789").rstrip("_") if symbol[-1:].isdigit() else symbol
     factor, _ = units.datasheet(base, channel)
     if e.value is None:
@@ -85,23 +112,54 @@ def unit_name(symbol, channel):
 
 
 def rows_of(result, sensor):
-    """Rows (coefficient, unit, method, one cell per axis) of a Characterisation for `gyro` or `accel`."""
+    """Rows (coefficient, unit, method, one cell per axis) of a Characterisation for `gyro` or
+    `accel`.
+    """
     names = [name for name in result.channels if name.startswith(sensor)]
     rows = []
     for method, title in TITLES.items():
         tables = {name: getattr(result[name], method) for name in names}
         symbols = list(dict.fromkeys(symbol for entry in tables.values() for symbol in entry))
         for symbol in symbols:
-            cells = [estimate(tables[n][symbol], symbol, n) if symbol in tables[n] else "-" for n in names]
+            cells = [
+                estimate(tables[n][symbol], symbol, n) if symbol in tables[n] else "-"
+                for n in names
+            ]
             base = symbol.split("_2")[0]
-            rows.append((NAMES.get(base, base) + symbol[len(base):].replace("_", " "), unit_name(symbol, names[0]), title, *cells))
+            rows.append(
+                (
+                    NAMES.get(base, base) + symbol[len(base) :].replace("_", " "),
+                    unit_name(symbol, names[0]),
+                    title,
+                    *cells,
+                )
+            )
     ar = [result[name].autoregressive for name in names]
-    rows.append(("AR order", "", "AR model", *(str(a["order"]) if a["order"] is not None else "-" for a in ar)))
+    rows.append(
+        (
+            "AR order",
+            "",
+            "AR model",
+            *(str(a["order"]) if a["order"] is not None else "-" for a in ar),
+        )
+    )
     white = {True: "yes", False: "no", None: "-"}
     rows.append(("AR residuals white", "", "AR model", *(white[a["white"]] for a in ar)))
     rows.append(("sum of processes", "", "likelihood", *(result[n].choice.name for n in names)))
-    rows.append(("goodness of fit, p", "", "likelihood", *(number(result[n].choice.p_value, 2) for n in names)))
-    return ["coefficient", "unit", "method", *(n.replace("accel", "accelerometer").replace("_", " ") for n in names)], rows
+    rows.append(
+        (
+            "goodness of fit, p",
+            "",
+            "likelihood",
+            *(number(result[n].choice.p_value, 2) for n in names),
+        )
+    )
+    return [
+        "coefficient",
+        "unit",
+        "method",
+        *(n.replace("accel", "accelerometer").replace("_", " ") for n in names),
+    ], rows
 
 
 def sensors(result):
@@ -110,7 +168,9 @@ def sensors(result):
 
 
 def notes_of(result):
-    """Sentences on the record and on each channel; the same sentence on several channels is said once."""
+    """Sentences on the record and on each channel; the same sentence on several channels is said
+    once.
+    """
     said = {}
     for name, channel in result.channels.items():
         for note in channel.notes:
@@ -120,11 +180,23 @@ def notes_of(result):
 
 def characterisation_page(result, figures=()):
     """The whole result as one page; `figures` are (PNG bytes, caption)."""
-    parts = [paragraph(f"{units.duration(result.duration)} at {result.rate:.6g} Hz. {result.source}".strip())]
+    parts = [
+        paragraph(
+            f"{units.duration(result.duration)} at {result.rate:.6g} Hz. {result.source}".strip()
+        )
+    ]
     for sensor in sensors(result):
-        parts += [heading("Gyros" if sensor == "gyro" else "Accelerometers"), table_html(*rows_of(result, sensor))]
-    parts.append(paragraph("Values with 95 % intervals; < stands before the 95 % upper limit of what the record does not "
-                           "show. N, B, K, Q, R as in IEEE Std 952 and 1293.", note=True))
+        parts += [
+            heading("Gyros" if sensor == "gyro" else "Accelerometers"),
+            table_html(*rows_of(result, sensor)),
+        ]
+    parts.append(
+        paragraph(
+            "Values with 95 % intervals; < stands before the 95 % upper limit of what the record does not "
+            "show. N, B, K, Q, R as in IEEE Std 952 and 1293.",
+            note=True,
+        )
+    )
     notes = notes_of(result)
     parts += [heading("Notes"), bullets(notes)] if notes else []
     parts += [figure_html(image, caption) for image, caption in figures]

@@ -1,8 +1,11 @@
 """Straight segments of given slopes in a log-log curve, found by least cost instead of by eye.
 
-A curve of Allan deviation or of spectral density is cut into stretches that a line of one of the expected slopes
-describes within its uncertainty, and into transitions between them. The cheapest cut is found exactly, by dynamic
-programming: a point in a segment costs its squared standardised distance from the segment's line, a point in a
+A curve of Allan deviation or of spectral density is cut into stretches that a line of one of the
+expected slopes
+describes within its uncertainty, and into transitions between them. The cheapest cut is found
+exactly, by dynamic
+programming: a point in a segment costs its squared standardised distance from the segment's line,
+a point in a
 transition costs `miss`, every segment costs `change`.
 """
 
@@ -61,7 +64,8 @@ def segments(x, y, relative_sd, slopes, *, least=0.3, floor=0.03, miss=4.0, chan
     least : float
         Shortest segment, decades of x.
     floor : float
-        Relative distance from a line that counts as one standard error even where y is known better: two noises side
+        Relative distance from a line that counts as one standard error even where y is known
+        better: two noises side
         by side bend the curve a little everywhere.
     miss, change : float
         Cost of a point outside of all segments, and of a segment.
@@ -107,14 +111,19 @@ def segments(x, y, relative_sd, slopes, *, least=0.3, floor=0.03, miss=4.0, chan
 
 
 def rising(found):
-    """The longest chain (in decades) of segments whose slopes do not fall: what slow noises follow fast ones in.
+    """The longest chain (in decades) of segments whose slopes do not fall: what slow noises follow
+    fast ones in.
 
-    A Gauss-Markov bump or scatter at long averaging times gives stretches out of this order; they are stretches, but
+    A Gauss-Markov bump or scatter at long averaging times gives stretches out of this order; they
+    are stretches, but
     no noise of their own is read from them.
     """
     best = []
     for i, segment in enumerate(found):
-        before = max((best[k] for k in range(i) if found[k].slope <= segment.slope), key=lambda b: b[0],
-                     default=(0.0, ()))
+        before = max(
+            (best[k] for k in range(i) if found[k].slope <= segment.slope),
+            key=lambda b: b[0],
+            default=(0.0, ()),
+        )
         best.append((before[0] + segment.decades, before[1] + (segment,)))
     return max(best, key=lambda b: b[0], default=(0.0, ()))[1]

@@ -12,7 +12,9 @@ BURST_WINDOW = 512  # the same where a host read the sensor in bursts
 
 
 class Gap(NamedTuple):
-    """A gap: `start` (s, last sample before it), `duration` (s to the next sample), `missing` samples."""
+    """A gap: `start` (s, last sample before it), `duration` (s to the next sample), `missing`
+    samples.
+    """
 
     start: float
     duration: float
@@ -20,7 +22,9 @@ class Gap(NamedTuple):
 
 
 def in_bursts(time: np.ndarray) -> bool:
-    """Whether a busy host stamped the samples: steps of very different length, some over three times the mean one."""
+    """Whether a busy host stamped the samples: steps of very different length, some over three
+    times the mean one.
+    """
     step = np.diff(time)
     low, middle, high, long = np.quantile(step, (0.25, 0.5, 0.75, 0.98))
     return bool(high - low > 0.4 * middle and long > 3.0 * step.mean())
@@ -29,8 +33,10 @@ def in_bursts(time: np.ndarray) -> bool:
 def slots(time: np.ndarray, rate: float) -> np.ndarray:
     """Number of each sample on an even grid, shape (n,), int, rising by at least one.
 
-    A stamp that is late because the host was busy is followed by samples in quick succession: only what the next stamps
-    do not make up for counts as missing samples. Where the stamps came in bursts, a loss shorter than the stamps'
+    A stamp that is late because the host was busy is followed by samples in quick succession: only
+    what the next stamps
+    do not make up for counts as missing samples. Where the stamps came in bursts, a loss shorter
+    than the stamps'
     own wandering (six times its robust scatter) cannot be told from it and is not counted.
     """
     time = np.asarray(time, dtype=np.float64)
@@ -40,20 +46,34 @@ def slots(time: np.ndarray, rate: float) -> np.ndarray:
     wide = np.flatnonzero(np.diff(late) > 0.5) + 1
     if wide.size and in_bursts(time):
         wide = wide[(wide > BURST_WINDOW // 8) & (wide < len(time) - BURST_WINDOW // 8)]
-        total = np.r_[0.0, np.cumsum(late)]  # mean lateness of the window before against the one after
+        total = np.r_[
+            0.0, np.cumsum(late)
+        ]  # mean lateness of the window before against the one after
         low, high = np.maximum(wide - BURST_WINDOW, 0), np.minimum(wide + BURST_WINDOW, len(time))
-        rise = (total[high] - total[wide]) / (high - wide) - (total[wide] - total[low]) / (wide - low)
-        least = max(0.5, 6.0 * 1.4826 * float(np.median(np.abs(rise - np.median(rise))))) if wide.size else 0.0
+        rise = (total[high] - total[wide]) / (high - wide) - (total[wide] - total[low]) / (
+            wide - low
+        )
+        least = (
+            max(0.5, 6.0 * 1.4826 * float(np.median(np.abs(rise - np.median(rise)))))
+            if wide.size
+            else 0.0
+        )
         own = np.rint((time[wide] - time[wide - 1]) * rate) - 1
         lost = np.where((rise > least) & (own >= least), np.minimum(np.rint(rise), own), 0)
         step[wide] += lost.astype(np.int64)
     elif wide.size:
         # what the stamps from here on never fall below, against what those before had come down to
-        after = minimum_filter1d(late, WINDOW, origin=-(WINDOW // 2), mode="nearest")  # i .. i+WINDOW-1
-        before = minimum_filter1d(late, WINDOW, origin=WINDOW // 2 - 1, mode="nearest")  # i-WINDOW+1 .. i
+        after = minimum_filter1d(
+            late, WINDOW, origin=-(WINDOW // 2), mode="nearest"
+        )  # i .. i+WINDOW-1
+        before = minimum_filter1d(
+            late, WINDOW, origin=WINDOW // 2 - 1, mode="nearest"
+        )  # i-WINDOW+1 .. i
         last = 0
         for i in wide[after[wide] - before[wide - 1] > 0.5]:
-            own = round((time[i] - time[i - 1]) * rate) - 1  # no gap has lost more than its own length
+            own = (
+                round((time[i] - time[i - 1]) * rate) - 1
+            )  # no gap has lost more than its own length
             floor = late[max(last, i - WINDOW) : i].min()  # nor is an earlier gap counted again
             lost = min(round(after[i] - floor), own)
             if lost > 0:
@@ -64,7 +84,10 @@ def slots(time: np.ndarray, rate: float) -> np.ndarray:
 
 def gaps(time: np.ndarray, slot: np.ndarray, rate: float) -> tuple[Gap, ...]:
     at = np.flatnonzero(np.diff(slot) > 1)
-    return tuple(Gap(float(time[i]), float(time[i + 1] - time[i]), int(slot[i + 1] - slot[i] - 1)) for i in at)
+    return tuple(
+        Gap(float(time[i]), float(time[i + 1] - time[i]), int(slot[i + 1] - slot[i] - 1))
+        for i in at
+    )
 
 
 def measured_rate(time: np.ndarray) -> float:
@@ -72,7 +95,9 @@ def measured_rate(time: np.ndarray) -> float:
     time = np.asarray(time, dtype=np.float64)
     step = np.diff(time)
     low, middle, high = np.quantile(step, (0.25, 0.5, 0.75))
-    if high - low < 0.4 * middle:  # steady stamps: the usual step, averaged because stamps may be written coarsely
+    if (
+        high - low < 0.4 * middle
+    ):  # steady stamps: the usual step, averaged because stamps may be written coarsely
         usual = step[np.abs(step - middle) < 0.5 * middle]
         rate = 1.0 / float(usual.mean())
     else:  # bursts and jitter: over many samples they average out, and gaps only lengthen
@@ -85,16 +110,20 @@ def measured_rate(time: np.ndarray) -> float:
             break
         rate = new
     nearest = round(rate)
-    # stamps tell the rate to about a millisecond in their whole span: 100.0000003 Hz over an hour is 100 Hz
+    # stamps tell the rate to about a millisecond in their whole span: 100.0000003 Hz over an hour
+    # is 100 Hz
     return (
         float(nearest)
-        if nearest and abs(rate - nearest) * (time[-1] - time[0]) < max(1e-3 * rate, 0.5) and abs(rate / nearest - 1) < 1e-4
+        if nearest
+        and abs(rate - nearest) * (time[-1] - time[0]) < max(1e-3 * rate, 0.5)
+        and abs(rate / nearest - 1) < 1e-4
         else rate
     )
 
 
 def spread_repeats(time: np.ndarray) -> tuple[np.ndarray, int]:
-    """Never-falling stamps with repeats (a clock coarser than the sampling), each group spread evenly up to the next stamp.
+    """Never-falling stamps with repeats (a clock coarser than the sampling), each group spread
+    evenly up to the next stamp.
 
     Returns the rising stamps and how many repeats there were.
     """
@@ -108,14 +137,17 @@ def spread_repeats(time: np.ndarray) -> tuple[np.ndarray, int]:
     stamp = time[first]
     tick = np.diff(stamp)
     usual = float(np.median(tick)) if tick.size else 1.0
-    # a group never spreads further than the clock's usual tick: what follows is a gap and stays one
+    # a group never spreads further than the clock's usual tick: what follows is a gap and stays
+    # one
     width = np.r_[np.minimum(tick, usual), usual]
     inside = np.arange(len(time)) - np.repeat(first, size)
     return np.repeat(stamp, size) + inside * np.repeat(width / size, size), repeats
 
 
 def longest_run(good: np.ndarray, breaks: np.ndarray) -> tuple[int, int]:
-    """Bounds (low, high) of the longest run of True in `good` that holds none of the `breaks` (indices that begin anew)."""
+    """Bounds (low, high) of the longest run of True in `good` that holds none of the `breaks`
+    (indices that begin anew).
+    """
     bad = np.flatnonzero(~good)
     starts = np.unique(np.r_[0, breaks, bad + 1, bad])
     starts = starts[starts < len(good)]
@@ -126,7 +158,9 @@ def longest_run(good: np.ndarray, breaks: np.ndarray) -> tuple[int, int]:
 
 
 def fill(x: np.ndarray, limit: int) -> tuple[np.ndarray, int]:
-    """NaN runs of up to `limit` samples inside `x` replaced by straight lines; returns the new array and the count."""
+    """NaN runs of up to `limit` samples inside `x` replaced by straight lines; returns the new
+    array and the count.
+    """
     gap = np.isnan(x)
     if not gap.any():
         return x, 0

@@ -16,7 +16,9 @@ from imu_lib.record import Record
 
 @dataclass(frozen=True)
 class Twin:
-    """How an embedded record is drawn: which preset, how long (h), at what rate (Hz), from which seed."""
+    """How an embedded record is drawn: which preset, how long (h), at what rate (Hz), from which
+    seed.
+    """
 
     preset: str
     hours: float
@@ -26,8 +28,13 @@ class Twin:
 
 
 TWINS = {
-    "3dm-gx3-25": Twin("3dm-gx3-25", 7.0, 100.0, 20130724,
-                       "seven hours of the 3DM-GX3-25 as the 2013 paper measured it"),
+    "3dm-gx3-25": Twin(
+        "3dm-gx3-25",
+        7.0,
+        100.0,
+        20130724,
+        "seven hours of the 3DM-GX3-25 as the 2013 paper measured it",
+    ),
     "isis-imu": Twin("isis-imu", 2.0, 100.0, 2011, "two hours of the ISIS-IMU of the 2011 paper"),
     "rga300ca": Twin("rga300ca", 8.0, 20.0, 2008, "eight hours of the RGA300CA of the 2008 paper"),
 }
@@ -46,7 +53,10 @@ def twin_of(name: str) -> Twin:
 def fingerprint(name: str) -> str:
     """Hash of everything the draw depends on, hexadecimal."""
     twin = twin_of(name)
-    content = json.dumps([GENERATION, twin.hours, twin.rate, twin.seed, preset(twin.preset).to_json()], sort_keys=True)
+    content = json.dumps(
+        [GENERATION, twin.hours, twin.rate, twin.seed, preset(twin.preset).to_json()],
+        sort_keys=True,
+    )
     return hashlib.sha256(content.encode()).hexdigest()
 
 
@@ -54,4 +64,6 @@ def generate(name: str) -> Record:
     """Draw the embedded record of that name (seconds of work; `datasets.twin` caches it)."""
     twin = twin_of(name)
     n = round(twin.hours * units.HOUR * twin.rate)
-    return preset(twin.preset).simulate_record(n, twin.rate, np.random.default_rng(twin.seed), name=name)
+    return preset(twin.preset).simulate_record(
+        n, twin.rate, np.random.default_rng(twin.seed), name=name
+    )

@@ -16,23 +16,23 @@ MINUTE = 60.0
 HOUR = 3600.0
 SQRT_HOUR = 60.0
 
-DEG = math.pi / 180.0                        # rad
-ARCSEC = DEG / 3600.0                        # rad
-DEG_PER_S = DEG                              # rad/s
-DEG_PER_HOUR = DEG / HOUR                    # rad/s
-DEG_PER_SQRT_HOUR = DEG / SQRT_HOUR          # rad/s/sqrt(Hz), that is rad/sqrt(s)
-DEG_PER_HOUR_1_5 = DEG / HOUR**1.5           # rad/s^2/sqrt(Hz)
-DEG_PER_HOUR_2 = DEG / HOUR**2               # rad/s^2
-DEG_PER_S_PER_SQRT_HZ = DEG                  # rad/s/sqrt(Hz)
+DEG = math.pi / 180.0  # rad
+ARCSEC = DEG / 3600.0  # rad
+DEG_PER_S = DEG  # rad/s
+DEG_PER_HOUR = DEG / HOUR  # rad/s
+DEG_PER_SQRT_HOUR = DEG / SQRT_HOUR  # rad/s/sqrt(Hz), that is rad/sqrt(s)
+DEG_PER_HOUR_1_5 = DEG / HOUR**1.5  # rad/s^2/sqrt(Hz)
+DEG_PER_HOUR_2 = DEG / HOUR**2  # rad/s^2
+DEG_PER_S_PER_SQRT_HZ = DEG  # rad/s/sqrt(Hz)
 
-G = 9.80665                                  # standard gravity, m/s^2
+G = 9.80665  # standard gravity, m/s^2
 MILLI_G = 1e-3 * G
 MICRO_G = 1e-6 * G
-MICRO_G_PER_SQRT_HZ = MICRO_G                # m/s^2/sqrt(Hz)
-MPS_PER_HOUR = 1.0 / HOUR                    # m/s^2
-MPS_PER_SQRT_HOUR = 1.0 / SQRT_HOUR          # m/s^2/sqrt(Hz)
-MPS_PER_HOUR_1_5 = 1.0 / HOUR**1.5           # m/s^3/sqrt(Hz)
-MPS_PER_HOUR_2 = 1.0 / HOUR**2               # m/s^3
+MICRO_G_PER_SQRT_HZ = MICRO_G  # m/s^2/sqrt(Hz)
+MPS_PER_HOUR = 1.0 / HOUR  # m/s^2
+MPS_PER_SQRT_HOUR = 1.0 / SQRT_HOUR  # m/s^2/sqrt(Hz)
+MPS_PER_HOUR_1_5 = 1.0 / HOUR**1.5  # m/s^3/sqrt(Hz)
+MPS_PER_HOUR_2 = 1.0 / HOUR**2  # m/s^3
 
 #: Symbol -> (factor to SI, datasheet unit, SI unit) of a gyro.
 GYRO = {

@@ -14,16 +14,22 @@ UNIT = {"gyro": "rad/s", "accel": "m/s^2"}
 
 
 def check_folder(folder) -> None:
-    """InputError where files cannot be made in `folder`, or where the folder cannot be made itself; before long work."""
+    """InputError where files cannot be made in `folder`, or where the folder cannot be made
+    itself; before long work.
+    """
     folder = Path(folder).resolve()
     there = next(path for path in (folder, *folder.parents) if path.exists())
     effective = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK, **effective):
-        raise InputError(f"{there} may not be written to; choose another place, or change its permissions.")
+        raise InputError(
+            f"{there} may not be written to; choose another place, or change its permissions."
+        )
 
 
 def arrays(record: Record) -> dict[str, np.ndarray]:
-    """The contract's keys: time, gyro and accel as (n, 3) where all axes are there, else single channels, temperature."""
+    """The contract's keys: time, gyro and accel as (n, 3) where all axes are there, else single
+    channels, temperature.
+    """
     out = {"time": record.times()}
     for kind in ("gyro", "accel"):
         axes = [f"{kind}_{a}" for a in "xyz" if f"{kind}_{a}" in record]
@@ -37,9 +43,11 @@ def arrays(record: Record) -> dict[str, np.ndarray]:
 
 
 def write_record(record: Record, path) -> None:
-    """Write `.npz` (SI, the contract's keys), or `.csv`, `.tsv`, `.txt`, `.parquet` with the unit in each column's name.
+    """Write `.npz` (SI, the contract's keys), or `.csv`, `.tsv`, `.txt`, `.parquet` with the unit
+    in each column's name.
 
-    A simulated record says so in its .npz, and its units are then not doubted. InputError for another suffix.
+    A simulated record says so in its .npz, and its units are then not doubted. InputError for
+    another suffix.
     """
     suffix = Path(path).suffix.lower()
     if suffix == ".npz":
@@ -50,7 +58,9 @@ def write_record(record: Record, path) -> None:
     import pyarrow as pa
     from pyarrow import csv, parquet
 
-    columns = {"time [s]": record.times()} | {f"{c} [{UNIT[c.partition('_')[0]]}]": x for c, x in record.channels.items()}
+    columns = {"time [s]": record.times()} | {
+        f"{c} [{UNIT[c.partition('_')[0]]}]": x for c, x in record.channels.items()
+    }
     if record.temperature is not None:
         columns["temperature [degC]"] = record.temperature
     table = pa.table(columns)

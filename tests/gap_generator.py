@@ -1,8 +1,11 @@
 """Hides effects in synthetic static records, for the blind tests and benchmarks of `imu_lib.gap`.
 
-Plain numpy: nothing here comes from imu_lib, so that an error in its simulators cannot hide itself. Every case carries the
-expected log-likelihood gain (`gain`) of each hidden effect at its true parameters, from closed forms of its own.
+Plain numpy: nothing here comes from imu_lib, so that an error in its simulators cannot hide
+itself. Every case carries the
+expected log-likelihood gain (`gain`) of each hidden effect at its true parameters, from closed
+forms of its own.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -12,7 +15,14 @@ import numpy as np
 from gap_unknowns import UNKNOWN, unknown
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
-SPECTRAL = ("quantization", "flicker", "random_walk", "gauss_markov", "gauss_markov_2", "autoregressive")
+SPECTRAL = (
+    "quantization",
+    "flicker",
+    "random_walk",
+    "gauss_markov",
+    "gauss_markov_2",
+    "autoregressive",
+)
 DRIFTS = ("ramp", "warm_up", "temperature", "step", "sinusoid", "slow_sinusoid", "telegraph")
 STAGES = ("low_pass", "noise_level_change", "spikes", "saturation", "resolution", "stuck")
 CHANGES = ("change_N", "change_sigma")
@@ -23,6 +33,7 @@ KNOWN = SPECTRAL + DRIFTS + STAGES + CHANGES + RECORD
 @dataclass
 class Case:
     """A record, its base model and what is hidden in it."""
+
     seed: int
     fs: float
     channels: dict
@@ -34,13 +45,17 @@ class Case:
     def save(self, path):
         """The record as the contract's npz."""
         keys = dict(self.channels)
-        keys["time"] = np.arange(len(next(iter(keys.values())))) / self.fs if self.time is None else self.time
+        keys["time"] = (
+            np.arange(len(next(iter(keys.values())))) / self.fs if self.time is None else self.time
+        )
         if self.temperature is not None:
             keys["temperature"] = self.temperature
         np.savez(path, **keys)
 
 
-# -- spectra of samples, one-sided ---------------------------------------------------------------------------
+# -- spectra of samples, one-sided
+# ---------------------------------------------------------------------------
+
 
 def _spectrum(entry, f, fs):
     kind = entry["process"]
@@ -55,13 +70,23 @@ def _spectrum(entry, f, fs):
         return entry["B"] ** 2 / (np.pi * f)
     if kind == "gauss_markov":
         a = np.exp(-1 / (fs * entry["correlation_time"]))
-        return 2 * entry["sigma"] ** 2 * (1 - a * a) / fs / np.abs(1 - a * np.exp(-2j * np.pi * f / fs)) ** 2
+        return (
+            2
+            * entry["sigma"] ** 2
+            * (1 - a * a)
+            / fs
+            / np.abs(1 - a * np.exp(-2j * np.pi * f / fs)) ** 2
+        )
     if kind == "gauss_markov_2":
         b = 2.146193220620583 / entry["correlation_time"]
         return 8 * entry["sigma"] ** 2 * b**3 / (w**2 + b * b) ** 2
     if kind == "telegraph":
         tc = 0.5 / entry["rate"]
-        return _spectrum({"process": "gauss_markov", "sigma": entry["amplitude"] / 2, "correlation_time": tc}, f, fs)
+        return _spectrum(
+            {"process": "gauss_markov", "sigma": entry["amplitude"] / 2, "correlation_time": tc},
+            f,
+            fs,
+        )
     if kind == "autoregressive":
         z = np.exp(-2j * np.pi * f / fs)
         den = 1 - sum(p * z ** (i + 1) for i, p in enumerate(entry["phi"]))
@@ -85,7 +110,9 @@ def _noise(entry, n, fs, rng):
         return entry["amplitude"] * (flips % 2 - 0.5)
     m = 2 * n
     f = np.arange(1, m // 2 + 1) * fs / m
-    z = (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f))) * np.sqrt(_spectrum(entry, f, fs) * m * fs / 4)
+    z = (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f))) * np.sqrt(
+        _spectrum(entry, f, fs) * m * fs / 4
+    )
     return np.fft.irfft(np.concatenate([[0], z]), m)[:n]
 
 
@@ -99,13 +126,21 @@ def _gain_spectral(s0, s1):
 
 
 def _gain_drift(d, base, fs):
-    """Half the squared signal-to-noise ratio of a drift, from differenced block means and their dense covariance."""
+    """Half the squared signal-to-noise ratio of a drift, from differenced block means and their
+    dense covariance.
+    """
     m = max(1, len(d) // 450)
     k = len(d) // m
-    f = (np.arange(4096 * 16) + 0.5) / (4096 * 16) * fs / 2 / np.sqrt(m)      # beyond this the blocks see nothing
+    f = (
+        (np.arange(4096 * 16) + 0.5) / (4096 * 16) * fs / 2 / np.sqrt(m)
+    )  # beyond this the blocks see nothing
     f = f if m > 1 else f * np.sqrt(m)
-    y = np.diff(d[:k * m].reshape(k, m).mean(axis=1))
-    h = (np.sin(np.pi * f * m / fs) / (m * np.sin(np.pi * f / fs))) ** 2 * 4 * np.sin(np.pi * f * m / fs) ** 2
+    y = np.diff(d[: k * m].reshape(k, m).mean(axis=1))
+    h = (
+        (np.sin(np.pi * f * m / fs) / (m * np.sin(np.pi * f / fs))) ** 2
+        * 4
+        * np.sin(np.pi * f * m / fs) ** 2
+    )
     density = _base_psd(base, f, fs) * h * (f[1] - f[0])
     step = np.exp(2j * np.pi * f * m / fs)
     turn, c = np.ones_like(step), np.empty(k - 1)
@@ -120,14 +155,22 @@ def _gain_line(d, s0, fs):
     return float(np.sum(np.abs(np.fft.rfft(d))[1:] ** 2 * 2 / (fs * len(d)) / s0))
 
 
-# -- base models -----------------------------------------------------------------------------------------------
+# -- base models
+# -----------------------------------------------------------------------------------------------
+
 
 def _base(channel, rng, kind):
     N = 10 ** rng.uniform(-4.3, -3.2) * (1 if channel.startswith("gyro") else 5)
     out = [{"process": "white_noise", "N": N}]
     if "gm" in kind:
         tc = 10 ** rng.uniform(1.5, 2.8)
-        out.append({"process": "gauss_markov", "sigma": N / np.sqrt(tc) * rng.uniform(0.7, 3), "correlation_time": tc})
+        out.append(
+            {
+                "process": "gauss_markov",
+                "sigma": N / np.sqrt(tc) * rng.uniform(0.7, 3),
+                "correlation_time": tc,
+            }
+        )
     if "walk" in kind:
         out.append({"process": "random_walk", "K": N / 10 ** rng.uniform(2, 2.8)})
     if "flicker" in kind:
@@ -155,39 +198,71 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
     duration = n / fs
     truth = {"effect": effect, "gain": target}
     if effect in ("change_N", "change_sigma"):
-        i = 0 if effect == "change_N" else next((i for i, e in enumerate(base) if e["process"] == "gauss_markov"), 0)
+        i = (
+            0
+            if effect == "change_N"
+            else next((i for i, e in enumerate(base) if e["process"] == "gauss_markov"), 0)
+        )
         name = "N" if base[i]["process"] == "white_noise" else "sigma"
         entry = base[i]
         own = _spectrum(entry, f, fs)
         c = _strength(lambda c: _gain_spectral(s0, own * c), target)
-        truth.update(effect="parameter_change", parameters={"process": entry["process"], "name": name, "from": entry[name], "to": entry[name] * np.sqrt(1 + c)})
+        truth.update(
+            effect="parameter_change",
+            parameters={
+                "process": entry["process"],
+                "name": name,
+                "from": entry[name],
+                "to": entry[name] * np.sqrt(1 + c),
+            },
+        )
         more = {**entry, name: entry[name] * np.sqrt(c)}
-        return x + _noise(more, n, fs, rng), {**truth, "noise": more, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own * c)}
+        return x + _noise(more, n, fs, rng), {
+            **truth,
+            "noise": more,
+            "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own * c),
+        }
     if effect in SPECTRAL:
         entry = {"process": effect}
         if effect in ("gauss_markov", "gauss_markov_2"):
             entry["correlation_time"] = 10 ** rng.uniform(-0.5, np.log10(duration / 12))
         if effect == "autoregressive":
             r, w = rng.uniform(0.85, 0.97), rng.uniform(0.1, 0.8) * np.pi
-            entry["phi"] = [2 * r * np.cos(w), -r * r] if rng.random() < 0.75 else [-rng.uniform(0.3, 0.9)]
+            entry["phi"] = (
+                [2 * r * np.cos(w), -r * r] if rng.random() < 0.75 else [-rng.uniform(0.3, 0.9)]
+            )
             entry["rate"] = fs
         name = {"quantization": "Q", "flicker": "B", "random_walk": "K"}.get(effect, "sigma")
         shape = _spectrum({**entry, name: 1.0}, f, fs)
         entry[name] = _strength(lambda a: _gain_spectral(s0, a * a * shape), target)
         truth["parameters"] = entry
         own = entry[name] ** 2 * shape
-        if effect == "quantization" and rounded:               # the angle is rounded, and its increments are read out
+        if (
+            effect == "quantization" and rounded
+        ):  # the angle is rounded, and its increments are read out
             step = np.sqrt(12) * entry["Q"]
             angle = np.concatenate([[0.0], np.cumsum(x) / fs]) + rng.uniform(0, step)
-            return np.diff(np.round(angle / step)) * step * fs, {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own)}
-        return x + _noise(entry, n, fs, rng), {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own)}
+            return np.diff(np.round(angle / step)) * step * fs, {
+                **truth,
+                "noise": entry,
+                "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own),
+            }
+        return x + _noise(entry, n, fs, rng), {
+            **truth,
+            "noise": entry,
+            "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own),
+        }
     if effect == "telegraph":
         entry = {"process": "telegraph", "rate": 10 ** rng.uniform(np.log10(8 / duration), -0.7)}
         shape = _spectrum({**entry, "amplitude": 1.0}, f, fs)
         entry["amplitude"] = _strength(lambda a: _gain_spectral(s0, a * a * shape), 3 * target)
         truth["parameters"] = entry
         own = entry["amplitude"] ** 2 * shape
-        return x + _noise(entry, n, fs, rng), {**truth, "noise": entry, "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own) / 3}
+        return x + _noise(entry, n, fs, rng), {
+            **truth,
+            "noise": entry,
+            "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own) / 3,
+        }
     if effect in DRIFTS:
         p = {}
         if effect == "ramp":
@@ -200,15 +275,26 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
             p["reference"] = 25.0
         elif effect == "slow_sinusoid":
             p["frequency"] = rng.uniform(3.5, 31) / duration
-            d, name = np.sin(2 * np.pi * p["frequency"] * t + rng.uniform(0, 2 * np.pi)), "amplitude"
+            d, name = (
+                np.sin(2 * np.pi * p["frequency"] * t + rng.uniform(0, 2 * np.pi)),
+                "amplitude",
+            )
             truth["effect"] = "sinusoid"
         elif effect == "step":
             p["time"] = duration * rng.uniform(0.1, 0.9)
             d, name = (t >= p["time"]).astype(float), "amplitude"
         else:
             p["frequency"] = 10 ** rng.uniform(-1.5, np.log10(0.47 * fs))
-            d, name = np.sin(2 * np.pi * p["frequency"] * t + rng.uniform(0, 2 * np.pi)), "amplitude"
-        one = lambda around: _gain_line(d, _base_psd(around, f, fs), fs) if effect == "sinusoid" else _gain_drift(d, around, fs)  # noqa: E731
+            d, name = (
+                np.sin(2 * np.pi * p["frequency"] * t + rng.uniform(0, 2 * np.pi)),
+                "amplitude",
+            )
+
+        def one(around):
+            if effect == "sinusoid":
+                return _gain_line(d, _base_psd(around, f, fs), fs)
+            return _gain_drift(d, around, fs)
+
         a = np.sqrt(target / one(base))
         sign = -1 if truth["effect"] != "sinusoid" and rng.random() < 0.5 else 1
         p[name] = a * sign
@@ -224,18 +310,28 @@ def _stage(effect, x, fs, rng, truth, white, target):
         make = rng.choice(["average", "average", "butterworth", "butterworth", "smoothing"])
         if make == "average":
             taps = int(rng.integers(2, 13))
-            y = np.convolve(np.concatenate([np.full(taps - 1, x[0]), x]), np.full(taps, 1 / taps), "valid")
+            y = np.convolve(
+                np.concatenate([np.full(taps - 1, x[0]), x]), np.full(taps, 1 / taps), "valid"
+            )
             truth["parameters"] = {"taps": taps}
         elif make == "butterworth":
             cutoff, order = fs * rng.uniform(0.06, 0.4), int(rng.integers(1, 5))
-            h = 1 / np.sqrt(1 + (np.tan(np.pi * np.arange(n // 2 + 1) / n) / np.tan(np.pi * cutoff / fs)) ** (2 * order))
+            h = 1 / np.sqrt(
+                1
+                + (np.tan(np.pi * np.arange(n // 2 + 1) / n) / np.tan(np.pi * cutoff / fs))
+                ** (2 * order)
+            )
             y = np.fft.irfft(np.fft.rfft(x - mean) * h, n) + mean
             truth["parameters"] = {"order": order, "cutoff": cutoff}
-        else:                                               # y_k = y_{k-1} + a (x_k - y_{k-1})
+        else:  # y_k = y_{k-1} + a (x_k - y_{k-1})
             a = rng.uniform(0.2, 0.8)
             y = np.array([*accumulate(x, lambda last, new: last + a * (new - last))])
-            turn = 1 - a**2 / (2 * (1 - a))                 # cosine of the angle at which |1 - (1 - a) e^{-iw}|^2 = 2 a^2
-            truth["parameters"] = {"cutoff": fs / (2 * np.pi) * np.arccos(turn)} if turn > -1 else {}
+            turn = 1 - a**2 / (
+                2 * (1 - a)
+            )  # cosine of the angle at which |1 - (1 - a) e^{-iw}|^2 = 2 a^2
+            truth["parameters"] = (
+                {"cutoff": fs / (2 * np.pi) * np.arccos(turn)} if turn > -1 else {}
+            )
         return y, truth
     if effect == "noise_level_change":
         t0 = duration * rng.uniform(0.15, 0.85)
@@ -244,10 +340,12 @@ def _stage(effect, x, fs, rng, truth, white, target):
         y = x.copy()
         w = rng.standard_normal(n) * white
         noise = np.where(np.arange(n) < n - m, 0.0, np.sqrt(max(ratio**2 - 1, 0)) * w)
-        if ratio < 1:       # the base's white part is shrunk: keep the slow part, scale the rest
+        if ratio < 1:  # the base's white part is shrunk: keep the slow part, scale the rest
             k = int(fs)
-            slow = np.convolve(np.pad(x, k, mode="edge"), np.full(2 * k + 1, 1 / (2 * k + 1)), "valid")
-            y[n - m:] = slow[n - m:] + ratio * (x - slow)[n - m:]
+            slow = np.convolve(
+                np.pad(x, k, mode="edge"), np.full(2 * k + 1, 1 / (2 * k + 1)), "valid"
+            )
+            y[n - m :] = slow[n - m :] + ratio * (x - slow)[n - m :]
         truth.update(gain=target, parameters={"ratio": ratio, "time": (n - m) / fs})
         return y + noise, truth
     if effect == "spikes":
@@ -261,34 +359,62 @@ def _stage(effect, x, fs, rng, truth, white, target):
         return np.clip(x, -limit, limit), truth
     if effect == "resolution":
         lsb = white * 10 ** rng.uniform(-0.7, 0.5)
-        truth.update(parameters={"lsb": lsb}, noise={"process": "white_noise", "N": lsb / np.sqrt(12 * fs)})
+        truth.update(
+            parameters={"lsb": lsb}, noise={"process": "white_noise", "N": lsb / np.sqrt(12 * fs)}
+        )
         return np.round(x / lsb) * lsb, truth
     fraction, length, y = 10 ** rng.uniform(-3, -1.5), int(rng.integers(5, 60)), x.copy()
     for start in np.flatnonzero(rng.random(n) < fraction / length):
-        y[start:start + length + 1] = y[start]
+        y[start : start + length + 1] = y[start]
     truth["parameters"] = {"fraction": fraction, "length": length}
     return y, truth
 
 
-def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base=None, gain=None, with_temperature=None):
-    """A case: `effects` hidden one after the other in random channels (two in one case share a channel half the time)."""
+def make(
+    seed,
+    effects=(),
+    *,
+    duration=3600.0,
+    fs=100.0,
+    channels=CHANNELS,
+    base=None,
+    gain=None,
+    with_temperature=None,
+):
+    """A case: `effects` hidden one after the other in random channels (two in one case share a
+    channel half the time).
+    """
     rng = np.random.default_rng(seed)
     n = int(duration * fs)
     t = np.arange(n) / fs
     temperature = None
     if with_temperature or "temperature" in effects or rng.random() < 0.3:
         temperature = 25 + rng.uniform(2, 10) * (1 - np.exp(-t / rng.uniform(300, 1500)))
-        temperature += rng.uniform(0.2, 2) * np.sin(2 * np.pi * t / rng.uniform(900, 3000)) + 0.02 * rng.standard_normal(n)
+        temperature += rng.uniform(0.2, 2) * np.sin(
+            2 * np.pi * t / rng.uniform(900, 3000)
+        ) + 0.02 * rng.standard_normal(n)
     x, model = {}, {}
     for c in channels:
         kind = base or rng.choice(["gm", "gm", "walk", "gm+walk", "flicker", "white"])
         model[c] = _base(c, rng, kind)
-        x[c] = sum(_noise(e, n, fs, rng) for e in model[c]) + (-9.8 if c == "accel_z" else rng.normal() * 0.01)
+        x[c] = sum(_noise(e, n, fs, rng) for e in model[c]) + (
+            -9.8 if c == "accel_z" else rng.normal() * 0.01
+        )
     case = Case(seed, fs, x, model, temperature=temperature)
-    # stages of the output come after what happens before them, as in an instrument: noise changes its level in the sensor
-    chain = ("noise_level_change", *STAGES, "time_gaps", "jitter")     # the clock last, noise in common before the electronics
-    rounded = "quantization" in effects and rng.random() < 0.5         # an angle is rounded after all that happens to the rate but spikes
-    place = {e: i + 1 for i, e in enumerate(chain)} | ({"quantization": chain.index("spikes") + 0.5} if rounded else {})
+    # stages of the output come after what happens before them, as in an instrument: noise changes
+    # its level in the sensor
+    chain = (
+        "noise_level_change",
+        *STAGES,
+        "time_gaps",
+        "jitter",
+    )  # the clock last, noise in common before the electronics
+    rounded = (
+        "quantization" in effects and rng.random() < 0.5
+    )  # an angle is rounded after all that happens to the rate but spikes
+    place = {e: i + 1 for i, e in enumerate(chain)} | (
+        {"quantization": chain.index("spikes") + 0.5} if rounded else {}
+    )
     order = sorted(effects, key=lambda e: place.get(e, 0))
     channel = rng.choice(list(x))
     for e in order:
@@ -297,22 +423,41 @@ def make(seed, effects=(), *, duration=3600.0, fs=100.0, channels=CHANNELS, base
         white = model[channel][0]["N"] * np.sqrt(fs)
         if e in UNKNOWN:
             x[channel] = unknown(e, x[channel], fs, rng, white)
-            case.truths.append({"effect": "unknown", "kind": e, "channel": str(channel), "gain": 1e3})
+            case.truths.append(
+                {"effect": "unknown", "kind": e, "channel": str(channel), "gain": 1e3}
+            )
         elif e in RECORD:
             _hide_record(e, case, rng)
         else:
-            x[channel], truth = _hide(e, x[channel], model[channel], fs, rng, temperature, gain, rounded)
+            x[channel], truth = _hide(
+                e, x[channel], model[channel], fs, rng, temperature, gain, rounded
+            )
             case.truths.append({**truth, "channel": str(channel)})
     _see(case)
     return case
 
 
 def _see(case):
-    """Every gain is that of the effect in the record as it is: the other noises hidden in its channel are there too."""
-    noises = [({t["channel"]} if t["channel"] != "record" else set(t["parameters"].get("channels", [])), t, t.pop("noise", None)) for t in case.truths]
+    """Every gain is that of the effect in the record as it is: the other noises hidden in its
+    channel are there too.
+    """
+    noises = [
+        (
+            {t["channel"]}
+            if t["channel"] != "record"
+            else set(t["parameters"].get("channels", [])),
+            t,
+            t.pop("noise", None),
+        )
+        for t in case.truths
+    ]
     for truth in case.truths:
         seen = truth.pop("seen", None)
-        others = [noise for channels, t, noise in noises if t is not truth and noise and truth["channel"] in channels]
+        others = [
+            noise
+            for channels, t, noise in noises
+            if t is not truth and noise and truth["channel"] in channels
+        ]
         if seen and others:
             truth["gain"] = float(seen(case.base[truth["channel"]] + others))
 
@@ -323,28 +468,46 @@ def _hide_record(effect, case, rng):
     if effect == "common_mode":
         k = int(rng.integers(2, len(x) + 1)) if len(x) > 2 else 2
         names = sorted(rng.choice(list(x), k, replace=False), key=list(x).index)
-        N = np.sqrt(np.prod([case.base[c][0]["N"] for c in names]) ** (1 / k)) ** 2 * rng.uniform(0.15, 0.6)
+        N = np.sqrt(np.prod([case.base[c][0]["N"] for c in names]) ** (1 / k)) ** 2 * rng.uniform(
+            0.15, 0.6
+        )
         w = rng.standard_normal(n) * N * np.sqrt(fs)
         for c in names:
             x[c] = x[c] + w
         rho = [N**2 / (N**2 + case.base[c][0]["N"] ** 2) for c in names]
         p = {"N": N, "channels": [str(c) for c in names]}
-        case.truths.append({"effect": effect, "channel": "record", "parameters": p, "gain": n / 2 * rho[0] * rho[1],
-                            "noise": {"process": "white_noise", "N": N}})
+        case.truths.append(
+            {
+                "effect": effect,
+                "channel": "record",
+                "parameters": p,
+                "gain": n / 2 * rho[0] * rho[1],
+                "noise": {"process": "white_noise", "N": N},
+            }
+        )
     elif effect == "time_gaps":
         fraction = 10 ** rng.uniform(-3, -1.5)
         keep = np.ones(n, bool)
         while keep.mean() > 1 - fraction:
             start = rng.integers(1, n - 500)
-            keep[start:start + rng.integers(1, 400)] = False
+            keep[start : start + rng.integers(1, 400)] = False
         case.time = np.flatnonzero(keep) / fs
         for c in x:
             x[c] = x[c][keep]
         if case.temperature is not None:
             case.temperature = case.temperature[keep]
-        case.truths.append({"effect": effect, "channel": "record", "parameters": {"fraction": 1 - keep.mean()}, "gain": 1e3})
+        case.truths.append(
+            {
+                "effect": effect,
+                "channel": "record",
+                "parameters": {"fraction": 1 - keep.mean()},
+                "gain": 1e3,
+            }
+        )
     else:
         sd = 10 ** rng.uniform(-2, -0.9) / fs
         time = np.arange(n) / fs + np.clip(rng.standard_normal(n), -4, 4) * sd
         case.time = time - time[0]
-        case.truths.append({"effect": effect, "channel": "record", "parameters": {"sd": sd}, "gain": 1e3})
+        case.truths.append(
+            {"effect": effect, "channel": "record", "parameters": {"sd": sd}, "gain": 1e3}
+        )

@@ -1,4 +1,6 @@
-"""Autocorrelation: against statsmodels, Bartlett's formula and exact means, and the coverage of its intervals."""
+"""Autocorrelation: against statsmodels, Bartlett's formula and exact means, and the coverage of
+its intervals.
+"""
 
 import time
 
@@ -45,31 +47,47 @@ def test_mean_and_covariance_of_sample_autocovariances_over_realisations():
     n, lags, phi, reps = 1000, 20, 0.8, 4000
     x = _ar1(reps, n, phi, np.random.default_rng(3))
     x -= x.mean(axis=1, keepdims=True)
-    sample = np.array([np.einsum("ij,ij->i", x[:, :n - h], x[:, h:]) for h in range(lags + 1)]).T / n
+    sample = (
+        np.array([np.einsum("ij,ij->i", x[:, : n - h], x[:, h:]) for h in range(lags + 1)]).T / n
+    )
     gamma = phi ** np.arange(n)
     expected = ac.expected_autocovariance(gamma, n, lags)
     # The mean is exact: five standard errors at most over 21 lags.
     assert np.max(np.abs(sample.mean(axis=0) - expected) / (sample.std(axis=0) / np.sqrt(reps))) < 5
-    # Bartlett's formula is for n -> infinity: here T = 220 Tc, 3 % for that and 5 % for 4000 draws of a variance.
+    # Bartlett's formula is for n -> infinity: here T = 220 Tc, 3 % for that and 5 % for 4000 draws
+    # of a variance.
     ratio = np.cov(sample.T).diagonal() / ac.bartlett_covariance(gamma, n, lags).diagonal()
     np.testing.assert_allclose(ratio, 1.0, atol=0.08)
-    mean_removed = expected - (1 - np.arange(lags + 1) / n) * gamma[:lags + 1]
+    mean_removed = expected - (1 - np.arange(lags + 1) / n) * gamma[: lags + 1]
     assert np.all(mean_removed < 0)  # removing the mean pulls the whole curve down
 
 
 def _fits(model, fs, duration, reps, seed):
-    return [ac.fit_gauss_markov(model.simulate(int(duration * fs), fs, np.random.default_rng([seed, i])), fs)
-            for i in range(reps)]
+    return [
+        ac.fit_gauss_markov(
+            model.simulate(int(duration * fs), fs, np.random.default_rng([seed, i])), fs
+        )
+        for i in range(reps)
+    ]
 
 
-@pytest.mark.parametrize(("model", "fs", "duration"), [
-    (GaussMarkov(sigma=1.0, correlation_time=10.0) + WhiteNoise(N=0.0), 2.0, 2000.0),
-    (GaussMarkov(sigma=1.0, correlation_time=100.0) + WhiteNoise(N=2.24), 1.0, 20_000.0),
-    (GaussMarkov(sigma=1.0, correlation_time=100.0) + WhiteNoise(N=2.24), 1.0, 5000.0),
-    (GaussMarkov(sigma=1.0, correlation_time=4.0) + WhiteNoise(N=0.6) + RandomWalk(K=0.1), 2.0, 6000.0)],
-    ids=["alone", "under white noise", "50 correlation times", "with a walk"])
+@pytest.mark.parametrize(
+    ("model", "fs", "duration"),
+    [
+        (GaussMarkov(sigma=1.0, correlation_time=10.0) + WhiteNoise(N=0.0), 2.0, 2000.0),
+        (GaussMarkov(sigma=1.0, correlation_time=100.0) + WhiteNoise(N=2.24), 1.0, 20_000.0),
+        (GaussMarkov(sigma=1.0, correlation_time=100.0) + WhiteNoise(N=2.24), 1.0, 5000.0),
+        (
+            GaussMarkov(sigma=1.0, correlation_time=4.0) + WhiteNoise(N=0.6) + RandomWalk(K=0.1),
+            2.0,
+            6000.0,
+        ),
+    ],
+    ids=["alone", "under white noise", "50 correlation times", "with a walk"],
+)
 def test_intervals_cover_as_they_say(model, fs, duration):
-    # 24 realisations and two parameters: 95 % nominal, 19 of 24 or fewer has a probability of 0.0009.
+    # 24 realisations and two parameters: 95 % nominal, 19 of 24 or fewer has a probability of
+    # 0.0009.
     fits = _fits(model, fs, duration, 24, 4)
     truth = model.terms[0]
     assert np.mean([f.sigma.covers(truth.sigma) for f in fits]) > 19 / 24
@@ -81,20 +99,27 @@ def test_intervals_cover_as_they_say(model, fs, duration):
 
 
 def test_plain_least_squares_intervals_do_not_cover():
-    # The reason for the covariance: independent-lag intervals of the same fit miss the truth most of the time.
+    # The reason for the covariance: independent-lag intervals of the same fit miss the truth most
+    # of the time.
     from scipy.optimize import curve_fit
+
     x = _ar1(60, 4000, np.exp(-0.05), np.random.default_rng(5))
     hits = []
     for row in x:
         curve = ac.autocorrelation(row, 1.0, max_lag=100)
-        best, covariance = curve_fit(lambda t, s, tc: s * np.exp(-t / tc), curve.lag, curve.rho * curve.variance,
-                                     p0=(1.0, 20.0))
+        best, covariance = curve_fit(
+            lambda t, s, tc: s * np.exp(-t / tc),
+            curve.lag,
+            curve.rho * curve.variance,
+            p0=(1.0, 20.0),
+        )
         hits.append(abs(best[1] - 20.0) < 1.96 * np.sqrt(covariance[1, 1]))
     assert np.mean(hits) < 0.6
 
 
 def test_two_hundred_correlation_times_give_ten_percent_of_the_variance():
-    # Brown and Hwang's rule, T = 200 Tc; 2000 realisations give the scatter to 1.6 %, the removed mean costs 1 %.
+    # Brown and Hwang's rule, T = 200 Tc; 2000 realisations give the scatter to 1.6 %, the removed
+    # mean costs 1 %.
     assert ac.variance_uncertainty(2000.0, 10.0) == pytest.approx(0.1)
     assert ac.record_for(10.0) == pytest.approx(2000.0)
     variance = np.var(_ar1(2000, 4000, np.exp(-1 / 20), np.random.default_rng(6)), axis=1)
@@ -129,16 +154,23 @@ def test_a_filter_of_the_electronics_is_not_a_process():
 
 
 def test_a_pure_walk_has_no_upper_limit_of_correlation_time_that_means_anything():
-    fit = ac.fit_gauss_markov(RandomWalk(K=1.0).simulate(20_000, 1.0, np.random.default_rng(10)), 1.0)
+    fit = ac.fit_gauss_markov(
+        RandomWalk(K=1.0).simulate(20_000, 1.0, np.random.default_rng(10)), 1.0
+    )
     assert not fit.sigma.shown or fit.correlation_time.high > 1000 or fit.K.covers(1.0)
 
 
 def test_result_speaks_for_itself():
-    x = GaussMarkov(sigma=1.0, correlation_time=3.0).simulate(20_000, 10.0, np.random.default_rng(11))
+    x = GaussMarkov(sigma=1.0, correlation_time=3.0).simulate(
+        20_000, 10.0, np.random.default_rng(11)
+    )
     fit = ac.fit_gauss_markov(x, 10.0)
     assert fit.process.correlation_time == fit.correlation_time.value
     assert fit.lag.shape == fit.autocovariance.shape == fit.fitted.shape
-    assert ac.characterise(x, 10.0) == {"sigma": fit.sigma, "correlation_time": fit.correlation_time}
+    assert ac.characterise(x, 10.0) == {
+        "sigma": fit.sigma,
+        "correlation_time": fit.correlation_time,
+    }
     scaled = ac.characterise(1e-6 * x + 9.8, 10.0)
     assert scaled["sigma"].value == pytest.approx(1e-6 * fit.sigma.value, rel=1e-6)
 
@@ -152,13 +184,17 @@ def test_seven_hours_at_100_hz_take_no_time():
     assert result["sigma"].shown
 
 
-@pytest.mark.parametrize(("call", "word"), [
-    (lambda x: ac.autocorrelation(x, 1.0, max_lag=1e9), "max_lag"),
-    (lambda x: ac.autocorrelation(x, 1.0, detrend="cubic"), "detrend"),
-    (lambda x: ac.autocorrelation(np.ones(50), 1.0), "x"),
-    (lambda x: ac.fit_gauss_markov(x[:20], 1.0), "x"),
-    (lambda x: ac.fit_gauss_markov(np.ones(100), 1.0), "x"),
-    (lambda x: ac.fit_gauss_markov(np.append(x, np.nan), 1.0), "x")])
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (lambda x: ac.autocorrelation(x, 1.0, max_lag=1e9), "max_lag"),
+        (lambda x: ac.autocorrelation(x, 1.0, detrend="cubic"), "detrend"),
+        (lambda x: ac.autocorrelation(np.ones(50), 1.0), "x"),
+        (lambda x: ac.fit_gauss_markov(x[:20], 1.0), "x"),
+        (lambda x: ac.fit_gauss_markov(np.ones(100), 1.0), "x"),
+        (lambda x: ac.fit_gauss_markov(np.append(x, np.nan), 1.0), "x"),
+    ],
+)
 def test_bad_arguments_are_named(call, word):
     with pytest.raises(ValueError, match=f"`{word}`"):
         call(np.random.default_rng(13).standard_normal(200))

@@ -65,7 +65,12 @@ def test_stepwise_gives_every_order_on_the_same_samples(x):
 @pytest.fixture(scope="module")
 def triad():
     rng = np.random.default_rng(2)
-    A = np.array([[[0.5, 0.1, 0.0], [0.0, 0.4, 0.2], [0.1, 0.0, 0.3]], [[0.2, 0, 0], [0, -0.1, 0], [0, 0.1, 0.1]]])
+    A = np.array(
+        [
+            [[0.5, 0.1, 0.0], [0.0, 0.4, 0.2], [0.1, 0.0, 0.3]],
+            [[0.2, 0, 0], [0, -0.1, 0], [0, 0.1, 0.1]],
+        ]
+    )
     C = np.array([[1.0, 0.3, 0.0], [0.3, 2.0, 0.5], [0.0, 0.5, 1.5]])
     e = rng.multivariate_normal(np.zeros(3), C, size=6000)
     v = np.zeros((6000, 3))
@@ -81,7 +86,9 @@ def test_three_axes_together_equal_statsmodels_var(triad):
     np.testing.assert_allclose(ours.A, theirs.coefs, atol=1e-8)
     np.testing.assert_allclose(ours.intercept, theirs.intercept, atol=1e-7)
     np.testing.assert_allclose(ours.C, theirs.sigma_u, rtol=1e-8)
-    np.testing.assert_allclose(ours.A_sd.transpose(0, 2, 1).reshape(6, 3), theirs.stderr_endog_lagged, rtol=1e-6)
+    np.testing.assert_allclose(
+        ours.A_sd.transpose(0, 2, 1).reshape(6, 3), theirs.stderr_endog_lagged, rtol=1e-6
+    )
     np.testing.assert_allclose(ours.residuals(v), theirs.resid, atol=1e-7)
     # ... and the truth within 4 standard errors of 18 coefficients.
     assert np.max(np.abs(ours.A - A) / ours.A_sd) < 4
@@ -107,12 +114,15 @@ def test_moment_matrix_and_qr_agree_and_smooth_series_go_to_the_qr(triad):
 
 
 def test_intervals_of_the_coefficients_cover():
-    # 300 realisations of an AR(2): 95 % of each coefficient; 91.5 % is 2.8 binomial standard deviations below.
+    # 300 realisations of an AR(2): 95 % of each coefficient; 91.5 % is 2.8 binomial standard
+    # deviations below.
     truth = Autoregressive(phi=(0.7, -0.3), sigma=1.0, rate=1.0)
     hits = []
     for i in range(300):
         phi, sigma = ar.fit(truth.simulate(1000, 1.0, np.random.default_rng([3, i])), 2).estimates()
-        hits.append([p.covers(t) for p, t in zip(phi, truth.phi, strict=True)] + [sigma.covers(1.0)])
+        hits.append(
+            [p.covers(t) for p, t in zip(phi, truth.phi, strict=True)] + [sigma.covers(1.0)]
+        )
     assert np.all(np.mean(hits, axis=0) > 0.915)
 
 
@@ -122,7 +132,9 @@ def test_criteria_find_the_order_and_stand_in_their_known_relations(x):
     assert choice.orders["aic"] >= 3 and choice.orders["fpe"] == choice.orders["aic"]
     np.testing.assert_allclose(np.diff(choice.mdl), np.diff(choice.sbc) * choice.n / 2, atol=1e-6)
     # FPE is AIC's first order: n ln FPE = AIC up to a constant, within n_p^2 / n.
-    np.testing.assert_allclose(np.diff(choice.n * np.log(choice.fpe)), np.diff(choice.aic), atol=0.03)
+    np.testing.assert_allclose(
+        np.diff(choice.n * np.log(choice.fpe)), np.diff(choice.aic), atol=0.03
+    )
 
 
 def test_eq_4_is_bic_per_sample_with_delta_a_sum(x):
@@ -138,8 +150,10 @@ def test_sbc_finds_the_order_more_often_the_longer_the_record():
     truth = Autoregressive(phi=(0.4, 0.1), sigma=1.0, rate=1.0)
     found = []
     for n in (100, 600, 6000):
-        orders = [ar.choose_order(truth.simulate(n, 1.0, np.random.default_rng([4, i])), 8).orders["sbc"]
-                  for i in range(40)]
+        orders = [
+            ar.choose_order(truth.simulate(n, 1.0, np.random.default_rng([4, i])), 8).orders["sbc"]
+            for i in range(40)
+        ]
         found.append(np.mean(np.array(orders) == 2))
     assert found[0] < found[1] < found[2] and found[2] > 0.9
 
@@ -154,18 +168,30 @@ def test_whiteness_equals_statsmodels_and_its_p_values_are_uniform(triad):
     rng = np.random.default_rng(5)
     e = rng.standard_normal(500)
     ours = ar.whiteness(e, fitted=2, lags=20)
-    assert ours.ljung_box == pytest.approx(acorr_ljungbox(e - e.mean(), lags=[20], model_df=2).lb_pvalue.iloc[0])
+    assert ours.ljung_box == pytest.approx(
+        acorr_ljungbox(e - e.mean(), lags=[20], model_df=2).lb_pvalue.iloc[0]
+    )
     model = VAR(triad[0]).fit(2)
     theirs = model.test_whiteness(nlags=15, adjusted=True)
-    assert ar.whiteness(model.resid, fitted=2, lags=15).ljung_box == pytest.approx(theirs.pvalue, rel=1e-6)
-    p = np.array([(w.ljung_box, w.li_mcleod) for w in (ar.whiteness(rng.standard_normal(400), lags=20)
-                                                       for _ in range(500))])
-    np.testing.assert_allclose(np.mean(p < 0.1, axis=0), 0.1, atol=0.04)  # three binomial standard deviations
+    assert ar.whiteness(model.resid, fitted=2, lags=15).ljung_box == pytest.approx(
+        theirs.pvalue, rel=1e-6
+    )
+    p = np.array(
+        [
+            (w.ljung_box, w.li_mcleod)
+            for w in (ar.whiteness(rng.standard_normal(400), lags=20) for _ in range(500))
+        ]
+    )
+    np.testing.assert_allclose(
+        np.mean(p < 0.1, axis=0), 0.1, atol=0.04
+    )  # three binomial standard deviations
     assert not ar.whiteness(np.convolve(e, [1, 0.5])).white
 
 
 def test_autocovariance_solves_yule_walker():
-    np.testing.assert_allclose(ar.autocovariance(TRUTH.phi, 2.0, 30), TRUTH.autocovariance(np.arange(31) / 10), rtol=1e-9)
+    np.testing.assert_allclose(
+        ar.autocovariance(TRUTH.phi, 2.0, 30), TRUTH.autocovariance(np.arange(31) / 10), rtol=1e-9
+    )
     phi, sigma = ar.best_predictor(ar.autocovariance(TRUTH.phi, 2.0, 5), 5)
     np.testing.assert_allclose(phi, [*TRUTH.phi, 0, 0], atol=1e-10)
     assert sigma == pytest.approx(2.0)
@@ -178,11 +204,15 @@ def test_ar1_and_gauss_markov_are_one():
     model = ar.from_gauss_markov(process, 5.0)
     assert model.phi[0] == pytest.approx(np.exp(-1 / 100))
     lags = np.arange(0, 200)
-    np.testing.assert_allclose(ar.autocovariance(model.phi, model.sigma, 199), process.autocovariance(lags / 5), rtol=1e-9)
+    np.testing.assert_allclose(
+        ar.autocovariance(model.phi, model.sigma, 199), process.autocovariance(lags / 5), rtol=1e-9
+    )
     x = process.simulate(100_000, 5.0, np.random.default_rng(6))  # 1000 correlation times
     back = ar.to_gauss_markov(ar.fit(x, 1), 5.0)
     assert back["sigma"].covers(3.0) and back["correlation_time"].covers(20.0)
-    assert back["correlation_time"].value == pytest.approx(20.0, rel=0.13)  # 4.5 % standard deviation, three of them
+    assert back["correlation_time"].value == pytest.approx(
+        20.0, rel=0.13
+    )  # 4.5 % standard deviation, three of them
     with pytest.raises(ValueError, match="`model`"):
         ar.to_gauss_markov(ar.fit(x, 2), 5.0)
 
@@ -190,24 +220,40 @@ def test_ar1_and_gauss_markov_are_one():
 def test_sign_of_the_papers():
     model = ar.fit(TRUTH.simulate(5000, 10.0, np.random.default_rng(7)), 3)
     np.testing.assert_array_equal(model.alpha, -model.phi)
-    # Table 2 of the 2013 paper, Acc X, third order, as printed: explodes with a real root at 1.044.
+    # Table 2 of the 2013 paper, Acc X, third order, as printed: explodes with a real root at
+    # 1.044.
     printed = -np.array([-2.582, 2.166, -0.585])
     assert np.max(np.abs(ar.poles(printed))) == pytest.approx(1.044, abs=1e-3)
-    for others in ([-2.564, 2.136, -0.572], [-2.564, 2.131, -0.567], [-2.565, 2.133, -0.568], [-2.562, 2.128, -0.566]):
-        assert np.max(np.abs(ar.poles(-np.array(others)))) < 1.01  # rounding alone decides on which side of 1
+    for others in (
+        [-2.564, 2.136, -0.572],
+        [-2.564, 2.131, -0.567],
+        [-2.565, 2.133, -0.568],
+        [-2.562, 2.128, -0.566],
+    ):
+        assert (
+            np.max(np.abs(ar.poles(-np.array(others)))) < 1.01
+        )  # rounding alone decides on which side of 1
 
 
 def test_white_noise_through_the_wavelet_gives_the_papers_coefficients():
-    # Pitfall: db4, six levels, approximation only, then Burg, on pure white noise. Table 2 has about -2.56, 2.13, -0.57.
+    # Pitfall: db4, six levels, approximation only, then Burg, on pure white noise. Table 2 has
+    # about -2.56, 2.13, -0.57.
     from imu_lib import wavelet
-    x = wavelet.denoise(np.random.default_rng(8).standard_normal(400_000), 6, threshold="approximation")
-    np.testing.assert_allclose(ar.fit(x, 3).alpha, [-2.524, 2.057, -0.533], atol=0.01)  # scatter over seeds 0.003
+
+    x = wavelet.denoise(
+        np.random.default_rng(8).standard_normal(400_000), 6, threshold="approximation"
+    )
+    np.testing.assert_allclose(
+        ar.fit(x, 3).alpha, [-2.524, 2.057, -0.533], atol=0.01
+    )  # scatter over seeds 0.003
 
 
 def test_residuals_are_the_prediction_errors(x):
     model = ar.fit(x, 3)
     e = model.residuals(x)
-    by_hand = [x[k] - model.mean - model.phi @ (x[k - 3:k][::-1] - model.mean) for k in range(3, 50)]
+    by_hand = [
+        x[k] - model.mean - model.phi @ (x[k - 3 : k][::-1] - model.mean) for k in range(3, 50)
+    ]
     np.testing.assert_allclose(e[:47], by_hand, atol=1e-9)
     assert e.size == x.size - 3 and e.std() == pytest.approx(model.sigma, rel=1e-3)
 
@@ -224,19 +270,30 @@ def test_characterise_recovers_the_truth_and_is_quick(x):
     assert time.process_time() - start < 1.5  # 0.3 s on an idle core
 
 
-@pytest.mark.parametrize(("call", "word"), [
-    (lambda x: ar.fit(x, 2, method="magic"), "method"), (lambda x: ar.fit(x, -1), "order"),
-    (lambda x: ar.fit(x[:5], 3), "x"), (lambda x: ar.fit(np.append(x, np.inf), 1), "x"),
-    (lambda x: ar.fit(np.ones(50), 1), "x"), (lambda x: ar.stepwise(x[:10], 8), "v"),
-    (lambda x: ar.whiteness(x[:100], fitted=5, lags=4), "lags")])
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (lambda x: ar.fit(x, 2, method="magic"), "method"),
+        (lambda x: ar.fit(x, -1), "order"),
+        (lambda x: ar.fit(x[:5], 3), "x"),
+        (lambda x: ar.fit(np.append(x, np.inf), 1), "x"),
+        (lambda x: ar.fit(np.ones(50), 1), "x"),
+        (lambda x: ar.stepwise(x[:10], 8), "v"),
+        (lambda x: ar.whiteness(x[:100], fitted=5, lags=4), "lags"),
+    ],
+)
 def test_bad_arguments_are_named(x, call, word):
     with pytest.raises(ValueError, match=f"`{word}`"):
         call(x)
 
 
 def test_a_vector_model_of_order_zero_is_its_mean_and_scatter():
-    v = np.random.default_rng(20261122).normal(loc=[1.0, -2.0, 0.5], scale=[1.0, 2.0, 0.1], size=(5000, 3))
+    v = np.random.default_rng(20261122).normal(
+        loc=[1.0, -2.0, 0.5], scale=[1.0, 2.0, 0.1], size=(5000, 3)
+    )
     model = ar.stepwise(v, 3).vector_fit(0)
     assert model.order == 0 and model.poles.size == 0 and model.stable
-    assert np.allclose(model.intercept, v[3:].mean(axis=0)) and np.allclose(model.C, np.cov(v[3:].T))
+    assert np.allclose(model.intercept, v[3:].mean(axis=0)) and np.allclose(
+        model.C, np.cov(v[3:].T)
+    )
     assert np.allclose(model.residuals(v), v - model.intercept)

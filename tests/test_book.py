@@ -27,7 +27,9 @@ def notebook(*cells):
 
 @pytest.fixture
 def small_book(tmp_path, monkeypatch):
-    """A checkout with one chapter that works on any record, one that needs a temperature, one on something else."""
+    """A checkout with one chapter that works on any record, one that needs a temperature, one on
+    something else.
+    """
     source = tmp_path / "source"
     for name in ("_config.yml", "bibliography.md", "status.md", "references.bib", "notation.md"):
         (source / "book").mkdir(parents=True, exist_ok=True)
@@ -37,23 +39,49 @@ def small_book(tmp_path, monkeypatch):
     (source / "book/_toc.yml").write_text(
         "format: jb-book\nroot: book/intro\nparts:\n  - caption: All\n    chapters:\n      - file: nbs/works\n"
         "      - file: nbs/stops\n      - file: nbs/other\n      - file: book/notation\n      - file: book/status\n"
-        "      - file: book/bibliography\n")
+        "      - file: book/bibliography\n"
+    )
     (source / "nbs").mkdir()
     tagged = {"metadata": {"tags": ["parameters"]}}
-    nbformat.write(notebook(TEXT("# Does it work?"), CODE(PARAMETERS, **tagged), CODE(OPENS), CODE("print(channel, len(record[channel]))"),
-                            CODE(FIGURE)), source / "nbs/works.ipynb")
-    nbformat.write(notebook(TEXT("# Is it warm?"), CODE(PARAMETERS, **tagged), CODE(OPENS), CODE("warm = 99.0\nprint('kept')"), TEXT("Next."),
-                            CODE("from imu_lib.errors import InputError\nif record_path and 'temperature' not in record:\n"
-                                 "    raise InputError('there is no temperature in this record')\nwarm = 20.0"), TEXT("## Next"),
-                            CODE("print('warm:', warm)"), CODE("print('cold')\nassert len(record) > 99")), source / "nbs/stops.ipynb")
-    nbformat.write(notebook(TEXT("# Does it drive?"), CODE("1 + 1", **tagged)), source / "nbs/other.ipynb")
+    nbformat.write(
+        notebook(
+            TEXT("# Does it work?"),
+            CODE(PARAMETERS, **tagged),
+            CODE(OPENS),
+            CODE("print(channel, len(record[channel]))"),
+            CODE(FIGURE),
+        ),
+        source / "nbs/works.ipynb",
+    )
+    nbformat.write(
+        notebook(
+            TEXT("# Is it warm?"),
+            CODE(PARAMETERS, **tagged),
+            CODE(OPENS),
+            CODE("warm = 99.0\nprint('kept')"),
+            TEXT("Next."),
+            CODE(
+                "from imu_lib.errors import InputError\nif record_path and 'temperature' not in record:\n"
+                "    raise InputError('there is no temperature in this record')\nwarm = 20.0"
+            ),
+            TEXT("## Next"),
+            CODE("print('warm:', warm)"),
+            CODE("print('cold')\nassert len(record) > 99"),
+        ),
+        source / "nbs/stops.ipynb",
+    )
+    nbformat.write(
+        notebook(TEXT("# Does it drive?"), CODE("1 + 1", **tagged)), source / "nbs/other.ipynb"
+    )
     monkeypatch.setattr(chapters, "source", lambda: source)
     return source
 
 
 @pytest.fixture
 def record():
-    return Record({"gyro_x": np.random.default_rng(20130724).normal(size=500)}, 100.0, name="a b.csv")
+    return Record(
+        {"gyro_x": np.random.default_rng(20130724).normal(size=500)}, 100.0, name="a b.csv"
+    )
 
 
 def test_two_executions_give_the_same_bytes(small_book):
@@ -73,28 +101,52 @@ def test_a_failing_chapter_keeps_what_is_stored(tmp_path):
     nbformat.write(notebook(TEXT("# Fails?"), CODE("1 / 0")), path)
     stored = path.read_bytes()
     result = execute.execute_file(path)
-    assert "ZeroDivisionError" in result.error and not result.changed and path.read_bytes() == stored
+    assert (
+        "ZeroDivisionError" in result.error and not result.changed and path.read_bytes() == stored
+    )
 
 
 def test_rerun_on_a_record(small_book, record, tmp_path):
     out = tmp_path / "mine"
     told = []
-    page = rerun.book(record, out, progress=lambda run, done, total: told.append((run.path.stem, run.error, run.left_out)))
-    reasons = ("there is no temperature in this record", "A check of this chapter does not hold: `len(record) > 99`.")
+    page = rerun.book(
+        record,
+        out,
+        progress=lambda run, done, total: told.append((run.path.stem, run.error, run.left_out)),
+    )
+    reasons = (
+        "there is no temperature in this record",
+        "A check of this chapter does not hold: `len(record) > 99`.",
+    )
     assert page.is_file() and sorted(told) == [("stops", "", reasons), ("works", "", ())]
     works = (out / "nbs/works.html").read_text(encoding="utf-8")
     assert "gyro_x 500" in works, "the channel that this record has, on this record"
     assert str(tmp_path) not in works and "a b.csv" in works
     stops = (out / "nbs/stops.html").read_text(encoding="utf-8")
-    assert "Left out on this record (500 samples, 5 s)" in stops and reasons[0] in stops and "kept" in stops
+    assert (
+        "Left out on this record (500 samples, 5 s)" in stops
+        and reasons[0] in stops
+        and "kept" in stops
+    )
     assert "3 of 7 steps" in stops and "cold" in stops and "Traceback" not in stops
-    assert "it builds on" in stops and "warm: 99" not in stops, "what an earlier cell left must not pass for the record's"
+    assert "it builds on" in stops and "warm: 99" not in stops, (
+        "what an earlier cell left must not pass for the record's"
+    )
     assert not (out / "nbs/other.html").exists()
-    assert not [page for page in out.rglob("*.html") if re.search(r'(src|href)="(https?:)?//[^"]*[.](js|css)', page.read_text(encoding="utf-8"))], \
-        "readable offline: no script or style sheet from the web"
+    assert not [
+        page
+        for page in out.rglob("*.html")
+        if re.search(r'(src|href)="(https?:)?//[^"]*[.](js|css)', page.read_text(encoding="utf-8"))
+    ], "readable offline: no script or style sheet from the web"
     intro = (out / "book/intro.html").read_text(encoding="utf-8")
-    assert "a b.csv" in intro and "5 s are short for a record at rest" in intro and "in part: there is no temperature" in intro
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "source"], "nothing else is left behind"
+    assert (
+        "a b.csv" in intro
+        and "5 s are short for a record at rest" in intro
+        and "in part: there is no temperature" in intro
+    )
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "source"], (
+        "nothing else is left behind"
+    )
 
 
 def test_what_a_failed_cell_leaves_unset():
@@ -102,12 +154,18 @@ def test_what_a_failed_cell_leaves_unset():
     assert left_out.forgotten(source, 4) == ["c", "d", "k", "kept", "rows"]
     assert left_out.forgotten(source, 6) == ["c", "d"]
     assert left_out.forgotten(source, None) == ["a", "c", "d", "k", "kept", "rows"]
-    assert left_out.failing_line(["\x1b[36mCell\x1b[39m\x1b[36m \x1b[39mIn[21], line 4\x1b[39m", "File x.py:7"]) == 4
+    assert (
+        left_out.failing_line(
+            ["\x1b[36mCell\x1b[39m\x1b[36m \x1b[39mIn[21], line 4\x1b[39m", "File x.py:7"]
+        )
+        == 4
+    )
 
 
 def test_a_failed_build_leaves_nothing(small_book, record, tmp_path, monkeypatch):
     def fails(*args, **options):
         raise build.BuildError("the builder said no")
+
     monkeypatch.setattr(build, "build_pages", fails)
     with pytest.raises(build.BuildError):
         rerun.book(record, tmp_path / "mine", progress=lambda *state: None)
@@ -129,8 +187,11 @@ def test_a_warning_fails_the_book(small_book, tmp_path):
 
 
 def test_a_chapter_without_its_record_keeps_its_outputs(small_book, monkeypatch):
-    (small_book / "book/chapters.toml").write_text('[needs]\nworks = ["a record that nobody has"]\n')
+    (small_book / "book/chapters.toml").write_text(
+        '[needs]\nworks = ["a record that nobody has"]\n'
+    )
     from imu_lib import datasets
+
     monkeypatch.setattr(datasets, "available", lambda name: False)
     monkeypatch.setattr(datasets, "twin", lambda *names: None)
     found = {chapter.slug: chapter.missing for chapter in chapters.chapters()}
@@ -138,5 +199,6 @@ def test_a_chapter_without_its_record_keeps_its_outputs(small_book, monkeypatch)
 
 
 def test_a_wheel_carries_what_a_build_copies():
-    assert str(chapters.SOURCES).replace("'", '"') in (
-        ROOT / "book/wheel_hook.py").read_text(encoding="utf-8")
+    assert str(chapters.SOURCES).replace("'", '"') in (ROOT / "book/wheel_hook.py").read_text(
+        encoding="utf-8"
+    )

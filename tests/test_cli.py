@@ -15,7 +15,10 @@ from imu_lib.errors import InputError
 from imu_lib.presets import preset
 
 MODEL = {
-    "gyro_x": [{"process": "white_noise", "N": 1e-4}, {"process": "temperature", "slope": 1e-5, "reference": 25}],
+    "gyro_x": [
+        {"process": "white_noise", "N": 1e-4},
+        {"process": "temperature", "slope": 1e-5, "reference": 25},
+    ],
     "accel_z": [{"process": "constant", "value": -9.81}, {"process": "white_noise", "N": 1e-3}],
     "rate": 50.0,
 }
@@ -41,8 +44,16 @@ def run(*argv):
 
 def test_module_and_command_are_the_same():
     told = [
-        subprocess.run([sys.executable, *call, "--version"], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": os.getcwd()}).stdout
-        for call in (["-m", "imu_lib"], ["-c", "import sys; from imu_lib.cli.main import main; sys.exit(main())"])
+        subprocess.run(
+            [sys.executable, *call, "--version"],
+            capture_output=True,
+            text=True,
+            env={**os.environ, "PYTHONPATH": os.getcwd()},
+        ).stdout
+        for call in (
+            ["-m", "imu_lib"],
+            ["-c", "import sys; from imu_lib.cli.main import main; sys.exit(main())"],
+        )
     ]
     assert told[0] == told[1] and told[0].startswith("imu-lib ")
 
@@ -59,11 +70,34 @@ def test_every_command_has_its_help(capsys):
 
 def test_simulate_draws_the_same_record_for_the_same_seed(model, warmth, tmp_path, capsys):
     for name in ("a.npz", "b.npz"):
-        assert run("simulate", model, "--hours", 0.1, "--seed", 7, "--temperature", warmth, "--out", tmp_path / name, "--json", tmp_path / "s.json") == 0
+        assert (
+            run(
+                "simulate",
+                model,
+                "--hours",
+                0.1,
+                "--seed",
+                7,
+                "--temperature",
+                warmth,
+                "--out",
+                tmp_path / name,
+                "--json",
+                tmp_path / "s.json",
+            )
+            == 0
+        )
     a, b = (np.load(tmp_path / name) for name in ("a.npz", "b.npz"))
-    assert len(a["time"]) == 18_000 and np.array_equal(a["gyro_x"], b["gyro_x"]) and a["temperature"][-1] == 30.0
-    # white noise of N at 50 Hz has N sqrt(50) per sample; the temperature term rises by 1e-5 per degC
-    assert np.diff(a["gyro_x"]).std() / 2**0.5 == pytest.approx(1e-4 * 50**0.5, rel=0.03)  # 0.5 % is one standard error
+    assert (
+        len(a["time"]) == 18_000
+        and np.array_equal(a["gyro_x"], b["gyro_x"])
+        and a["temperature"][-1] == 30.0
+    )
+    # white noise of N at 50 Hz has N sqrt(50) per sample; the temperature term rises by 1e-5 per
+    # degC
+    assert np.diff(a["gyro_x"]).std() / 2**0.5 == pytest.approx(
+        1e-4 * 50**0.5, rel=0.03
+    )  # 0.5 % is one standard error
     assert json.loads((tmp_path / "s.json").read_text())["samples"] == 18_000
     assert run("check", tmp_path / "a.npz") == 0 and "20 to 30 degC" in capsys.readouterr().out
 
@@ -96,16 +130,35 @@ def test_simulate_refuses_what_is_no_model(tmp_path, capsys):
         ('{"gyro_x": [{"process": "white_noise", "N": "x"}]}', "N"),
     ):
         (tmp_path / "m.json").write_text(text)
-        assert run("simulate", tmp_path / "m.json", "--hours", 1, "--rate", 10, "--seed", 1, "--out", tmp_path / "a.npz") == 2
+        assert (
+            run(
+                "simulate",
+                tmp_path / "m.json",
+                "--hours",
+                1,
+                "--rate",
+                10,
+                "--seed",
+                1,
+                "--out",
+                tmp_path / "a.npz",
+            )
+            == 2
+        )
         assert says in capsys.readouterr().err
 
 
 def test_compare_two_models(capsys, tmp_path):
-    assert run("compare", "preset:3dm-gx3-25", "preset:3dm-gx3-25-2013", "--json", tmp_path / "c.json") == 0
+    assert (
+        run("compare", "preset:3dm-gx3-25", "preset:3dm-gx3-25-2013", "--json", tmp_path / "c.json")
+        == 0
+    )
     assert "differ beyond sampling" in capsys.readouterr().out
     told = json.loads((tmp_path / "c.json").read_text())["channels"]["gyro_x"]
     for side, name in (("a", "3dm-gx3-25"), ("b", "3dm-gx3-25-2013")):
-        assert told["coefficients"]["N"][side] == pytest.approx(preset(name)["gyro_x"].find("white_noise").N)
+        assert told["coefficients"]["N"][side] == pytest.approx(
+            preset(name)["gyro_x"].find("white_noise").N
+        )
     assert run("compare", "preset:isis-imu", "preset:isis-imu") == 0
     assert "No difference beyond sampling" in capsys.readouterr().out
 
@@ -113,7 +166,11 @@ def test_compare_two_models(capsys, tmp_path):
 def test_compare_two_records(capsys, tmp_path):
     rng = np.random.default_rng(9)
     for name, sigma in (("a", 1e-3), ("b", 1e-3), ("c", 1.3e-3)):
-        np.savez(tmp_path / f"{name}.npz", gyro_x=rng.normal(scale=sigma, size=8000), time=np.arange(8000) / 50)
+        np.savez(
+            tmp_path / f"{name}.npz",
+            gyro_x=rng.normal(scale=sigma, size=8000),
+            time=np.arange(8000) / 50,
+        )
     assert run("compare", tmp_path / "a.npz", tmp_path / "b.npz") == 0
     assert "No difference beyond sampling" in capsys.readouterr().out
     assert run("compare", tmp_path / "a.npz", tmp_path / "c.npz") == 0
@@ -124,7 +181,10 @@ def test_compare_two_records(capsys, tmp_path):
 
 def test_data_list(capsys, tmp_path):
     assert run("data", "list", "--json", tmp_path / "l.json") == 0
-    assert "adis16405_1" in capsys.readouterr().out and json.loads((tmp_path / "l.json").read_text())["phone"]["licence"]
+    assert (
+        "adis16405_1" in capsys.readouterr().out
+        and json.loads((tmp_path / "l.json").read_text())["phone"]["licence"]
+    )
     assert run("data", "fetch", "nothing") == 2
     assert "data list" in capsys.readouterr().err
 
@@ -144,7 +204,9 @@ def test_results_appear_whole_or_not_at_all(tmp_path):
         part.write_text("half")
         raise RuntimeError
     assert target.read_text() == "old" and len(list(tmp_path.iterdir())) == 1
-    common.write_json({"a": np.float64(np.nan), "b": np.arange(2), "c": np.bool_(True), "d": (1, None)}, target)
+    common.write_json(
+        {"a": np.float64(np.nan), "b": np.arange(2), "c": np.bool_(True), "d": (1, None)}, target
+    )
     assert json.loads(target.read_text()) == {"a": None, "b": [0, 1], "c": True, "d": [1, None]}
     with pytest.raises(RuntimeError), common.atomic_folder(tmp_path / "out") as part:
         (part / "x").write_text("half")
@@ -159,18 +221,42 @@ def test_results_appear_whole_or_not_at_all(tmp_path):
 
 
 def test_table_and_numbers():
-    assert common.table([("a", 1), ("bb", 22)], ("x", "y")).splitlines() == ["x    y", "--  --", "a    1", "bb  22"]
+    assert common.table([("a", 1), ("bb", 22)], ("x", "y")).splitlines() == [
+        "x    y",
+        "--  --",
+        "a    1",
+        "bb  22",
+    ]
     with pytest.raises(argparse.ArgumentTypeError):
         common.number("inf")
 
 
 def test_a_place_that_may_not_be_written_is_told_before_the_work(tmp_path, monkeypatch, capsys):
     file = tmp_path / "r.npz"
-    np.savez(file, gyro_x=np.random.default_rng(5).normal(scale=1e-3, size=500), time=np.arange(500) / 50)
-    monkeypatch.setattr("imu_lib.writers.os.access", lambda *_, **__: False)  # the superuser of a test machine may write anywhere
-    for argv in (("check", file, "--json", tmp_path / "x.json"), ("characterise", file, "--out", tmp_path / "new"),
-                 ("gap", file, "--out", tmp_path / "new"), ("book", file, "--out", tmp_path / "new"),
-                 ("simulate", "preset:isis-imu", "--hours", 1, "--rate", 10, "--seed", 1, "--out", tmp_path / "s.npz")):
+    np.savez(
+        file, gyro_x=np.random.default_rng(5).normal(scale=1e-3, size=500), time=np.arange(500) / 50
+    )
+    monkeypatch.setattr(
+        "imu_lib.writers.os.access", lambda *_, **__: False
+    )  # the superuser of a test machine may write anywhere
+    for argv in (
+        ("check", file, "--json", tmp_path / "x.json"),
+        ("characterise", file, "--out", tmp_path / "new"),
+        ("gap", file, "--out", tmp_path / "new"),
+        ("book", file, "--out", tmp_path / "new"),
+        (
+            "simulate",
+            "preset:isis-imu",
+            "--hours",
+            1,
+            "--rate",
+            10,
+            "--seed",
+            1,
+            "--out",
+            tmp_path / "s.npz",
+        ),
+    ):
         assert run(*argv) == 2
         err = capsys.readouterr().err
         assert f"{tmp_path} may not be written to" in err and len(err.splitlines()) == 1, err

@@ -15,7 +15,9 @@ COLUMNS = "time,accel_x,accel_y,accel_z,gyro_x,gyro_y,gyro_z"
 
 @pytest.fixture(scope="module")
 def truth():
-    return cal.triad((0.004, -0.003, 0.006), (0.1, -0.05, 0.2)), cal.triad((0.01, 0.0, -0.01), (0.01, -0.02, 0.0))
+    return cal.triad((0.004, -0.003, 0.006), (0.1, -0.05, 0.2)), cal.triad(
+        (0.01, 0.0, -0.01), (0.01, -0.02, 0.0)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +47,8 @@ def test_poses_by_hand(record, truth, tmp_path, capsys):
     for kind, true in zip(("accelerometers", "gyroscopes"), truth):
         for i, axis in enumerate("xyz"):
             e = found[kind]["scale_factor"][axis]
-            # the interval of one record may miss once in twenty: three times its half width does not
+            # the interval of one record may miss once in twenty: three times its half width does
+            # not
             assert abs(e["value"] - (true.matrix[i, i] - 1)) < 1.5 * (e["high"] - e["low"])
     assert {p.name for p in out.iterdir()} == {"calibration.json", "rests.png", "poses.png"}
     assert json.loads((out / "calibration.json").read_text()) == found
@@ -53,11 +56,20 @@ def test_poses_by_hand(record, truth, tmp_path, capsys):
 
 def test_rate_table_with_one_gyroscope(tmp_path, capsys):
     rng = np.random.default_rng(2)
-    rates, y = simulated.stepped_table(cal.triad((0, 0, -0.004), (0, 0, 0.28 * DEG)), 20.0, noise=simulated.white(1e-3, rng))
+    rates, y = simulated.stepped_table(
+        cal.triad((0, 0, -0.004), (0, 0, 0.28 * DEG)), 20.0, noise=simulated.white(1e-3, rng)
+    )
     np.savez(tmp_path / "table.npz", time=np.arange(len(y)) / 20.0, gyro_z=y[:, 2])
     rows = [f"{20 * k + 10},{20 * k + 20},{r / DEG}" for k, r in enumerate(rates)]
     (tmp_path / "steps.csv").write_text("\n".join(["start,stop,rate_z", *rows]))
-    call = ["calibrate", str(tmp_path / "table.npz"), "--poses", str(tmp_path / "steps.csv"), "--json", "-"]
+    call = [
+        "calibrate",
+        str(tmp_path / "table.npz"),
+        "--poses",
+        str(tmp_path / "steps.csv"),
+        "--json",
+        "-",
+    ]
     assert main(call) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["accelerometers"] is None and found["gyroscopes"]["scale_factor"]["x"] is None
@@ -76,8 +88,12 @@ def test_refusals(record, tmp_path, capsys):
     data = np.load(record)
     rng = np.random.default_rng(3)
     still, moving = tmp_path / "still.npz", tmp_path / "moving.npz"
-    np.savez(still, time=np.arange(3000) / 50.0, accel=rng.normal(0, 0.02, (3000, 3)) + [0, 0, -9.81])
-    np.savez(moving, time=np.arange(3000) / 50.0, accel=rng.normal(0, 4.0, (3000, 3)) + [0, 0, -9.81])
+    np.savez(
+        still, time=np.arange(3000) / 50.0, accel=rng.normal(0, 0.02, (3000, 3)) + [0, 0, -9.81]
+    )
+    np.savez(
+        moving, time=np.arange(3000) / 50.0, accel=rng.normal(0, 4.0, (3000, 3)) + [0, 0, -9.81]
+    )
     np.savez(tmp_path / "gyro.npz", time=data["time"], gyro=data["gyro"])
     assert "1 poses at rest do not determine 9" in refusal(capsys, still)
     assert "never at rest" in refusal(capsys, moving)
@@ -87,16 +103,22 @@ def test_refusals(record, tmp_path, capsys):
     assert "not both" in refusal(capsys, record, "--gravity", 9.8, "--latitude", 51)
     assert "between -90 and 90" in refusal(capsys, record, "--latitude", 91)
     assert "needs --latitude" in refusal(capsys, record, "--height", 100)
-    np.savez(tmp_path / "in_g.npz", time=data["time"], accel=data["accel"] / 9.80665, gyro=data["gyro"])
+    np.savez(
+        tmp_path / "in_g.npz", time=data["time"], accel=data["accel"] / 9.80665, gyro=data["gyro"]
+    )
     assert "likely g" in refusal(capsys, tmp_path / "in_g.npz")
     assert not list(tmp_path.glob(".*"))
 
 
 def test_gravity_of_the_place():
-    """Calgary, 51.08 deg north and 1,100 m: the 2008 paper used 9.8080; normal gravity knows no local anomaly (1e-3)."""
+    """Calgary, 51.08 deg north and 1,100 m: the 2008 paper used 9.8080; normal gravity knows no
+    local anomaly (1e-3).
+    """
     from argparse import Namespace
 
     from imu_lib.cli.calibrate import local_gravity
 
-    assert abs(local_gravity(Namespace(gravity=None, latitude=51.08, height=1100.0)) - 9.8080) < 1e-3
+    assert (
+        abs(local_gravity(Namespace(gravity=None, latitude=51.08, height=1100.0)) - 9.8080) < 1e-3
+    )
     assert local_gravity(Namespace(gravity=None, latitude=None, height=None)) == 9.80665

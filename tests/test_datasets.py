@@ -1,4 +1,6 @@
-"""Records by name: drawn once, kept under a checksum, found offline, converted as the registry says."""
+"""Records by name: drawn once, kept under a checksum, found offline, converted as the registry
+says.
+"""
 
 import gzip
 import json
@@ -37,7 +39,11 @@ def draws(monkeypatch):
 
 def test_a_twin_is_drawn_once_and_checked(folder, draws):
     first, second = datasets.twin("isis-imu"), datasets.twin("isis-imu")
-    assert len(draws) == 1 and np.array_equal(first["gyro_x"], second["gyro_x"]) and second.rate == 100.0
+    assert (
+        len(draws) == 1
+        and np.array_equal(first["gyro_x"], second["gyro_x"])
+        and second.rate == 100.0
+    )
     path = next(folder.glob("*.npy"))
     with open(path, "r+b") as file:  # a byte turns over
         file.seek(2000)
@@ -70,7 +76,15 @@ def test_a_full_disk_costs_only_time(folder, draws, monkeypatch):
 def test_chapter_record(folder, draws, tmp_path):
     assert datasets.chapter_record("", twin="isis-imu").name == "isis-imu"
     path = tmp_path / "own.csv"
-    np.savetxt(path, np.column_stack([np.arange(500) / 50, np.random.default_rng(2).normal(scale=0.1, size=500)]), delimiter=",", header="time,gx", comments="")
+    np.savetxt(
+        path,
+        np.column_stack(
+            [np.arange(500) / 50, np.random.default_rng(2).normal(scale=0.1, size=500)]
+        ),
+        delimiter=",",
+        header="time,gx",
+        comments="",
+    )
     found = datasets.chapter_record(str(path), gyro_unit="deg/s", rate=0.0)
     assert found.time is None and found.rate == 50.0
     with pytest.raises(InputError, match="--gyro-unit"):
@@ -81,7 +95,12 @@ def test_chapter_record(folder, draws, tmp_path):
 
 def test_registry_is_whole():
     for name, about in datasets.registry().items():
-        assert about["kind"] in ("static", "drive", "calibration") and about["licence"] and about["sensor"] and about["columns"], name
+        assert (
+            about["kind"] in ("static", "drive", "calibration")
+            and about["licence"]
+            and about["sensor"]
+            and about["columns"]
+        ), name
         for source in about["sources"]:
             commit = source["url"].split("/")[5]
             assert len(source["sha256"]) == 64 and len(commit) == 40 and source["bytes"] > 0
@@ -111,7 +130,11 @@ def test_fetch_converts(folder, monkeypatch):
 
     monkeypatch.setattr(pooch, "retrieve", lambda *_, **__: str(original))
     found = datasets.load("adis16405_1")
-    assert found.n == 1500 and np.allclose(found["gyro"], x[:, :3] * units.DEG_PER_S, rtol=1e-6) and np.allclose(found["accel"], x[:, 3:] * units.G, rtol=1e-6)
+    assert (
+        found.n == 1500
+        and np.allclose(found["gyro"], x[:, :3] * units.DEG_PER_S, rtol=1e-6)
+        and np.allclose(found["accel"], x[:, 3:] * units.G, rtol=1e-6)
+    )
     assert datasets.available("adis16405_1")  # the second time nothing is fetched
     (folder / "log.txt").write_text("\n".join("-8.4 0.1 5.2 0.035 0.002 0.041" for _ in range(50)))
     convert.mpu9150([folder / "log.txt"], [folder / "m.npz"])
@@ -124,9 +147,13 @@ def rda(name, x, version=2):
     text = lambda s: flag(9 | 0x40000) + struct.pack(">i", len(s)) + s.encode()  # noqa: E731
     symbol = lambda s: flag(1) + text(s)  # noqa: E731
     head = b"RDX2\nX\n" if version == 2 else b"RDX3\nX\n"
-    head += struct.pack(">iii", version, 0x30600, 0x20300) + (struct.pack(">i", 5) + b"UTF-8" if version == 3 else b"")
+    head += struct.pack(">iii", version, 0x30600, 0x20300) + (
+        struct.pack(">i", 5) + b"UTF-8" if version == 3 else b""
+    )
     vector = flag(14, 0x200) + struct.pack(">i", x.size) + x.T.astype(">f8").tobytes()
-    dim = flag(2, 0, 0x400) + symbol("dim") + flag(13) + struct.pack(">iii", 2, *x.shape) + flag(254)
+    dim = (
+        flag(2, 0, 0x400) + symbol("dim") + flag(13) + struct.pack(">iii", 2, *x.shape) + flag(254)
+    )
     return head + flag(2, 0, 0x400) + symbol(name) + vector + dim + flag(254)
 
 
@@ -160,7 +187,9 @@ def test_committed_files(root, tmp_path, monkeypatch):
         monkeypatch.setitem(script[function].__globals__, "HERE", tmp_path)
         script[function]()
     for name in ("gx3_25_one_minute.csv", "logger_counts.csv"):
-        same = (tmp_path / name).read_text() == datasets.example(name).read_text()   # no diff of megabytes when it fails
+        same = (tmp_path / name).read_text() == datasets.example(
+            name
+        ).read_text()  # no diff of megabytes when it fails
         assert same, f"{name} is not what data/make_examples.py makes: run it"
     with pytest.raises(InputError, match="committed"):
         datasets.example("nothing.csv")
@@ -169,5 +198,9 @@ def test_committed_files(root, tmp_path, monkeypatch):
 def test_sidecar_tells_what_it_is(folder, draws):
     datasets.twin("isis-imu")
     side = json.loads(next(folder.glob("*.json")).read_text())
-    assert side["fingerprint"] == twins.fingerprint("isis-imu") and len(side["sha256"]) == 64 and side["channels"] == ["gyro_x"]
+    assert (
+        side["fingerprint"] == twins.fingerprint("isis-imu")
+        and len(side["sha256"]) == 64
+        and side["channels"] == ["gyro_x"]
+    )
     assert embedded.twin is datasets.twin and public.registry is datasets.registry

@@ -1,4 +1,6 @@
-"""The likelihood of the gap workflow: closed forms of the slow end, recovery of known parameters, whitening."""
+"""The likelihood of the gap workflow: closed forms of the slow end, recovery of known parameters,
+whitening.
+"""
 
 import numpy as np
 import pytest
@@ -7,28 +9,58 @@ from imu_lib.gap import engine, fast, slow
 from imu_lib.gap.channel import _doubtful
 from imu_lib.gap.ensemble import Draws, draw, index
 from imu_lib.gap.steps import Step
-from imu_lib.processes import Flicker, GaussMarkov, GaussMarkov2, LowPass, Quantization, RandomWalk, Sum, WhiteNoise
+from imu_lib.processes import (
+    Flicker,
+    GaussMarkov,
+    GaussMarkov2,
+    LowPass,
+    Quantization,
+    RandomWalk,
+    Sum,
+    WhiteNoise,
+)
 
 FS, M = 100.0, 400
-PROCESSES = [WhiteNoise(1e-3), Quantization(1e-3), Flicker(1e-3), RandomWalk(1e-4), GaussMarkov(1e-3, 1.0), GaussMarkov(1e-3, 50.0),
-             GaussMarkov2(1e-3, 30.0)]
+PROCESSES = [
+    WhiteNoise(1e-3),
+    Quantization(1e-3),
+    Flicker(1e-3),
+    RandomWalk(1e-4),
+    GaussMarkov(1e-3, 1.0),
+    GaussMarkov(1e-3, 50.0),
+    GaussMarkov2(1e-3, 30.0),
+]
 
 
 @pytest.mark.parametrize("process", PROCESSES, ids=lambda p: f"{p.name}")
 def test_block_covariance_is_the_integral_of_the_spectrum(process):
-    """The closed form against the numerical integral of the process's own spectrum through the block differences."""
+    """The closed form against the numerical integral of the process's own spectrum through the
+    block differences.
+    """
     c = slow.covariance(process, 40, M, FS)
     f = (np.arange(400_000) + 0.5) / 400_000 * FS / 2
-    gain = (np.sin(np.pi * f * M / FS) / (M * np.sin(np.pi * f / FS))) ** 2 * 4 * np.sin(np.pi * f * M / FS) ** 2
+    gain = (
+        (np.sin(np.pi * f * M / FS) / (M * np.sin(np.pi * f / FS))) ** 2
+        * 4
+        * np.sin(np.pi * f * M / FS) ** 2
+    )
     density = process.psd(f, FS) * gain
     lags = np.array([0, 1, 2, 3, 10, 30])
-    integral = np.array([np.sum(density * np.cos(2 * np.pi * f * j * M / FS)) for j in lags]) * FS / 2 / 400_000
-    # the continuous limit inside a block differs from its samples by about 1 / M^2, flicker's by its logarithm
+    integral = (
+        np.array([np.sum(density * np.cos(2 * np.pi * f * j * M / FS)) for j in lags])
+        * FS
+        / 2
+        / 400_000
+    )
+    # the continuous limit inside a block differs from its samples by about 1 / M^2, flicker's by
+    # its logarithm
     assert np.allclose(c[lags], integral, atol=3e-5 * c[0])
 
 
 def test_whitening_is_the_inverse_of_the_cholesky_factor():
-    c = slow.covariance(GaussMarkov(1.0, 60.0), 60, M, FS) + slow.covariance(WhiteNoise(1.0), 60, M, FS)
+    c = slow.covariance(GaussMarkov(1.0, 60.0), 60, M, FS) + slow.covariance(
+        WhiteNoise(1.0), 60, M, FS
+    )
     matrix = c[np.abs(np.subtract.outer(np.arange(60), np.arange(60)))]
     y = np.random.default_rng(1).standard_normal((60, 3))
     logdet, e = slow.whiten(c, y)
@@ -42,7 +74,10 @@ def test_parameters_of_a_known_sum_are_recovered_within_their_intervals():
     truth = [WhiteNoise(1e-3), GaussMarkov(3e-4, 30.0)]
     x = sum(p.simulate(180_000, FS, rng) for p in truth)
     data = engine.Data(x, FS)
-    slots = [engine.Slot(0, ("N",), (-20.0,), (5.0,), (7.0,)), engine.Slot(1, ("sigma", "correlation_time"), (-20.0, -3.0), (5.0, 7.0), (7.0, 9.0))]
+    slots = [
+        engine.Slot(0, ("N",), (-20.0,), (5.0,), (7.0,)),
+        engine.Slot(1, ("sigma", "correlation_time"), (-20.0, -3.0), (5.0, 7.0), (7.0, 9.0)),
+    ]
     fit = engine.Likelihood(data, [WhiteNoise(2e-3), GaussMarkov(1e-4, 100.0)], slots).maximise()
     want = np.log([1e-3, 3e-4, 30.0])
     # four standard deviations: one seed in some ten thousand would fail by chance
@@ -52,7 +87,9 @@ def test_parameters_of_a_known_sum_are_recovered_within_their_intervals():
 
 def test_a_drift_column_takes_its_amplitude():
     rng = np.random.default_rng(3)
-    data = engine.Data(WhiteNoise(1e-3).simulate(120_000, FS, rng) + 1e-6 * np.arange(120_000) / FS, FS)
+    data = engine.Data(
+        WhiteNoise(1e-3).simulate(120_000, FS, rng) + 1e-6 * np.arange(120_000) / FS, FS
+    )
     column = np.diff(data.block_time)[:, None]
     _, beta, cov = engine.Likelihood(data, [WhiteNoise(1e-3)], columns=column).value(np.zeros(0))
     assert abs(beta[0] - 1e-6) < 4 * np.sqrt(cov[0, 0])
@@ -68,15 +105,29 @@ def test_periodogram_of_white_noise_has_its_level():
 
 @pytest.mark.parametrize("rate", [100.0, 1000.0])
 def test_noise_behind_a_filter_inside_the_sensor_is_drawn_with_its_folded_spectrum(rate):
-    """The ensemble's short cut against the filter itself, run as fast as the sensor is read and ten times as fast."""
-    model = Sum((WhiteNoise(N=1e-3), GaussMarkov(sigma=5e-3, correlation_time=0.02), GaussMarkov(sigma=2e-3, correlation_time=40.0), RandomWalk(K=1e-3)),
-                (LowPass(order=2, cutoff=10.0, rate=rate),))
+    """The ensemble's short cut against the filter itself, run as fast as the sensor is read and
+    ten times as fast.
+    """
+    model = Sum(
+        (
+            WhiteNoise(N=1e-3),
+            GaussMarkov(sigma=5e-3, correlation_time=0.02),
+            GaussMarkov(sigma=2e-3, correlation_time=40.0),
+            RandomWalk(K=1e-3),
+        ),
+        (LowPass(order=2, cutoff=10.0, rate=rate),),
+    )
     spectra = []
-    for x in (draw(model, Draws(3, 200_000, 100.0)), model.simulate(200_000, 100.0, np.random.default_rng(3))):
+    for x in (
+        draw(model, Draws(3, 200_000, 100.0)),
+        model.simulate(200_000, 100.0, np.random.default_rng(3)),
+    ):
         spectra.append(np.abs(np.fft.rfft(x * np.hanning(len(x)))[1:]) ** 2)
     bins = np.geomspace(2000, 99_000, 9).astype(int)
     for a, b in zip(bins[:-1], bins[1:]):
-        assert abs(spectra[0][a:b].mean() / spectra[1][a:b].mean() - 1) < 5 * np.sqrt(2 * 2 / (b - a))      # a Hann window halves the ordinates
+        assert abs(spectra[0][a:b].mean() / spectra[1][a:b].mean() - 1) < 5 * np.sqrt(
+            2 * 2 / (b - a)
+        )  # a Hann window halves the ordinates
 
 
 def test_models_of_a_simulation_share_what_they_have_in_common():
@@ -84,9 +135,12 @@ def test_models_of_a_simulation_share_what_they_have_in_common():
     grown = base + GaussMarkov(sigma=3e-3, correlation_time=2.0)
     draws = Draws([5, 1], 50_000, 100.0)
     added = draw(grown, draws) - draw(base, draws)
-    alone = GaussMarkov(sigma=3e-3, correlation_time=2.0).simulate(50_000, 100.0, draws.rng("gauss_markov", 1))
+    alone = GaussMarkov(sigma=3e-3, correlation_time=2.0).simulate(
+        50_000, 100.0, draws.rng("gauss_markov", 1)
+    )
     assert np.allclose(added, alone, atol=1e-15)
-    # the second process of a kind is independent of the first: 50 s / 2 s blocks leave a correlation of some 1 / sqrt(250)
+    # the second process of a kind is independent of the first: 50 s / 2 s blocks leave a
+    # correlation of some 1 / sqrt(250)
     first = draw(base, draws) - draw(Sum((base.terms[0],)), draws)
     assert abs(np.corrcoef(added, first)[0, 1]) < 5 / np.sqrt(250)
     assert not np.allclose(draw(base, draws), draw(base, Draws([5, 2], 50_000, 100.0)))
@@ -96,12 +150,21 @@ def test_gap_index_is_one_for_one_more_simulation_and_counts_standard_deviations
     rng = np.random.default_rng(4)
 
     def draw_statistics(shift=0.0):
-        return {"psd": rng.standard_normal(32), "allan": shift + rng.standard_normal(10), "distribution": np.array([-4.0])}
+        return {
+            "psd": rng.standard_normal(32),
+            "allan": shift + rng.standard_normal(10),
+            "distribution": np.array([-4.0]),
+        }
+
     rows = [draw_statistics() for _ in range(100)]
     values = [index(draw_statistics(), rows).value for _ in range(50)]
-    assert abs(np.mean(values) - 1) < 0.1 and np.std(values) < 0.2             # 42 statistics: a scatter of 1 / sqrt(84)
+    assert (
+        abs(np.mean(values) - 1) < 0.1 and np.std(values) < 0.2
+    )  # 42 statistics: a scatter of 1 / sqrt(84)
     moved = index(draw_statistics(shift=10.0), rows)
-    assert 3.5 < moved.value < 7 and 7 < moved.domains["allan"] < 13           # ten of 43 statistics at ten standard deviations
+    assert (
+        3.5 < moved.value < 7 and 7 < moved.domains["allan"] < 13
+    )  # ten of 43 statistics at ten standard deviations
     # a statistic that all simulations share is given a scatter of two per cent, not of rounding
     assert index({**rows[0], "distribution": np.array([-4.001])}, rows).value < 1.5
     assert index({**rows[0], "distribution": np.array([-3.0])}, rows).domains["distribution"] > 10
@@ -110,9 +173,19 @@ def test_gap_index_is_one_for_one_more_simulation_and_counts_standard_deviations
 def test_what_the_make_of_another_effect_explains_has_no_high_confidence():
     def step(effect, **parameters):
         return Step(effect, parameters, {}, "", 1.0, {}, [])
+
     slope = [step("low_pass", cutoff=10.0), step("quantization", Q=1e-5)]
     assert [s.confidence < 0.9 for s in _doubtful(slope, 0.0)] == [False, True]
-    change = step("parameter_change", process="white_noise", name="N", **{"from": 1.0e-3, "to": 0.99e-3})
+    change = step(
+        "parameter_change", process="white_noise", name="N", **{"from": 1.0e-3, "to": 0.99e-3}
+    )
     assert _doubtful([change], 0.0)[0].confidence == 1.0
-    assert _doubtful([change], 1e-3)[0].confidence < 0.9                       # 2 % of the density of the noise in common
-    assert _doubtful([step("resolution", lsb=1e-3), step("quantization", Q=1e-5), change], 0.0)[2].confidence < 0.9
+    assert (
+        _doubtful([change], 1e-3)[0].confidence < 0.9
+    )  # 2 % of the density of the noise in common
+    assert (
+        _doubtful([step("resolution", lsb=1e-3), step("quantization", Q=1e-5), change], 0.0)[
+            2
+        ].confidence
+        < 0.9
+    )

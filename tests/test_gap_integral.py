@@ -1,11 +1,21 @@
-"""Increments of a rounded angle: its quantization is known by the grid, and no rounding of the samples is named beside it."""
+"""Increments of a rounded angle: its quantization is known by the grid, and no rounding of the
+samples is named beside it.
+"""
 
 import numpy as np
 import pytest
 
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects.resolution import grid_of
-from imu_lib.processes import GaussMarkov, LowPass, Quantization, Resolution, Sum, WhiteNoise, from_json
+from imu_lib.processes import (
+    GaussMarkov,
+    LowPass,
+    Quantization,
+    Resolution,
+    Sum,
+    WhiteNoise,
+    from_json,
+)
 
 FS, N = 100.0, 180_000
 BASE = Sum((WhiteNoise(N=1e-3), GaussMarkov(sigma=1e-3, correlation_time=60.0)))
@@ -24,8 +34,15 @@ def test_a_sum_rounds_its_integral_and_its_spectrum_is_that_of_quantization():
     step = q.Q * np.sqrt(12) * FS
     assert np.allclose(x / step, np.rint(x / step), atol=1e-6)
     f = np.fft.rfftfreq(400_000, 1 / FS)
-    power = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(400_000))) ** 2 * 2 / FS / (0.375 * 400_000)
-    for low, high in ((1.0, 5.0), (12.0, 18.0), (30.0, 40.0), (45.0, 50.0)):     # behind the filter, where only the rounding is left
+    power = (
+        np.abs(np.fft.rfft((x - x.mean()) * np.hanning(400_000))) ** 2 * 2 / FS / (0.375 * 400_000)
+    )
+    for low, high in (
+        (1.0, 5.0),
+        (12.0, 18.0),
+        (30.0, 40.0),
+        (45.0, 50.0),
+    ):  # behind the filter, where only the rounding is left
         on = (f >= low) & (f < high)
         want = model.psd(f[on], FS).mean()
         assert abs(power[on].mean() / want - 1) < 5 * np.sqrt(2 / on.sum())
@@ -43,7 +60,8 @@ def test_the_quantization_of_a_rounded_angle_is_named_alone(share):
     found = analyse("gyro_x", x, FS, BASE)
     assert [s.effect for s in found.steps] == ["quantization"] and found.unexplained is None
     assert found.steps[0].parameters["Q"] == pytest.approx(q.Q, rel=1e-6)
-    # the model that was found has nothing left to say of a second record, and a model that knows Q but not the grid neither
+    # the model that was found has nothing left to say of a second record, and a model that knows Q
+    # but not the grid neither
     again = (BASE + q).simulate(N, FS, np.random.default_rng(21))
     for base in (found.model, BASE + Quantization(Q=q.Q)):
         assert analyse("gyro_x", again, FS, base).steps == []
@@ -52,16 +70,25 @@ def test_the_quantization_of_a_rounded_angle_is_named_alone(share):
 def test_rounding_of_samples_is_not_taken_for_that_of_an_angle():
     x = Sum(BASE.terms, (Resolution(lsb=8e-3),)).simulate(N, FS, np.random.default_rng(22))
     assert [s.effect for s in analyse("gyro_x", x, FS, BASE).steps] == ["resolution"]
-    both = Sum((*BASE.terms, Quantization(Q=1.5e-5)), (Resolution(lsb=4e-3),)).simulate(N, FS, np.random.default_rng(23))
+    both = Sum((*BASE.terms, Quantization(Q=1.5e-5)), (Resolution(lsb=4e-3),)).simulate(
+        N, FS, np.random.default_rng(23)
+    )
     found = analyse("gyro_x", both, FS, BASE)
     assert [s.effect for s in found.steps] == ["resolution", "quantization"]
-    assert found.steps[1].parameters["Q"] == pytest.approx(1.5e-5, rel=0.05)     # its interval is 2 % wide
+    assert found.steps[1].parameters["Q"] == pytest.approx(
+        1.5e-5, rel=0.05
+    )  # its interval is 2 % wide
 
 
 def test_a_grid_too_fine_to_tell_is_named_with_both_makes():
     q = _of_grid(0.1)
-    step, = analyse("gyro_x", (BASE + q).simulate(N, FS, np.random.default_rng(25)), FS, BASE).steps
-    assert {step.effect, *step.indistinguishable} == {"resolution", "quantization"} and step.confidence <= 0.5
+    (step,) = analyse(
+        "gyro_x", (BASE + q).simulate(N, FS, np.random.default_rng(25)), FS, BASE
+    ).steps
+    assert {step.effect, *step.indistinguishable} == {
+        "resolution",
+        "quantization",
+    } and step.confidence <= 0.5
 
 
 def test_a_grid_is_seen_behind_a_few_samples_that_lie_off_it():

@@ -1,4 +1,5 @@
 """Samples thrown off behind a filter: in coloured noise each makes its neighbours surprising."""
+
 import numpy as np
 import pytest
 
@@ -13,7 +14,9 @@ WHITE = WhiteNoise(N=1e-3)
 
 
 def _behind(order, cutoff, seed):
-    return Sum((WHITE,), (LowPass(order=order, cutoff=cutoff, rate=FS),)), np.random.default_rng(seed)
+    return Sum((WHITE,), (LowPass(order=order, cutoff=cutoff, rate=FS),)), np.random.default_rng(
+        seed
+    )
 
 
 @pytest.mark.parametrize(("order", "cutoff"), [(1, 30.0), (2, 14.0), (4, 13.0)])
@@ -28,9 +31,13 @@ def test_heights_are_those_that_were_added(order, cutoff):
     x[at] += heights
     y, instead = deconvolved(surprises(x, smooth), smooth)
     seen = np.flatnonzero(np.abs(y) > 5)
-    assert np.array_equal(seen[(seen > 64) & (seen < N - 64)], at)       # at the ends half of the neighbours are missing
+    assert np.array_equal(
+        seen[(seen > 64) & (seen < N - 64)], at
+    )  # at the ends half of the neighbours are missing
     # one at a time to a standard deviation; neighbours of neighbours share what is known of them
-    assert np.all(np.abs(y[at] * sd - heights) < 5 * sd * np.where(np.isin(at, [5000, 40_000]), 1, 6))
+    assert np.all(
+        np.abs(y[at] * sd - heights) < 5 * sd * np.where(np.isin(at, [5000, 40_000]), 1, 6)
+    )
     assert instead[at].all() and instead[64:-64].sum() < 40
 
 
@@ -53,7 +60,9 @@ def test_many_outliers_are_another_distribution():
 
 
 def test_spikes_behind_a_steep_filter_are_named_alone():
-    """Their heights were a third too small, and in every record something was left unexplained or named beside them."""
+    """Their heights were a third too small, and in every record something was left unexplained or
+    named beside them.
+    """
     explained = []
     for seed, (order, cutoff) in enumerate([(2, 14.0), (4, 13.0), (3, 20.0)] * 2):
         model, rng = _behind(order, cutoff, seed)
@@ -63,16 +72,20 @@ def test_spikes_behind_a_steep_filter_are_named_alone():
         assert [s.effect for s in found.steps] == ["spikes"]
         explained.append(found.unexplained is None)
         step, count = found.steps[0], hit.sum()
-        # the number that fell is known, the scale to 1 / sqrt(2 count); some are too small to be seen
+        # the number that fell is known, the scale to 1 / sqrt(2 count); some are too small to be
+        # seen
         assert step.parameters["rate"] == pytest.approx(count / N * FS, rel=0.06)
         assert step.parameters["scale"] == pytest.approx(0.05, rel=4 / np.sqrt(2 * count))
-    # of three spikes within a few samples not every one is found: a sixth of longer runs of this kind keep a heavy tail
+    # of three spikes within a few samples not every one is found: a sixth of longer runs of this
+    # kind keep a heavy tail
     assert np.mean(explained) >= 0.5
 
 
 @pytest.mark.parametrize(("order", "cutoff", "seed"), [(1, 20.0, 21), (2, 14.0, 22), (4, 13.0, 23)])
 def test_clipping_behind_a_filter_is_named_alone(order, cutoff, seed):
-    """What was drawn for the clipped samples lay so far from what their neighbours foretell that noise was named beside it."""
+    """What was drawn for the clipped samples lay so far from what their neighbours foretell that
+    noise was named beside it.
+    """
     model, rng = _behind(order, cutoff, seed)
     x = model.simulate(N, FS, rng)
     limit = np.quantile(x, 0.98)
@@ -90,5 +103,6 @@ def test_clipped_samples_are_drawn_beyond_the_limit_as_the_others_foretell():
     got = impute(np.minimum(x, limit), np.zeros(N, bool), smooth, rng, above=(side, limit))
     assert np.array_equal(got[~side], x[~side]) and np.all(got[side] >= limit)
     drawn, true = surprises(got, smooth)[side], surprises(x, smooth)[side]
-    # 6000 samples, of which a run shares its surprises: a scatter of 2 %; a draw of each for itself has four times as much
+    # 6000 samples, of which a run shares its surprises: a scatter of 2 %; a draw of each for
+    # itself has four times as much
     assert drawn.std() == pytest.approx(true.std(), rel=0.15)

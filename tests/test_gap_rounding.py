@@ -25,12 +25,16 @@ def test_moments_of_rounded_normal_samples(sd):
 
 @pytest.mark.parametrize("step, offset", [(1.2, 0.0), (2.0, 0.7), (3.0, 0.2)])
 def test_the_noise_before_a_coarse_grid_is_recovered(step, offset):
-    """Steps in standard deviations; Sheppard's step^2 / 12 would be off by up to 20 % of the noise at three of them."""
+    """Steps in standard deviations; Sheppard's step^2 / 12 would be off by up to 20 % of the noise
+    at three of them.
+    """
     x = np.random.default_rng(2).standard_normal(N) + 0.4
     y = np.rint((x - offset) / step) * step + offset
     smooth = Smooth(y, FS)
     rounding = Rounding(y, smooth, (step, offset))
-    assert abs(rounding.variance * step**2 - 1) < 0.03                 # four standard deviations of a variance cut to a few levels
+    assert (
+        abs(rounding.variance * step**2 - 1) < 0.03
+    )  # four standard deviations of a variance cut to a few levels
     assert abs(np.mean(rounding.base) * step + offset - 0.4) < 0.03
     added = rounding.extra(np.random.default_rng(3))
     k = smooth.layout.slow
@@ -55,9 +59,11 @@ def test_frozen_samples_are_told_from_chance_runs_on_a_coarse_grid():
     y = x.copy()
     starts = np.arange(500, N - 500, 1500)
     for s in starts:
-        y[s:s + 40] = y[s]
+        y[s : s + 40] = y[s]
     found = Stuck().detect(y, clipped, twin, None)
-    assert abs(found.process.fraction / (39 * len(starts) / N) - 1) < 0.25     # chance makes each run longer by a few samples
+    assert (
+        abs(found.process.fraction / (39 * len(starts) / N) - 1) < 0.25
+    )  # chance makes each run longer by a few samples
     assert found.mask[starts[0] + 30]
 
 

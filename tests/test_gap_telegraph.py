@@ -16,30 +16,45 @@ FS, N = 100.0, 360_000
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_what_a_path_says_beyond_its_spectrum_is_exact_under_white_noise(seed):
-    """Probability of a two-level series by the forward recursion and of the Gaussian one from its covariance, the mean integrated out."""
+    """Probability of a two-level series by the forward recursion and of the Gaussian one from its
+    covariance, the mean integrated out.
+    """
     rng = np.random.default_rng(seed)
     n, a, flip, var = 600, 1.3, 0.03, 0.8
     y = a * ((np.cumsum(rng.random(n) < flip) % 2) - 0.5) + np.sqrt(var) * rng.standard_normal(n)
     y -= y.mean()
     means = np.linspace(-0.5, 0.5, 201)
-    at = np.array([_posterior(y - m, a, flip, var)[1] - 0.5 * np.sum((y - m) ** 2) / var for m in means])
-    levels = logsumexp(at) + np.log(means[1] - means[0]) + 0.5 * np.sum(y**2) / var - 0.5 * np.log(2 * np.pi * var / n)
-    basis = np.linalg.svd(np.eye(n) - 1 / n)[0][:, :n - 1]
+    at = np.array(
+        [_posterior(y - m, a, flip, var)[1] - 0.5 * np.sum((y - m) ** 2) / var for m in means]
+    )
+    levels = (
+        logsumexp(at)
+        + np.log(means[1] - means[0])
+        + 0.5 * np.sum(y**2) / var
+        - 0.5 * np.log(2 * np.pi * var / n)
+    )
+    basis = np.linalg.svd(np.eye(n) - 1 / n)[0][:, : n - 1]
     own = basis.T @ (0.25 * a * a * toeplitz((1 - 2 * flip) ** np.arange(n))) @ basis
     white = var * np.eye(n - 1)
-    gaussian = multivariate_normal.logpdf(basis.T @ y, cov=own + white) - multivariate_normal.logpdf(basis.T @ y, cov=white)
+    gaussian = multivariate_normal.logpdf(
+        basis.T @ y, cov=own + white
+    ) - multivariate_normal.logpdf(basis.T @ y, cov=white)
     middle = means[np.argmax(at)]
     s, ll, _ = _posterior(y - middle, a, flip, var)
     got = _beyond_spectrum(y, y - middle, s - 0.5, a, flip, ll, var, 1.0)
     assert levels - gaussian > 5
-    assert abs(got - (levels - gaussian)) < 1.0            # Whittle's likelihood of a short series is good to some tenths
+    assert (
+        abs(got - (levels - gaussian)) < 1.0
+    )  # Whittle's likelihood of a short series is good to some tenths
 
 
 def test_the_distance_of_the_levels_is_unbiased_beside_a_drift():
     rng = np.random.default_rng(2)
     n, a, var, k = 3000, 1.0, 1.0, 0.02
     values, sds = [], []
-    ratio = k**2 / (k**2 + var * 4 * np.sin(np.pi * np.arange(n) / (2 * n)) ** 2)     # share of a walk in walk and noise
+    ratio = k**2 / (
+        k**2 + var * 4 * np.sin(np.pi * np.arange(n) / (2 * n)) ** 2
+    )  # share of a walk in walk and noise
     for _ in range(60):
         w = np.cumsum(rng.random(n) < 0.01) % 2 - 0.5
         y = a * w + np.cumsum(k * rng.standard_normal(n)) + np.sqrt(var) * rng.standard_normal(n)
@@ -47,20 +62,33 @@ def test_the_distance_of_the_levels_is_unbiased_beside_a_drift():
         values.append(value)
         sds.append(sd)
     assert abs(np.mean(values) - a) < 4 * np.std(values) / np.sqrt(60)
-    assert 0.7 < np.std(values) / np.mean(sds) < 1.3       # 60 draws: 9 % scatter of a standard deviation
+    assert (
+        0.7 < np.std(values) / np.mean(sds) < 1.3
+    )  # 60 draws: 9 % scatter of a standard deviation
 
 
 @pytest.mark.parametrize("rate, seed", [(0.02, 3), (0.06, 4)])
 def test_levels_lost_in_the_noise_are_told_from_a_gauss_markov_process(rate, seed):
-    """The step is a tenth of the noise of a sample; the spectrum alone gains the same for either name."""
+    """The step is a tenth of the noise of a sample; the spectrum alone gains the same for either
+    name.
+    """
     base = [{"process": "white_noise", "N": 2e-4}]
     rng = np.random.default_rng(seed)
     x = generator._noise(base[0], N, FS, rng)
     f = np.arange(1, N // 2 + 1) * FS / N
     shape = generator._spectrum({"process": "telegraph", "rate": rate, "amplitude": 1.0}, f, FS)
-    a = generator._strength(lambda v: generator._gain_spectral(generator._base_psd(base, f, FS), v * v * shape), 300)
-    truth = {"telegraph": {"process": "telegraph", "rate": rate, "amplitude": a},
-             "gauss_markov": {"process": "gauss_markov", "sigma": a / 2, "correlation_time": 0.5 / rate}}
+    a = generator._strength(
+        lambda v: generator._gain_spectral(generator._base_psd(base, f, FS), v * v * shape), 300
+    )
+    truth = {
+        "telegraph": {"process": "telegraph", "rate": rate, "amplitude": a},
+        "gauss_markov": {"process": "gauss_markov", "sigma": a / 2, "correlation_time": 0.5 / rate},
+    }
     for name, entry in truth.items():
-        found = analyse("gyro_x", x + generator._noise(entry, N, FS, rng), FS, Sum.of(from_json(e) for e in base))
+        found = analyse(
+            "gyro_x",
+            x + generator._noise(entry, N, FS, rng),
+            FS,
+            Sum.of(from_json(e) for e in base),
+        )
         assert [s.effect for s in found.steps if s.effect in truth] == [name]

@@ -16,7 +16,9 @@ def sound(seed=1, **change):
     """Twenty minutes of a plausible six-axis sensor at rest; `change` alters channels."""
     rng = np.random.default_rng(seed)
     x = {f"gyro_{a}": 0.01 + rng.normal(scale=3e-3, size=N) for a in "xyz"}
-    x |= {f"accel_{a}": rng.normal(scale=1e-2, size=N) - (units.G if a == "z" else 0) for a in "xyz"}
+    x |= {
+        f"accel_{a}": rng.normal(scale=1e-2, size=N) - (units.G if a == "z" else 0) for a in "xyz"
+    }
     for name, function in change.items():
         x[name] = function(x[name])
     return Record(x, RATE)
@@ -24,16 +26,29 @@ def sound(seed=1, **change):
 
 def test_a_sound_record_has_nothing_to_object_to():
     found = health.of_record(sound())
-    assert found.findings == () and found.motion.state == "at rest" and found.motion.gravity == pytest.approx(units.G, rel=1e-3)
-    assert found.channels["gyro_x"].noise == pytest.approx(3e-3 / RATE**0.5, rel=0.01)  # 120,000 samples tell it to 0.3 %
+    assert (
+        found.findings == ()
+        and found.motion.state == "at rest"
+        and found.motion.gravity == pytest.approx(units.G, rel=1e-3)
+    )
+    assert found.channels["gyro_x"].noise == pytest.approx(
+        3e-3 / RATE**0.5, rel=0.01
+    )  # 120,000 samples tell it to 0.3 %
     assert found.channels["gyro_x"].resolution is None
 
 
 @pytest.mark.parametrize("lsb", [8.7266e-4, 2.4e-3])
 def test_resolution(lsb):
-    found = health.of_record(sound(gyro_y=lambda x: np.round(x / lsb) * lsb, accel_x=lambda x: np.float32(np.round(x / 0.003) * 0.003)))
+    found = health.of_record(
+        sound(
+            gyro_y=lambda x: np.round(x / lsb) * lsb,
+            accel_x=lambda x: np.float32(np.round(x / 0.003) * 0.003),
+        )
+    )
     assert found.channels["gyro_y"].resolution == pytest.approx(lsb, rel=1e-9)
-    assert found.channels["accel_x"].resolution == pytest.approx(0.003, rel=1e-5)  # single precision
+    assert found.channels["accel_x"].resolution == pytest.approx(
+        0.003, rel=1e-5
+    )  # single precision
     assert found.findings == ()
 
 
@@ -48,7 +63,10 @@ def frozen(x):
     [
         ({"gyro_x": lambda x: np.clip(x, -1, 0.014)}, "gyro_x piles up"),
         ({"accel_y": frozen}, "accel_y repeats one value for up to 400"),
-        ({"gyro_z": lambda x: np.where(np.arange(N) % 1000 == 7, np.nan, x)}, "120 values are missing"),
+        (
+            {"gyro_z": lambda x: np.where(np.arange(N) % 1000 == 7, np.nan, x)},
+            "120 values are missing",
+        ),
         ({"accel_x": lambda x: np.round(x / 0.05) * 0.05}, "rounding hides"),
         ({"gyro_x": lambda x: x + 0.3 * (np.arange(N) > 100_000)}, "partly moving"),
         ({"accel_z": lambda x: x + units.G}, "no gravity"),
@@ -64,7 +82,9 @@ def test_slow_drift_is_rest_and_handling_is_not():
     drift = health.of_record(sound(gyro_x=lambda x: x + 2e-3 * np.sin(np.arange(N) / 2e4)))
     assert drift.motion.state == "at rest"
     turn = np.where((np.arange(N) > 60_000) & (np.arange(N) < 60_300), 0.5, 0.0)
-    found = health.of_record(sound(gyro_x=lambda x: x + turn, accel_x=lambda x: x + 3.0 * (np.arange(N) > 60_150)))
+    found = health.of_record(
+        sound(gyro_x=lambda x: x + turn, accel_x=lambda x: x + 3.0 * (np.arange(N) > 60_150))
+    )
     assert found.motion.moving_share > 0 and found.motion.rest_stop <= 600.0
 
 
@@ -72,16 +92,27 @@ def test_of_a_drive(data_dir, capsys, tmp_path):
     out = tmp_path / "c.json"
     assert main(["check", str(data_dir / "drive/span_c.npz"), "--json", str(out)]) == 0
     text, told = capsys.readouterr().out, json.loads(out.read_text())
-    assert "1: 867, 4: 821, 5: 45" in text and told["gnss"]["fixes"] == 1733 and told["gnss"]["reference"] and told["motion"]["state"] == "moving"
+    assert (
+        "1: 867, 4: 821, 5: 45" in text
+        and told["gnss"]["fixes"] == 1733
+        and told["gnss"]["reference"]
+        and told["motion"]["state"] == "moving"
+    )
 
 
 @pytest.mark.parametrize(
     ("name", "step"),
-    [("adis16405_1", 0.05 * units.DEG_PER_S), ("hipnuc_ch104", 0.01 * units.DEG_PER_S), ("mpu6050_10min", units.DEG_PER_S / 131)],
+    [
+        ("adis16405_1", 0.05 * units.DEG_PER_S),
+        ("hipnuc_ch104", 0.01 * units.DEG_PER_S),
+        ("mpu6050_10min", units.DEG_PER_S / 131),
+    ],
 )
 def test_of_real_records(data_dir, name, step):
     from imu_lib.readers import read_record
 
     found = health.of_record(read_record(data_dir / f"static/{name}.npz"))
-    assert found.motion.state == "at rest" and found.channels["gyro_x"].resolution == pytest.approx(step, rel=1e-3)
+    assert found.motion.state == "at rest" and found.channels["gyro_x"].resolution == pytest.approx(
+        step, rel=1e-3
+    )
     assert found.clock.bursts == (name == "mpu6050_10min")

@@ -1,4 +1,6 @@
-"""The likelihood of a whole model: exact where it can be checked, efficient, and with intervals that mean what they say."""
+"""The likelihood of a whole model: exact where it can be checked, efficient, and with intervals
+that mean what they say.
+"""
 
 import numpy as np
 import pytest
@@ -8,7 +10,17 @@ from scipy.stats import kstest, norm
 
 from imu_lib import preset
 from imu_lib.errors import UndefinedFormError
-from imu_lib.likelihood import CANDIDATES, Statistics, choose, density, fast_end, fit, flat_level, log_likelihood, residuals
+from imu_lib.likelihood import (
+    CANDIDATES,
+    Statistics,
+    choose,
+    density,
+    fast_end,
+    fit,
+    flat_level,
+    log_likelihood,
+    residuals,
+)
 from imu_lib.likelihood.kernel import weights
 from imu_lib.processes import (
     Flicker,
@@ -51,7 +63,8 @@ MODELS = {
     "white": WhiteNoise(N=1.0) + GaussMarkov(sigma=0.0, correlation_time=1.0),
     "walk": WhiteNoise(N=0.3) + RandomWalk(K=0.05),
     "Gauss-Markov": WhiteNoise(N=1.0) + GaussMarkov(sigma=0.7, correlation_time=6.0),
-    "as long as a quarter of the record": WhiteNoise(N=0.3) + GaussMarkov(sigma=0.7, correlation_time=150.0),
+    "as long as a quarter of the record": WhiteNoise(N=0.3)
+    + GaussMarkov(sigma=0.7, correlation_time=150.0),
     "second order": WhiteNoise(N=0.3) + GaussMarkov2(sigma=0.7, correlation_time=30.0),
     "quantization": WhiteNoise(N=0.3) + Quantization(Q=1.0),
 }
@@ -59,7 +72,9 @@ MODELS = {
 
 @pytest.mark.parametrize("name", MODELS)
 def test_expected_ordinates_are_the_exact_variances(name):
-    """Within 0.6 %: what the leakage of coefficients above the 40th may leave out (2 Tc / T, Tc = T/20 at most there)."""
+    """Within 0.6 %: what the leakage of coefficients above the 40th may leave out (2 Tc / T, Tc =
+    T/20 at most there).
+    """
     n, fs = 600, 1.0
     stats = Statistics.of(np.random.default_rng(1).standard_normal(n), fs, width=1e-9)
     expected = density(stats, MODELS[name])
@@ -70,7 +85,8 @@ def test_expected_ordinates_are_the_exact_variances(name):
 
 @pytest.mark.parametrize("name", ["walk", "Gauss-Markov", "as long as a quarter of the record"])
 def test_coefficients_are_as_good_as_independent(name):
-    """The covariance of the estimates from the exact covariance of the coefficients equals the inverse information that
+    """The covariance of the estimates from the exact covariance of the coefficients equals the
+    inverse information that
     treats them as independent, to 1 % in the standard deviations."""
     n, fs, model = 600, 1.0, MODELS[name]
     covariance = exact_covariance(model, n, fs)
@@ -78,7 +94,10 @@ def test_coefficients_are_as_good_as_independent(name):
     slopes = []
     for label, index, key in labels:
         value = getattr(list(model)[index], key)
-        up, down = (np.diag(exact_covariance(model.with_values({label: value * f}), n, fs)) for f in (1.001, 0.999))
+        up, down = (
+            np.diag(exact_covariance(model.with_values({label: value * f}), n, fs))
+            for f in (1.001, 0.999)
+        )
         slopes.append((up - down) / 0.002 / np.diag(covariance))
     slopes = np.array(slopes)
     information = 0.5 * slopes @ slopes.T
@@ -92,7 +111,9 @@ def test_kernel_rows_are_exact_for_walk_and_white():
     u, matrix = weights(40)
     assert np.allclose(matrix @ np.ones_like(u), 1.0, atol=1e-12)
     p = np.arange(1, 41)
-    assert np.allclose(matrix @ u**-2 * (p / 2) ** 2, 1.0, atol=1e-4)  # the nodes end at 1e-4 cycles a record
+    assert np.allclose(
+        matrix @ u**-2 * (p / 2) ** 2, 1.0, atol=1e-4
+    )  # the nodes end at 1e-4 cycles a record
 
 
 def test_loglikelihood_is_that_of_the_coefficients():
@@ -121,8 +142,12 @@ def test_fit_finds_the_twin():
     template = WhiteNoise() + GaussMarkov() + RandomWalk() + model.low_pass
     found = fit(draw(model, 4), FS, template)
     # relative error of one hour's estimates: 0.1, 3, 10 and 10 %; four of them is the tolerance
-    for label, index, key, tolerance in (("N", 0, "N", 0.005), ("sigma", 1, "sigma", 0.12),
-                                         ("correlation_time", 1, "correlation_time", 0.4), ("K", 2, "K", 0.4)):
+    for label, index, key, tolerance in (
+        ("N", 0, "N", 0.005),
+        ("sigma", 1, "sigma", 0.12),
+        ("correlation_time", 1, "correlation_time", 0.4),
+        ("K", 2, "K", 0.4),
+    ):
         truth = getattr(model.terms[index], key)
         assert found[label].value == pytest.approx(truth, rel=tolerance)
         assert found[label].low < found[label].value < found[label].high
@@ -132,12 +157,18 @@ def test_fit_finds_the_twin():
 
 
 def test_intervals_cover():
-    """Forty records of 200 correlation times: 120 intervals, no fewer than the binomial 3-sigma limit below 95 %."""
+    """Forty records of 200 correlation times: 120 intervals, no fewer than the binomial 3-sigma
+    limit below 95 %.
+    """
     model = WhiteNoise(N=0.1) + GaussMarkov(sigma=1.0, correlation_time=2.0)
     hits = []
     for seed in range(40):
         found = fit(draw(model, seed, n=4000, fs=10.0), 10.0, WhiteNoise() + GaussMarkov())
-        hits += [found["N"].covers(0.1), found["sigma"].covers(1.0), found["correlation_time"].covers(2.0)]
+        hits += [
+            found["N"].covers(0.1),
+            found["sigma"].covers(1.0),
+            found["correlation_time"].covers(2.0),
+        ]
     assert 0.95 - 3 * np.sqrt(0.95 * 0.05 / 120) <= np.mean(hits)
 
 
@@ -154,7 +185,9 @@ def test_held_parameters_stay_and_warm_starts_agree():
     held = fit(stats, None, WhiteNoise(N=7e-4) + GaussMarkov(correlation_time=60.0))
     assert set(held.parameters) == {"sigma"} and held.model.terms[0].N == 7e-4
     cold = fit(stats, None, WhiteNoise() + GaussMarkov(), estimates=False)
-    warm = fit(stats, None, WhiteNoise() + GaussMarkov(), starts=[GYRO], grid=False, estimates=False)
+    warm = fit(
+        stats, None, WhiteNoise() + GaussMarkov(), starts=[GYRO], grid=False, estimates=False
+    )
     assert warm.loglike == pytest.approx(cold.loglike, abs=1e-4)
 
 
@@ -166,15 +199,30 @@ def test_stretches_count_once_each():
     assert found["N"].covers(7e-4) and found["sigma"].covers(2.3e-4)
 
 
-@pytest.mark.parametrize("drift, template, label, truth", [
-    (Ramp(R=3e-6), Ramp(), "R", 3e-6),
-    (Sinusoid(amplitude=3e-4, frequency=12.3, phase=0.5), Sinusoid(frequency=12.3), "amplitude", 3e-4),
-    (WarmUp(amplitude=3e-3, time_constant=300.0), WarmUp(time_constant=300.0), "amplitude", 3e-3),
-    (Step(amplitude=9e-4, time=1234.56), Step(), "amplitude", 9e-4),
-])
+@pytest.mark.parametrize(
+    "drift, template, label, truth",
+    [
+        (Ramp(R=3e-6), Ramp(), "R", 3e-6),
+        (
+            Sinusoid(amplitude=3e-4, frequency=12.3, phase=0.5),
+            Sinusoid(frequency=12.3),
+            "amplitude",
+            3e-4,
+        ),
+        (
+            WarmUp(amplitude=3e-3, time_constant=300.0),
+            WarmUp(time_constant=300.0),
+            "amplitude",
+            3e-3,
+        ),
+        (Step(amplitude=9e-4, time=1234.56), Step(), "amplitude", 9e-4),
+    ],
+)
 def test_drifts_are_found_with_the_noise(drift, template, label, truth):
     found = fit(draw(GYRO + drift, 8, n=200_000), FS, WhiteNoise() + GaussMarkov() + template)
-    assert found[label].low - 1e-12 <= truth <= found[label].high + 1e-12 or found[label].value == pytest.approx(truth, rel=0.25)
+    assert found[label].low - 1e-12 <= truth <= found[label].high + 1e-12 or found[
+        label
+    ].value == pytest.approx(truth, rel=0.25)
     assert any(type(term) is type(drift) for term in found.model.terms)
     # the whole model, its drift included, is as likely as the fit says
     stats = Statistics.of(draw(GYRO + drift, 8, n=200_000), FS)
@@ -198,7 +246,9 @@ def test_temperature_is_a_regressor():
 def test_filter_cutoff_is_fitted():
     x = draw(GYRO + LowPass(cutoff=20.0, order=2), 11)
     found = fit(x, FS, WhiteNoise() + GaussMarkov() + LowPass(order=2))
-    assert found["cutoff"].value == pytest.approx(20.0, rel=0.005)  # its relative standard error is 0.1 %
+    assert found["cutoff"].value == pytest.approx(
+        20.0, rel=0.005
+    )  # its relative standard error is 0.1 %
     assert found.p_value > 1e-3
 
 
@@ -211,11 +261,17 @@ def test_fast_end_names_the_filter():
     assert [t.name for t in rounded.extra] == ["quantization"]
 
 
-@pytest.mark.parametrize("name, truth", [
-    ("white", WhiteNoise(N=7e-4) + LowPass(taps=1)),
-    ("white + flicker", WhiteNoise(N=7e-4) + Flicker(B=2e-4)),
-    ("white + Gauss-Markov", WhiteNoise(N=7e-4) + GaussMarkov(sigma=4e-4, correlation_time=20.0)),
-])
+@pytest.mark.parametrize(
+    "name, truth",
+    [
+        ("white", WhiteNoise(N=7e-4) + LowPass(taps=1)),
+        ("white + flicker", WhiteNoise(N=7e-4) + Flicker(B=2e-4)),
+        (
+            "white + Gauss-Markov",
+            WhiteNoise(N=7e-4) + GaussMarkov(sigma=4e-4, correlation_time=20.0),
+        ),
+    ],
+)
 def test_choice_finds_what_made_the_record(name, truth):
     chosen = choose(draw(truth, 15), FS)
     assert chosen.name == name
@@ -228,13 +284,22 @@ def test_lines_are_left_out_and_listed():
     x = draw(GYRO + Sinusoid(amplitude=2e-3, frequency=17.0), 16)
     stats = Statistics.of(x, FS, exclude_lines=True)
     assert stats.lines[0][0] == pytest.approx(17.0, abs=0.01)
-    assert stats.lines[0][1] == pytest.approx(2e-3 / np.sqrt(2), rel=0.1)  # the line's power leaks past a few ordinates
+    assert stats.lines[0][1] == pytest.approx(
+        2e-3 / np.sqrt(2), rel=0.1
+    )  # the line's power leaks past a few ordinates
     assert fit(stats, None, WhiteNoise() + GaussMarkov())["N"].covers(7e-4)
     assert Statistics.of(draw(GYRO, 16), FS, exclude_lines=True).lines == ()
 
 
-@pytest.mark.parametrize("x, message", [(np.zeros(100), "constant"), (np.ones(4), "8 samples"),
-                                        (np.array([1.0, np.nan] * 10), "finite"), (np.ones((3, 50)), "one dimension")])
+@pytest.mark.parametrize(
+    "x, message",
+    [
+        (np.zeros(100), "constant"),
+        (np.ones(4), "8 samples"),
+        (np.array([1.0, np.nan] * 10), "finite"),
+        (np.ones((3, 50)), "one dimension"),
+    ],
+)
 def test_bad_records_are_refused(x, message):
     with pytest.raises(ValueError, match=message):
         Statistics.of(x, FS)

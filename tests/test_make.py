@@ -6,11 +6,14 @@ import sys
 import tomllib
 
 import pytest
+
 from conftest import ROOT
 
 
 def make(*arguments):
-    return subprocess.run([sys.executable, str(ROOT / "make.py"), *arguments], capture_output=True, text=True)
+    return subprocess.run(
+        [sys.executable, str(ROOT / "make.py"), *arguments], capture_output=True, text=True
+    )
 
 
 @pytest.mark.parametrize("arguments", [(), ("boook",), ("--book",)])
@@ -21,9 +24,13 @@ def test_wrong_task_is_one_sentence(arguments):
 
 
 def test_old_python_is_one_sentence():
-    code = "import sys; sys.version_info = (3, 9, 1); import make\n" \
-           "try: make.main(['book'])\nexcept make.Stop as stop: print(stop)"
-    done = subprocess.run([sys.executable, "-B", "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    code = (
+        "import sys; sys.version_info = (3, 9, 1); import make\n"
+        "try: make.main(['book'])\nexcept make.Stop as stop: print(stop)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     assert "Python 3.11 or later, this is 3.9" in done.stdout
 
 
@@ -31,21 +38,34 @@ def test_uses_the_standard_library_only():
     import ast
 
     tree = ast.parse((ROOT / "make.py").read_text(encoding="utf-8"))
-    modules = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
+    modules = [
+        alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for alias in node.names
+    ]
     assert set(modules) <= set(sys.stdlib_module_names)
 
 
 def requirements(lines):
-    return {re.match(r"[\w-]+", line)[0].lower(): line for line in lines if line and not line.startswith("#")}
+    return {
+        re.match(r"[\w-]+", line)[0].lower(): line
+        for line in lines
+        if line and not line.startswith("#")
+    }
 
 
 def test_package_and_environment_ask_for_the_same():
     listed = requirements((ROOT / "environment.txt").read_text(encoding="utf-8").split("\n"))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    asked = requirements([*project["dependencies"], *sum(project["optional-dependencies"].values(), [])])
+    asked = requirements(
+        [*project["dependencies"], *sum(project["optional-dependencies"].values(), [])]
+    )
     for name, line in asked.items():
         assert listed.get(name) == line
-    assert all("<" in line for line in listed.values()), "upper bounds keep to versions tried together"
+    assert all("<" in line for line in listed.values()), (
+        "upper bounds keep to versions tried together"
+    )
 
 
 def test_every_package_has_its_reason():

@@ -1,4 +1,6 @@
-"""Whatever is wrong with a file ends in one sentence on standard error and exit 2: no traceback, nothing half-written."""
+"""Whatever is wrong with a file ends in one sentence on standard error and exit 2: no traceback,
+nothing half-written.
+"""
 
 import builtins
 import gzip
@@ -61,11 +63,17 @@ TABLES = {
     "nan time": (lines(edit(30, 0, "nan")), "line 32"),
     "unsorted": (lines(swap), "line 103"),
     "repeated time": (lines(repeat_time), "line 102"),
-    "constant time": (lines(lambda rows: ["1.0," + r.partition(",")[2] for r in rows]), "time stamps are 1"),
+    "constant time": (
+        lines(lambda rows: ["1.0," + r.partition(",")[2] for r in rows]),
+        "time stamps are 1",
+    ),
     "a short line": (lines(edit(60, 6, "")).replace(",\n", "\n"), "line 62"),
     "a long line": (lines(edit(60, 6, "1.0,2.0")), "line 62"),
     "cut off": (lines()[:-30], "columns where"),
-    "an empty column": (lines(lambda rows: [",".join([*r.split(",")[:2], "", *r.split(",")[3:]]) for r in rows]), "gyro_y"),
+    "an empty column": (
+        lines(lambda rows: [",".join([*r.split(",")[:2], "", *r.split(",")[3:]]) for r in rows]),
+        "gyro_y",
+    ),
     "unknown unit": (lines().replace("[rad/s]", "[furlong]"), "furlong"),
     "two units": (lines().replace("gyro_y [rad/s]", "gyro_y [deg/s]"), "different units"),
     "no unit": (lines().replace(" [rad/s]", ""), "--gyro-unit"),
@@ -81,7 +89,12 @@ def refused(capsys, *argv, says=""):
     """The call ends with 2 and one sentence."""
     assert main([str(a) for a in argv]) == 2
     out, err = capsys.readouterr()
-    assert "Traceback" not in err and err.startswith("imu-lib") and len(err.strip().splitlines()) == 1 and err.rstrip().endswith("."), err
+    assert (
+        "Traceback" not in err
+        and err.startswith("imu-lib")
+        and len(err.strip().splitlines()) == 1
+        and err.rstrip().endswith(".")
+    ), err
     assert says in err, err
     return err
 
@@ -109,7 +122,16 @@ def test_three_bare_columns_are_told_how_to_be_named(tmp_path, capsys):
 
 def test_what_a_record_can_have_is_reported_instead(tmp_path, capsys):
     path = tmp_path / "gaps.csv"
-    path.write_text(lines(lambda rows: [edit(50, 2, "nan")(rows), edit(51, 3, "")(rows), *rows[:200], *rows[230:]][2:]))
+    path.write_text(
+        lines(
+            lambda rows: [
+                edit(50, 2, "nan")(rows),
+                edit(51, 3, "")(rows),
+                *rows[:200],
+                *rows[230:],
+            ][2:]
+        )
+    )
     assert main(["check", str(path)]) == 0
     out = capsys.readouterr().out
     assert "1 (30 samples missing)" in out and "2 values are missing" in out
@@ -123,7 +145,9 @@ def npz(path, **arrays):
 def lying(shape):
     """An .npz whose header announces more than it holds."""
     stream = io.BytesIO()
-    np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": shape})
+    np.lib.format.write_array_header_1_0(
+        stream, {"descr": "<f8", "fortran_order": False, "shape": shape}
+    )
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
         archive.writestr("gyro.npy", stream.getvalue() + b"\0" * 800)
@@ -131,7 +155,9 @@ def lying(shape):
 
 
 def binaries(tmp_path):
-    good = npz(tmp_path / "x.npz", time=values()[:, 0], gyro=values()[:, 1:4], accel=values()[:, 4:])
+    good = npz(
+        tmp_path / "x.npz", time=values()[:, 0], gyro=values()[:, 1:4], accel=values()[:, 4:]
+    )
     (tmp_path / "x.npz").unlink()
     junk = np.random.default_rng(12).bytes(5000)
     yield "truncated.npz", good[:-2000], "truncated.npz"
@@ -148,12 +174,20 @@ def binaries(tmp_path):
     yield "hdf.mat", b"\x89HDF\r\n\x1a\n" + junk, "hdf.mat"
     yield "five.mat", b"MATLAB 5.0 MAT-file" + bytes(105) + b"\0\1IM" + junk, "five.mat"
     yield "empty.npz", b"", "empty"
-    yield "long.mat", b"MATLAB 5.0 MAT-file" + bytes(105) + b"\0\1IM" + struct.pack("<II", 14, 10**9), "long.mat"
+    yield (
+        "long.mat",
+        b"MATLAB 5.0 MAT-file" + bytes(105) + b"\0\1IM" + struct.pack("<II", 14, 10**9),
+        "long.mat",
+    )
     yield "packed.csv", gzip.compress(lines().encode()), "unpack"
     yield "sheet.xlsx", b"PK\3\4" + junk, "save its sheet as .csv"
     yield "wide.csv", lines().encode("utf-32"), "UTF-8"
     yield "unmarked.csv", lines().encode("utf-16-le"), "UTF-8"
-    yield "nothing.npz", npz(tmp_path / "n.npz", gyro=np.zeros((0, 3)), time=np.zeros(0)), "no samples"
+    yield (
+        "nothing.npz",
+        npz(tmp_path / "n.npz", gyro=np.zeros((0, 3)), time=np.zeros(0)),
+        "no samples",
+    )
     (tmp_path / "n.npz").unlink()
     for name, arrays, says in (
         ("none.npz", {"temperature": np.ones(9)}, "gyro"),
@@ -165,7 +199,11 @@ def binaries(tmp_path):
         ("complex.npz", {"gyro": np.ones((9, 3)) * 1j, "time": np.arange(9.0)}, "complex"),
         ("inf.npz", {"gyro_x": np.r_[np.ones(8), np.inf], "time": np.arange(9.0)}, "infinite"),
         ("ms.npz", {"gyro_x": np.ones(9) * 1e-3, "time": np.arange(9.0) * 10}, "look like ms"),
-        ("ns.npz", {"gyro_x": np.ones(9) * 1e-3, "time": 10**18 + np.arange(9) * 10**7}, "look like ns"),
+        (
+            "ns.npz",
+            {"gyro_x": np.ones(9) * 1e-3, "time": 10**18 + np.arange(9) * 10**7},
+            "look like ns",
+        ),
         ("falls.npz", {"gyro_x": np.ones(9) * 1e-3, "time": np.arange(9.0)[::-1]}, "falls"),
     ):
         content = npz(tmp_path / name, **arrays)
@@ -196,7 +234,9 @@ def test_places_that_are_no_files(tmp_path, capsys, monkeypatch):
             raise PermissionError(13, "Permission denied", str(path))
         return real(file, *args, **kwargs)
 
-    monkeypatch.setattr(builtins, "open", locked)  # the superuser of a test machine may read everything
+    monkeypatch.setattr(
+        builtins, "open", locked
+    )  # the superuser of a test machine may read everything
     refused(capsys, "check", path, says="permissions")
 
 
@@ -238,8 +278,15 @@ def test_calls_that_cannot_be_meant(tmp_path, capsys):
         read_drive(path)
 
 
-junk_text = st.text(alphabet=st.sampled_from("0123456789.,;:-+eE \t\n#%/[]()_gxyztnaif\"'\\|\0é"), max_size=400)
-SLOW = settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+junk_text = st.text(
+    alphabet=st.sampled_from("0123456789.,;:-+eE \t\n#%/[]()_gxyztnaif\"'\\|\0é"), max_size=400
+)
+SLOW = settings(
+    max_examples=60,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 
 
 @SLOW

@@ -9,7 +9,16 @@ from imu_lib import units
 from imu_lib.errors import InputError
 from imu_lib.model import Model
 from imu_lib.presets import PRESETS, preset, published_2013, twin_misfit
-from imu_lib.processes import CommonMode, GaussMarkov, Jitter, RandomWalk, Sum, Temperature, TimeGaps, WhiteNoise
+from imu_lib.processes import (
+    CommonMode,
+    GaussMarkov,
+    Jitter,
+    RandomWalk,
+    Sum,
+    Temperature,
+    TimeGaps,
+    WhiteNoise,
+)
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -23,7 +32,9 @@ def test_presets_survive_their_file(name, tmp_path):
 
 
 def test_twin_meets_what_was_measured_where_the_tables_agree():
-    """Gyros and Acc Z: within the tolerance of the tables; Acc X can't (its N and K alone exceed its flat level)."""
+    """Gyros and Acc Z: within the tolerance of the tables; Acc X can't (its N and K alone exceed
+    its flat level).
+    """
     for channel, row in published_2013().items():
         misfit = twin_misfit(preset("3dm-gx3-25")[channel], row)
         assert misfit["N"] == pytest.approx(1.0, abs=0.02)
@@ -41,9 +52,11 @@ def test_twin_meets_what_was_measured_where_the_tables_agree():
 def test_model_of_the_2013_paper_follows_its_equations():
     channel = preset("3dm-gx3-25-2013")["gyro_x"]
     markov = channel.find("gauss_markov")
-    assert markov.sigma == pytest.approx(44.533 * 0.664 / 3600 * np.pi / 180)      # Eq. 29
-    assert markov.correlation_time == 490.89                                        # Table 5
-    assert channel.find("white_noise").N ** 2 == pytest.approx((2.420 * np.pi / 180) ** 2 / 3600)   # Eq. 27
+    assert markov.sigma == pytest.approx(44.533 * 0.664 / 3600 * np.pi / 180)  # Eq. 29
+    assert markov.correlation_time == 490.89  # Table 5
+    assert channel.find("white_noise").N ** 2 == pytest.approx(
+        (2.420 * np.pi / 180) ** 2 / 3600
+    )  # Eq. 27
 
 
 def test_a_channel_does_not_depend_on_which_others_are_drawn():
@@ -54,8 +67,10 @@ def test_a_channel_does_not_depend_on_which_others_are_drawn():
 
 
 def test_common_mode_is_common():
-    model = Model({c: Sum((WhiteNoise(1.0),)) for c in ("gyro_x", "gyro_y", "gyro_z")},
-                  record=(CommonMode(1.0, ("gyro_x", "gyro_y")),))
+    model = Model(
+        {c: Sum((WhiteNoise(1.0),)) for c in ("gyro_x", "gyro_y", "gyro_z")},
+        record=(CommonMode(1.0, ("gyro_x", "gyro_y")),),
+    )
     x = model.simulate(50_000, 100.0, np.random.default_rng(2))
     # correlation 1/2; its standard error over 50,000 samples is 0.0034
     assert np.corrcoef(x["gyro_x"], x["gyro_y"])[0, 1] == pytest.approx(0.5, abs=0.02)
@@ -63,19 +78,31 @@ def test_common_mode_is_common():
 
 
 def test_record_with_gaps_jitter_and_temperature():
-    model = Model({"gyro_x": Sum((WhiteNoise(1e-6), Temperature(1e-5, 20.0)))},
-                  record=(TimeGaps(0.02, 10), Jitter(2e-4)))
+    model = Model(
+        {"gyro_x": Sum((WhiteNoise(1e-6), Temperature(1e-5, 20.0)))},
+        record=(TimeGaps(0.02, 10), Jitter(2e-4)),
+    )
     temperature = np.linspace(20, 30, 20_000)
     record = model.simulate_record(20_000, 100.0, np.random.default_rng(4), temperature=temperature)
     assert record.n < 20_000 and len(record.temperature) == record.n == len(record.time)
-    assert np.polyfit(record.temperature, record["gyro_x"], 1)[0] == pytest.approx(1e-5, rel=0.01)   # 4 standard errors
+    assert np.polyfit(record.temperature, record["gyro_x"], 1)[0] == pytest.approx(
+        1e-5, rel=0.01
+    )  # 4 standard errors
 
 
-@pytest.mark.parametrize(("text", "message"), [
-    ("", "line 1"), ("[]", "object of channels"), ("{}", "no channel"), ('{"gyro_q": []}', "unknown channel 'gyro_q'"),
-    ('{"gyro_x": {}}', "channel gyro_x: must be a list"), ('{"gyro_x": [{"process": "x"}]}', "entry 1: unknown process"),
-    ('{"gyro_x": [], "rate": -1}', "`rate`"), ('{"gyro_x": [], "record": [{"process": "white_noise", "N": 1}]}', "record, entry 1"),
-])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "line 1"),
+        ("[]", "object of channels"),
+        ("{}", "no channel"),
+        ('{"gyro_q": []}', "unknown channel 'gyro_q'"),
+        ('{"gyro_x": {}}', "channel gyro_x: must be a list"),
+        ('{"gyro_x": [{"process": "x"}]}', "entry 1: unknown process"),
+        ('{"gyro_x": [], "rate": -1}', "`rate`"),
+        ('{"gyro_x": [], "record": [{"process": "white_noise", "N": 1}]}', "record, entry 1"),
+    ],
+)
 def test_bad_files_are_refused_in_a_sentence(text, message, tmp_path):
     path = tmp_path / "m.json"
     path.write_text(text)
@@ -85,13 +112,20 @@ def test_bad_files_are_refused_in_a_sentence(text, message, tmp_path):
 
 
 def test_missing_files_and_presets_are_refused_in_a_sentence(tmp_path):
-    for path, message in [(tmp_path / "none.json", "no such file"), (tmp_path, "directory"), ("preset:none", "unknown preset")]:
+    for path, message in [
+        (tmp_path / "none.json", "no such file"),
+        (tmp_path, "directory"),
+        ("preset:none", "unknown preset"),
+    ]:
         with pytest.raises(InputError, match=message):
             Model.load(path)
 
 
 def test_unknown_keys_are_kept():
-    content = {"gyro_x": [{"process": "gauss_markov", "sigma": 1.0, "correlation_time": 2.0}], "note": {"by": "us"}}
+    content = {
+        "gyro_x": [{"process": "gauss_markov", "sigma": 1.0, "correlation_time": 2.0}],
+        "note": {"by": "us"},
+    }
     assert Model.from_json(content).to_json() == content
     assert Model.from_json(content)["gyro_x"].terms == (GaussMarkov(1.0, 2.0),)
     assert json.dumps(Model.from_json(content).to_json())

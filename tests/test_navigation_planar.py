@@ -22,11 +22,15 @@ def test_random_constants_give_eq_15():
     printed[3, 4:7] = an * DT, np.sin(p) * DT, np.cos(p) * DT
     assert model.states == 8
     assert np.allclose(planar.transition(p, (an, ae), model, order=1), printed, atol=1e-15)
-    assert np.allclose(planar.transition(p, (an, ae), model), printed, atol=DT**2)  # second order differs by dt^2 / 2
+    assert np.allclose(
+        planar.transition(p, (an, ae), model), printed, atol=DT**2
+    )  # second order differs by dt^2 / 2
 
 
 def test_ar4_gives_eq_16():
-    """Section 5's 14 states; the paper writes the AR coefficients with the other sign; its yaw state has a zero row."""
+    """Section 5's 14 states; the paper writes the AR coefficients with the other sign; its yaw
+    state has a zero row.
+    """
     au, av = (0.42, 0.23, 0.14, 0.10), (0.38, 0.25, 0.15, 0.11)
     models = {
         "accel_x": Autoregressive(au, 0.01, 1 / DT),
@@ -64,7 +68,8 @@ def consistent_runs(rng, runs=20):
 
 @pytest.mark.parametrize("interval", [1, 20])
 def test_filter_is_consistent_when_its_model_is_true(interval):
-    """Mean NEES of two positions is 2; 20 runs of 300 s hold at least 20 x 5 independent values, so 4 standard deviations
+    """Mean NEES of two positions is 2; 20 runs of 300 s hold at least 20 x 5 independent values,
+    so 4 standard deviations
     are 4 x 2 / sqrt(100) = 0.8."""
     drive, models, readings, fixes, start, sd = consistent_runs(np.random.default_rng(interval))
     every = 20 * interval
@@ -126,7 +131,9 @@ def test_drive_is_what_the_paper_describes():
     assert drive.time[-1] == pytest.approx(600.0)
     assert moving.min() * 3.6 == pytest.approx(10, abs=0.1) and moving.max() * 3.6 <= 30.001
     assert np.abs(drive.inputs[:, 2]).max() > 10 * DEG
-    assert drive.state[-1, 4] - drive.start[4] == pytest.approx(2 * np.pi, abs=1e-6)  # five right turns, one left
+    assert drive.state[-1, 4] - drive.start[4] == pytest.approx(
+        2 * np.pi, abs=1e-6
+    )  # five right turns, one left
 
 
 def test_fit_of_static_records_follows_the_spectrum_that_matters():
@@ -134,17 +141,25 @@ def test_fit_of_static_records_follows_the_spectrum_that_matters():
     model = imu.preset("rga300ca")
     fitted = ui.fit_static(model, np.random.default_rng(1), hours=2.0, records=2)
     f = np.array([0.01])
-    true, ar, gm = (m.psd(f, 20.0)[0] for m in (model["accel_x"], fitted.ar["accel_x"], fitted.gm["accel_x"]))
+    true, ar, gm = (
+        m.psd(f, 20.0)[0] for m in (model["accel_x"], fitted.ar["accel_x"], fitted.gm["accel_x"])
+    )
     assert gm < ar < true
     # the total variance is met by both: sampling scatter of two hours at 20 Hz is below 1 %
     assert fitted.ar["accel_x"].autocovariance(0.0) == pytest.approx(
         model["accel_x"].autocovariance(0.0, 20.0), rel=0.03
     )
-    assert fitted.gm["accel_x"].sigma ** 2 == pytest.approx(model["accel_x"].autocovariance(0.0, 20.0), rel=0.03)
+    assert fitted.gm["accel_x"].sigma ** 2 == pytest.approx(
+        model["accel_x"].autocovariance(0.0, 20.0), rel=0.03
+    )
 
 
 def test_study_pairs_the_runs():
-    drive, model, rng = ui.parking_lot(duration=120.0), imu.preset("rga300ca"), np.random.default_rng(2)
+    drive, model, rng = (
+        ui.parking_lot(duration=120.0),
+        imu.preset("rga300ca"),
+        np.random.default_rng(2),
+    )
     fitted = ui.fit_static(model, rng, hours=1.0, records=1)
     scenario = ui.Scenario(tilt=0.6 * DEG)
     runs = ui.simulate(drive, model, rng, runs=6, scenario=scenario)
@@ -156,9 +171,14 @@ def test_study_pairs_the_runs():
 
 
 def test_paired_interval_covers():
-    """400 sets of ten log-normal ratios: exact t interval, three standard deviations of the proportion are 3.3 %."""
+    """400 sets of ten log-normal ratios: exact t interval, three standard deviations of the
+    proportion are 3.3 %.
+    """
     rng = np.random.default_rng(5)
-    hits = [ui.paired(np.exp(rng.normal(0.1, 0.3, 10)), np.ones(10)).covers(np.exp(0.1)) for _ in range(400)]
+    hits = [
+        ui.paired(np.exp(rng.normal(0.1, 0.3, 10)), np.ones(10)).covers(np.exp(0.1))
+        for _ in range(400)
+    ]
     assert 0.917 < np.mean(hits) < 0.983
 
 

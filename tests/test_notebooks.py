@@ -1,4 +1,6 @@
-"""Chapters are stored as they were executed, hold no algorithms, and stay small. (nbval compares their outputs.)"""
+"""Chapters are stored as they were executed, hold no algorithms, and stay small. (nbval compares
+their outputs.)
+"""
 
 import ast
 import re
@@ -10,7 +12,11 @@ from conftest import ROOT
 from imu_lib.book import chapters
 
 CHAPTERS = chapters.chapters(ROOT)
-CODE_LINES, CELL_LINES, BYTES = 110, 14, 1_200_000  # a chapter is read, not maintained; most have about 80 lines
+CODE_LINES, CELL_LINES, BYTES = (
+    110,
+    14,
+    1_200_000,
+)  # a chapter is read, not maintained; most have about 80 lines
 COLUMNS = 110  # of code fit a page on a laptop; a longer line is scrolled sideways by every reader
 each = pytest.mark.parametrize("chapter", CHAPTERS, ids=lambda chapter: chapter.slug)
 
@@ -20,7 +26,11 @@ def code_cells(notebook):
 
 
 def statements(cell):
-    return [line for line in cell.source.splitlines() if line.strip() and not line.strip().startswith("#")]
+    return [
+        line
+        for line in cell.source.splitlines()
+        if line.strip() and not line.strip().startswith("#")
+    ]
 
 
 def read(chapter):
@@ -35,7 +45,9 @@ def test_every_notebook_is_a_chapter():
 @each
 def test_executed_top_to_bottom(chapter):
     counts = [cell.execution_count for cell in code_cells(read(chapter))]
-    assert counts == list(range(1, len(counts) + 1)), "run `python3 make.py refresh`: what has no count is not compared"
+    assert counts == list(range(1, len(counts) + 1)), (
+        "run `python3 make.py refresh`: what has no count is not compared"
+    )
 
 
 @each
@@ -65,19 +77,28 @@ def test_holds_no_algorithms(chapter):
 def test_follows_the_template(chapter):
     notebook = read(chapter)
     text = "\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
-    assert notebook.cells[0].source.startswith("# ") and notebook.cells[0].source.splitlines()[0].endswith("?")
+    assert notebook.cells[0].source.startswith("# ") and notebook.cells[0].source.splitlines()[
+        0
+    ].endswith("?")
     assert not re.search(r"^#+ .*\$", text, re.MULTILINE), "no math in titles"
     tagged = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
     assert len(tagged) == 1, "one cell tagged `parameters`"
-    exercises, solutions = re.findall(r"\{exercise\}", text), re.findall(r"\{solution(?:-start)?\}", text)
+    exercises, solutions = (
+        re.findall(r"\{exercise\}", text),
+        re.findall(r"\{solution(?:-start)?\}", text),
+    )
     assert len(exercises) >= 3 and len(solutions) >= 3
-    assert "assert" in "".join(cell.source for cell in code_cells(notebook)), "claims are asserted in a cell"
+    assert "assert" in "".join(cell.source for cell in code_cells(notebook)), (
+        "claims are asserted in a cell"
+    )
 
 
 @each
 def test_is_executed_or_says_why_not(chapter):
     if chapter.missing:
-        pytest.skip(f"{chapter.slug} keeps its stored outputs: {', '.join(chapter.missing)} not at hand")
+        pytest.skip(
+            f"{chapter.slug} keeps its stored outputs: {', '.join(chapter.missing)} not at hand"
+        )
 
 
 def test_needs_name_chapters():

@@ -1,4 +1,6 @@
-"""Closed forms of the processes against each other, against published identities and against draws."""
+"""Closed forms of the processes against each other, against published identities and against
+draws.
+"""
 
 import numpy as np
 import pytest
@@ -38,12 +40,24 @@ from imu_lib.processes import (
 )
 
 FS = 100.0
-STATIONARY = [WhiteNoise(0.1), Quantization(0.1), GaussMarkov(1.0, 3.0), GaussMarkov(1.0, 0.03),
-              GaussMarkov2(1.0, 0.3), Telegraph(1.0, 1.0), Autoregressive((1.2, -0.3), 1.0, FS)]
+STATIONARY = [
+    WhiteNoise(0.1),
+    Quantization(0.1),
+    GaussMarkov(1.0, 3.0),
+    GaussMarkov(1.0, 0.03),
+    GaussMarkov2(1.0, 0.3),
+    Telegraph(1.0, 1.0),
+    Autoregressive((1.2, -0.3), 1.0, FS),
+]
 NOISES = STATIONARY + [Flicker(1.0), RandomWalk(1.0)]
-SUMS = [Sum((WhiteNoise(0.1), GaussMarkov(1.0, 3.0)), (LowPass(taps=15, rate=1000.0),)),
-        Sum((WhiteNoise(1.0), RandomWalk(0.5)), (LowPass(cutoff=10.0, order=2, rate=FS),)),
-        Sum((WhiteNoise(1.0), GaussMarkov(2.0, 0.5)), (LowPass(taps=5), Spikes(1.0, 50.0), Resolution(3.0)))]
+SUMS = [
+    Sum((WhiteNoise(0.1), GaussMarkov(1.0, 3.0)), (LowPass(taps=15, rate=1000.0),)),
+    Sum((WhiteNoise(1.0), RandomWalk(0.5)), (LowPass(cutoff=10.0, order=2, rate=FS),)),
+    Sum(
+        (WhiteNoise(1.0), GaussMarkov(2.0, 0.5)),
+        (LowPass(taps=5), Spikes(1.0, 50.0), Resolution(3.0)),
+    ),
+]
 
 
 def name_of(entry):
@@ -69,18 +83,24 @@ def test_avar_of_samples_is_the_double_sum_of_their_autocovariance(process, m):
 @pytest.mark.parametrize("m", [1, 3, 40])
 def test_avar_of_samples_is_the_filtered_spectrum(process, m):
     """IEEE 952 Eq. C.1-4 with the sampled spectrum and the Dirichlet kernel of m samples."""
+
     def integrand(f):
         kernel = 2.0 * np.sin(np.pi * f * m / FS) ** 4 / (m * np.sin(np.pi * f / FS)) ** 2
         return float(process.psd(np.array([f]), FS)[0]) * kernel
+
     edges = np.concatenate([[1e-9], np.geomspace(1e-4, FS / 2, 40 + 2 * m)])
-    total = sum(quad(integrand, a, b, epsabs=0, epsrel=1e-7, limit=200)[0] for a, b in zip(edges, edges[1:]))
+    total = sum(
+        quad(integrand, a, b, epsabs=0, epsrel=1e-7, limit=200)[0] for a, b in zip(edges, edges[1:])
+    )
     assert process.avar(m / FS, FS) == pytest.approx(total, rel=3e-5)
 
 
 @pytest.mark.parametrize("process", STATIONARY + SUMS[2:], ids=name_of)
 def test_variance_is_the_integral_of_the_spectrum(process):
     f = (np.arange(400_000) + 0.5) * (FS / 2) / 400_000
-    assert np.sum(process.psd(f, FS)) * (FS / 2) / 400_000 == pytest.approx(float(process.autocovariance(0.0, FS)), rel=2e-4)
+    assert np.sum(process.psd(f, FS)) * (FS / 2) / 400_000 == pytest.approx(
+        float(process.autocovariance(0.0, FS)), rel=2e-4
+    )
 
 
 @pytest.mark.parametrize("process", NOISES + SUMS, ids=name_of)
@@ -97,20 +117,26 @@ def test_realisation_agrees_with_the_closed_forms(process):
     # five standard errors, taken from the repeats themselves: a false alarm in 2e6
     error = np.std(avar, ddof=1) / np.sqrt(repeats)
     assert abs(np.mean(avar) - process.avar(m / FS, FS)) < 5 * error
-    band = slice(30, 480)                      # away from the window's leakage at both ends
+    band = slice(30, 480)  # away from the window's leakage at both ends
     ratio = np.mean(spectrum, axis=0)[band] / process.psd(f[band], FS)
     each = np.array([np.mean(s[band] / process.psd(f[band], FS)) for s in spectrum])
-    leak = 0.01                                # of a Hann window on a steep spectrum, in this band
+    leak = 0.01  # of a Hann window on a steep spectrum, in this band
     assert abs(ratio.mean() - 1) < 5 * each.std(ddof=1) / np.sqrt(repeats) + leak
 
 
-@pytest.mark.parametrize("process", [GaussMarkov(0.7, 2.0), GaussMarkov2(0.7, 2.0), Telegraph(1.4, 0.25)], ids=name_of)
+@pytest.mark.parametrize(
+    "process", [GaussMarkov(0.7, 2.0), GaussMarkov2(0.7, 2.0), Telegraph(1.4, 0.25)], ids=name_of
+)
 def test_state_space_has_the_autocovariance(process):
     space = process.state_space()
     for dt in (0.01, 0.5, 3.0):
         transition, step = space.discrete(dt)
-        assert space.H @ transition @ space.P0 @ space.H == pytest.approx(float(process.autocovariance(dt)), rel=1e-9)
-        assert transition @ space.P0 @ transition.T + step == pytest.approx(space.P0, rel=1e-9, abs=1e-12)
+        assert space.H @ transition @ space.P0 @ space.H == pytest.approx(
+            float(process.autocovariance(dt)), rel=1e-9
+        )
+        assert transition @ space.P0 @ transition.T + step == pytest.approx(
+            space.P0, rel=1e-9, abs=1e-12
+        )
 
 
 def test_state_space_of_a_walk_and_of_white_noise():
@@ -121,8 +147,16 @@ def test_state_space_of_a_walk_and_of_white_noise():
     assert (joint.order, joint.direct) == (2, pytest.approx(0.09))
 
 
-@pytest.mark.parametrize(("sampled", "continuous"), [
-    (GaussMarkov(1.0, 5.0), None), (GaussMarkov2(1.0, 5.0), None), (RandomWalk(1.0), None), (Flicker(1.0), None)], ids=str)
+@pytest.mark.parametrize(
+    ("sampled", "continuous"),
+    [
+        (GaussMarkov(1.0, 5.0), None),
+        (GaussMarkov2(1.0, 5.0), None),
+        (RandomWalk(1.0), None),
+        (Flicker(1.0), None),
+    ],
+    ids=str,
+)
 def test_samples_tend_to_the_continuous_limit(sampled, continuous):
     tau = np.array([2.0, 10.0, 60.0])
     assert sampled.avar(tau, 1000.0) == pytest.approx(sampled.avar(tau), rel=1e-4)
@@ -156,8 +190,8 @@ def test_gauss_markov_series_meets_the_closed_form():
             below, above = process.avar(edge * (1 - 1e-9)), process.avar(edge * (1 + 1e-9))
             assert below == pytest.approx(above, rel=1e-7)
     m = np.array([1.0, 10.0, 199.0, 201.0])
-    process = GaussMarkov(1.0, 100.0)            # a = m dt / Tc crosses 0.02 between the last two
-    exact = [direct_avar(lambda d: -process.sigma**2 * -np.expm1(-d / 1e4), int(k)) for k in m]
+    process = GaussMarkov(1.0, 100.0)  # a = m dt / Tc crosses 0.02 between the last two
+    exact = [direct_avar(lambda d: -(process.sigma**2) * -np.expm1(-d / 1e4), int(k)) for k in m]
     assert process.avar(m / FS, FS) == pytest.approx(exact, rel=1e-9)
 
 
@@ -229,7 +263,9 @@ def test_stages_do_what_they_say():
     # runs that begin where another ended repeat nothing more, so the fraction is exact
     assert np.mean(np.diff(frozen) == 0) == pytest.approx(0.05, rel=0.01)
     hit = Spikes(2.0, 100.0).apply(x, FS, rng) - x
-    assert np.count_nonzero(hit) / (len(x) / FS) == pytest.approx(2.0, rel=0.15)      # Poisson, 3 sigma of 2000
+    assert np.count_nonzero(hit) / (len(x) / FS) == pytest.approx(
+        2.0, rel=0.15
+    )  # Poisson, 3 sigma of 2000
     average = LowPass(taps=15, rate=1000.0)
     # 14.16 % attenuation at 20 Hz, 2013 paper Sec. 5.1 (of the amplitude)
     assert 1 - np.sqrt(average.gain(20.0, FS)) == pytest.approx(0.1416, abs=2e-3)
@@ -239,32 +275,44 @@ def test_stages_do_what_they_say():
 
 def test_decimated_average_of_white_noise_is_a_moving_average_of_three_half_samples():
     entry = Sum((WhiteNoise(1.0),), (LowPass(taps=15, rate=1000.0),))
-    assert entry.autocovariance(np.array([0.0, 0.01, 0.02]), FS) == pytest.approx([1000 / 15, 1000 / 45, 0.0], abs=1e-9)
+    assert entry.autocovariance(np.array([0.0, 0.01, 0.02]), FS) == pytest.approx(
+        [1000 / 15, 1000 / 45, 0.0], abs=1e-9
+    )
 
 
 def test_sum_keeps_its_order_and_its_labels():
-    entry = Sum((GaussMarkov(1.0, 2.0),)) + Resolution(0.1) + LowPass(taps=3) + GaussMarkov(3.0, 4.0)
+    entry = (
+        Sum((GaussMarkov(1.0, 2.0),)) + Resolution(0.1) + LowPass(taps=3) + GaussMarkov(3.0, 4.0)
+    )
     assert [p.name for p in entry] == ["gauss_markov", "gauss_markov", "low_pass", "resolution"]
-    assert [label for label, _, _ in entry.labels()][:4] == ["sigma", "correlation_time", "sigma_2", "correlation_time_2"]
+    assert [label for label, _, _ in entry.labels()][:4] == [
+        "sigma",
+        "correlation_time",
+        "sigma_2",
+        "correlation_time_2",
+    ]
     assert entry.with_values({"sigma_2": 9.0}).terms[1].sigma == 9.0
     assert Sum.of(from_json(e) for e in entry.to_json()) == entry
     with pytest.raises(InputError, match="two of low_pass"):
         entry + LowPass(taps=4)
 
 
-@pytest.mark.parametrize(("entry", "message"), [
-    ({"process": "white_nose", "N": 1}, "unknown process 'white_nose'"),
-    ({"process": "white_noise"}, "parameter N is missing"),
-    ({"process": "white_noise", "N": -1}, "at least zero"),
-    ({"process": "white_noise", "N": "a"}, "must be a number"),
-    ({"process": "white_noise", "N": float("nan")}, "must be finite"),
-    ({"process": "white_noise", "N": 1, "K": 2}, "unknown parameter 'K'"),
-    ({"process": "gauss_markov", "sigma": 1, "correlation_time": 0}, "above zero"),
-    ({"process": "autoregressive", "phi": [], "sigma": 1, "rate": 1}, "list of numbers"),
-    ({"process": "low_pass", "taps": 3, "order": 2}, "give one of"),
-    ({"N": 1}, "key 'process'"),
-    ([], "key 'process'"),
-])
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ({"process": "white_nose", "N": 1}, "unknown process 'white_nose'"),
+        ({"process": "white_noise"}, "parameter N is missing"),
+        ({"process": "white_noise", "N": -1}, "at least zero"),
+        ({"process": "white_noise", "N": "a"}, "must be a number"),
+        ({"process": "white_noise", "N": float("nan")}, "must be finite"),
+        ({"process": "white_noise", "N": 1, "K": 2}, "unknown parameter 'K'"),
+        ({"process": "gauss_markov", "sigma": 1, "correlation_time": 0}, "above zero"),
+        ({"process": "autoregressive", "phi": [], "sigma": 1, "rate": 1}, "list of numbers"),
+        ({"process": "low_pass", "taps": 3, "order": 2}, "give one of"),
+        ({"N": 1}, "key 'process'"),
+        ([], "key 'process'"),
+    ],
+)
 def test_bad_entries_are_refused_in_a_sentence(entry, message):
     with pytest.raises(InputError, match=message):
         from_json(entry)
@@ -281,7 +329,9 @@ def test_record_processes():
     assert from_json(shared.to_json(), on_record=True) == shared
 
 
-@pytest.mark.parametrize("low_pass", [LowPass(taps=8), LowPass(order=3, cutoff=20.0), LowPass(smoothing=1, cutoff=9.0)])
+@pytest.mark.parametrize(
+    "low_pass", [LowPass(taps=8), LowPass(order=3, cutoff=20.0), LowPass(smoothing=1, cutoff=9.0)]
+)
 def test_phase_and_gain_of_a_filter_are_those_of_its_response_to_an_impulse(low_pass):
     _, before = low_pass.grid(FS)
     x = np.zeros(4096 + before)

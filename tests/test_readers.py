@@ -23,14 +23,20 @@ def still(n=N, seed=1):
 
 def record(n=N):
     gyro, accel = still(n)
-    channels = {f"{k}_{a}": v[:, i] for k, v in (("gyro", gyro), ("accel", accel)) for i, a in enumerate("xyz")}
+    channels = {
+        f"{k}_{a}": v[:, i]
+        for k, v in (("gyro", gyro), ("accel", accel))
+        for i, a in enumerate("xyz")
+    }
     return Record(channels, RATE, temperature=np.linspace(20, 25, n))
 
 
 def same(found, rtol=1e-9):
     gyro, accel = still(found.n)
     assert found.rate == pytest.approx(RATE, rel=1e-6)
-    assert np.allclose(found["gyro"], gyro, rtol=rtol, atol=1e-12) and np.allclose(found["accel"], accel, rtol=rtol, atol=1e-12)
+    assert np.allclose(found["gyro"], gyro, rtol=rtol, atol=1e-12) and np.allclose(
+        found["accel"], accel, rtol=rtol, atol=1e-12
+    )
     return True
 
 
@@ -43,12 +49,28 @@ def test_round_trip(tmp_path, suffix):
     assert part.n == 100 and np.array_equal(part["gyro_x"], found["gyro_x"][100:200])
 
 
-def table(path, *, delimiter=",", header=True, decimal=".", comment="", gyro=1.0, accel=1.0, time=None, preamble=""):
+def table(
+    path,
+    *,
+    delimiter=",",
+    header=True,
+    decimal=".",
+    comment="",
+    gyro=1.0,
+    accel=1.0,
+    time=None,
+    preamble="",
+):
     g, a = still()
     t = np.arange(N) / RATE if time is None else time
-    rows = [delimiter.join(f"{v:.12g}".replace(".", decimal) for v in row) for row in np.column_stack([t, g / gyro, a / accel])]
+    rows = [
+        delimiter.join(f"{v:.12g}".replace(".", decimal) for v in row)
+        for row in np.column_stack([t, g / gyro, a / accel])
+    ]
     head = [delimiter.join(["time", "gx", "gy", "gz", "ax", "ay", "az"])] if header else []
-    path.write_text("\n".join([preamble] * bool(preamble) + [comment] * bool(comment) + head + rows) + "\n")
+    path.write_text(
+        "\n".join([preamble] * bool(preamble) + [comment] * bool(comment) + head + rows) + "\n"
+    )
     return path
 
 
@@ -67,8 +89,17 @@ def test_decimal_commas_comments_and_blank_lines(tmp_path):
     assert same(read_record(path, gyro_unit="rad/s", accel_unit="m/s^2"))
 
 
-@pytest.mark.parametrize(("gyro", "factor"), [("deg/s", units.DEG_PER_S), ("deg/h", units.DEG_PER_HOUR), ("counts:131", units.DEG_PER_S / 131)])
-@pytest.mark.parametrize(("accel", "scale"), [("g", units.G), ("mg", units.MILLI_G), ("counts:16384", units.G / 16384)])
+@pytest.mark.parametrize(
+    ("gyro", "factor"),
+    [
+        ("deg/s", units.DEG_PER_S),
+        ("deg/h", units.DEG_PER_HOUR),
+        ("counts:131", units.DEG_PER_S / 131),
+    ],
+)
+@pytest.mark.parametrize(
+    ("accel", "scale"), [("g", units.G), ("mg", units.MILLI_G), ("counts:16384", units.G / 16384)]
+)
 def test_stated_units(tmp_path, gyro, factor, accel, scale):
     path = table(tmp_path / "t.csv", gyro=factor, accel=scale)
     assert same(read_record(path, gyro_unit=gyro, accel_unit=accel))
@@ -90,14 +121,21 @@ def test_euroc(tmp_path):
     g, a = still()
     stamp = 1403636579758555392 + 20_000_000 * np.arange(N)  # beyond what a float holds exactly
     head = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]"
-    rows = [f"{s}," + ",".join(f"{v:.12g}" for v in row) for s, row in zip(stamp, np.column_stack([g, a]))]
+    rows = [
+        f"{s}," + ",".join(f"{v:.12g}" for v in row)
+        for s, row in zip(stamp, np.column_stack([g, a]))
+    ]
     (tmp_path / "data.csv").write_text("\r\n".join([head, *rows]) + "\r\n")
     assert same(read_record(tmp_path / "data.csv"))
 
 
 def test_increments(tmp_path):
     g, a = still()
-    np.savetxt(tmp_path / "i.txt", np.column_stack([5e5 + np.arange(N) / RATE, g / RATE, a / RATE]), fmt="%.15g")
+    np.savetxt(
+        tmp_path / "i.txt",
+        np.column_stack([5e5 + np.arange(N) / RATE, g / RATE, a / RATE]),
+        fmt="%.15g",
+    )
     columns = "time[s],dtheta_x[rad],dtheta_y[rad],dtheta_z[rad],dv_x[m/s],dv_y[m/s],dv_z[m/s]"
     found = read_record(tmp_path / "i.txt", columns=columns)
     assert same(found, rtol=1e-7) and "divided by the sampling interval" in found.notes[0]
@@ -105,14 +143,25 @@ def test_increments(tmp_path):
 
 def test_dates_and_clocks_across_midnight(tmp_path):
     g, a = still(200)
-    stamps = np.datetime64("2024-02-28T23:59:58.5") + (np.arange(200) * 20_000).astype("timedelta64[us]")
+    stamps = np.datetime64("2024-02-28T23:59:58.5") + (np.arange(200) * 20_000).astype(
+        "timedelta64[us]"
+    )
     split = [str(s).split("T") for s in stamps.astype("datetime64[ms]")]
-    rows = [f"{d} {c} " + " ".join(f"{v:.12g}" for v in row) for (d, c), row in zip(split, np.column_stack([g, a]))]
+    rows = [
+        f"{d} {c} " + " ".join(f"{v:.12g}" for v in row)
+        for (d, c), row in zip(split, np.column_stack([g, a]))
+    ]
     (tmp_path / "d.txt").write_text("\n".join(rows) + "\n")
     options = {"gyro_unit": "rad/s", "accel_unit": "m/s^2"}
-    found = read_record(tmp_path / "d.txt", columns="date,clock,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z", **options)
+    found = read_record(
+        tmp_path / "d.txt",
+        columns="date,clock,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z",
+        **options,
+    )
     assert same(found) and found.gaps() == ()
-    (tmp_path / "c.txt").write_text("clock,gx,gy,gz,ax,ay,az\n" + "\n".join(",".join(r.split()[1:]) for r in rows) + "\n")
+    (tmp_path / "c.txt").write_text(
+        "clock,gx,gy,gz,ax,ay,az\n" + "\n".join(",".join(r.split()[1:]) for r in rows) + "\n"
+    )
     assert same(read_record(tmp_path / "c.txt", **options))
 
 
@@ -120,9 +169,22 @@ def test_two_files_with_epochs_are_laid_over_each_other(tmp_path):
     g, a = still()
     t = 1.7e9 + np.arange(N) / RATE
     for name, x, part in (("g.csv", g, slice(0, 500)), ("a.csv", a, slice(100, 600))):
-        np.savetxt(tmp_path / name, np.column_stack([t, x])[part], delimiter=",", header="time,x,y,z", comments="", fmt="%.12f")
-    found = read_record(gyro=tmp_path / "g.csv", accel=tmp_path / "a.csv", gyro_unit="rad/s", accel_unit="m/s^2")
-    assert found.n == 400 and np.allclose(found["gyro"], g[100:500]) and np.allclose(found["accel"], a[100:500])
+        np.savetxt(
+            tmp_path / name,
+            np.column_stack([t, x])[part],
+            delimiter=",",
+            header="time,x,y,z",
+            comments="",
+            fmt="%.12f",
+        )
+    found = read_record(
+        gyro=tmp_path / "g.csv", accel=tmp_path / "a.csv", gyro_unit="rad/s", accel_unit="m/s^2"
+    )
+    assert (
+        found.n == 400
+        and np.allclose(found["gyro"], g[100:500])
+        and np.allclose(found["accel"], a[100:500])
+    )
     assert any("no partner" in note for note in found.notes)
 
 
@@ -139,7 +201,12 @@ def test_matlab(tmp_path, version):
         import scipy.io
 
         content = {"gyro": g, "acc": a, "fs": RATE}
-        scipy.io.savemat(path, content if version == "4" else {"imu": content}, format=version, do_compression=version == "5")
+        scipy.io.savemat(
+            path,
+            content if version == "4" else {"imu": content},
+            format=version,
+            do_compression=version == "5",
+        )
     assert same(read_record(path, gyro_unit="rad/s", accel_unit="m/s^2"))
     with pytest.raises(InputError, match="--gyro-unit"):
         read_record(path)
@@ -151,7 +218,10 @@ def test_ros_bags(tmp_path):
     from rosbags.typesys import Stores, get_typestore
 
     g, a = still(80)
-    for kind, store in (("ros2", get_typestore(Stores.ROS2_HUMBLE)), ("ros1", get_typestore(Stores.ROS1_NOETIC))):
+    for kind, store in (
+        ("ros2", get_typestore(Stores.ROS2_HUMBLE)),
+        ("ros1", get_typestore(Stores.ROS1_NOETIC)),
+    ):
         types = store.types
         path = tmp_path / ("bag" if kind == "ros2" else "one.bag")
         with rosbags.Writer(path, version=9) if kind == "ros2" else Writer1(path) as writer:
@@ -162,12 +232,27 @@ def test_ros_bags(tmp_path):
                 head = {"stamp": stamp, "frame_id": "i"} | ({"seq": k} if kind == "ros1" else {})
                 vector, zero = types["geometry_msgs/msg/Vector3"], np.zeros(9)
                 message = types["sensor_msgs/msg/Imu"](
-                    types["std_msgs/msg/Header"](**head), types["geometry_msgs/msg/Quaternion"](0, 0, 0, 1), zero, vector(*g[k]), zero, vector(*a[k]), zero
+                    types["std_msgs/msg/Header"](**head),
+                    types["geometry_msgs/msg/Quaternion"](0, 0, 0, 1),
+                    zero,
+                    vector(*g[k]),
+                    zero,
+                    vector(*a[k]),
+                    zero,
                 )
-                data = store.serialize_cdr(message, connection.msgtype) if kind == "ros2" else store.serialize_ros1(message, connection.msgtype)
+                data = (
+                    store.serialize_cdr(message, connection.msgtype)
+                    if kind == "ros2"
+                    else store.serialize_ros1(message, connection.msgtype)
+                )
                 writer.write(connection, ns, data)
         found = read_record(path)
-        assert found.n == 80 and np.allclose(found["gyro"], g) and np.allclose(found["accel"], a) and found.rate == RATE
+        assert (
+            found.n == 80
+            and np.allclose(found["gyro"], g)
+            and np.allclose(found["accel"], a)
+            and found.rate == RATE
+        )
 
 
 def test_names():
@@ -213,34 +298,65 @@ def test_gravity_is_told_from_noise():
 def test_drive_of_imu_and_gnss_files(tmp_path):
     g, a = still()
     t = 1.7e9 + np.arange(N) / RATE  # UTC
-    np.savetxt(tmp_path / "imu.csv", np.column_stack([t, g, a]), delimiter=",", fmt="%.12f", comments="",
-               header="time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]")  # fmt: skip
-    rows = ["% program   : RTKLIB", "%  GPST  latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)"]
+    np.savetxt(
+        tmp_path / "imu.csv",
+        np.column_stack([t, g, a]),
+        delimiter=",",
+        fmt="%.12f",
+        comments="",
+        # fmt: skip
+        header="time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]",
+    )
+    rows = [
+        "% program   : RTKLIB",
+        "%  GPST  latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)",
+    ]
     for k in range(10):
         s = np.datetime64(int((1.7e9 + k + 18) * 1000), "ms")  # GPS time is 18 s ahead of UTC
-        rows.append(f"{str(s.astype('datetime64[D]')).replace('-', '/')} {str(s).split('T')[1]} 45.0{k} 7.5 250.0 1 12 0.01 0.02 0.03")
+        rows.append(
+            f"{str(s.astype('datetime64[D]')).replace('-', '/')} {str(s).split('T')[1]} 45.0{k} 7.5 250.0 1 12 0.01 0.02 0.03"
+        )
     (tmp_path / "g.pos").write_text("\n".join(rows) + "\n")
     drive = read_drive(tmp_path / "imu.csv", gnss=tmp_path / "g.pos")
-    assert np.allclose(drive.gnss_time, np.arange(10), atol=1e-3) and np.allclose(np.degrees(drive.gnss_position[:, 0]), 45 + 0.01 * np.arange(10))
+    assert np.allclose(drive.gnss_time, np.arange(10), atol=1e-3) and np.allclose(
+        np.degrees(drive.gnss_position[:, 0]), 45 + 0.01 * np.arange(10)
+    )
     assert np.allclose(drive.gnss_position_sd, [0.01, 0.02, 0.03]) and np.allclose(drive.gyro, g)
     nmea = []
     for k in range(10):
         clock = str(np.datetime64(int(1.7e9) + k, "s")).split("T")[1].replace(":", "")
-        for body in (f"GPGGA,{clock}.00,4500.0000,N,00730.0000,E,4,12,0.8,200.0,M,50.0,M,,", f"GPRMC,{clock}.00,A,4500.0,N,00730.0,E,10.0,90.0,141123,,,A"):
-            nmea.append(f"${body}*{np.bitwise_xor.reduce(np.frombuffer(body.encode(), np.uint8)):02X}")
+        for body in (
+            f"GPGGA,{clock}.00,4500.0000,N,00730.0000,E,4,12,0.8,200.0,M,50.0,M,,",
+            f"GPRMC,{clock}.00,A,4500.0,N,00730.0,E,10.0,90.0,141123,,,A",
+        ):
+            nmea.append(
+                f"${body}*{np.bitwise_xor.reduce(np.frombuffer(body.encode(), np.uint8)):02X}"
+            )
     nmea.insert(4, nmea[4].replace("4500", "4600"))  # a wrong checksum is left out
     (tmp_path / "g.nmea").write_text("\r\n".join(nmea) + "\r\n")
     drive = read_drive(tmp_path / "imu.csv", gnss=tmp_path / "g.nmea")
-    assert np.allclose(drive.gnss_time, np.arange(10)) and np.allclose(drive.gnss_position, np.tile([np.pi / 4, np.radians(7.5), 250.0], (10, 1)))
-    assert np.allclose(drive.gnss_velocity, [0, 10 * 1852 / 3600, 0], atol=1e-9) and set(drive.gnss_fix) == {4}
+    assert np.allclose(drive.gnss_time, np.arange(10)) and np.allclose(
+        drive.gnss_position, np.tile([np.pi / 4, np.radians(7.5), 250.0], (10, 1))
+    )
+    assert np.allclose(drive.gnss_velocity, [0, 10 * 1852 / 3600, 0], atol=1e-9) and set(
+        drive.gnss_fix
+    ) == {4}
 
 
 REAL = {
     "adis16405_1.npz": (1_000_000, 100.0, {}),
     "hipnuc_ch104.npz": (321_253, 100.0, {}),
-    "hipnuc_ch104_original.mat": (321_253, 100.0, {"rate": 100, "gyro_unit": "deg/s", "accel_unit": "g"}),
+    "hipnuc_ch104_original.mat": (
+        321_253,
+        100.0,
+        {"rate": 100, "gyro_unit": "deg/s", "accel_unit": "g"},
+    ),
     "mpu6050_10min.npz": (65_067, 99.3, {}),
-    "mpu6050_raw_counts.csv": (44_930, 100.0, {"gyro_unit": "counts:131", "accel_unit": "counts:16384"}),
+    "mpu6050_raw_counts.csv": (
+        44_930,
+        100.0,
+        {"gyro_unit": "counts:131", "accel_unit": "counts:16384"},
+    ),
     "mtig_gyro_x.npz": (500_000, 100.0, {}),
 }
 
@@ -255,11 +371,23 @@ def test_real_static_records(data_dir, name):
 
 
 def test_real_two_files_and_calibration(data_dir):
-    found = read_record(gyro=data_dir / "static/phone_gyro.txt", accel=data_dir / "static/phone_accel.txt", gyro_unit="rad/s", accel_unit="m/s^2")
-    assert found.rate == pytest.approx(5.0, rel=1e-3) and any("do not overlap" in note for note in found.notes)
+    found = read_record(
+        gyro=data_dir / "static/phone_gyro.txt",
+        accel=data_dir / "static/phone_accel.txt",
+        gyro_unit="rad/s",
+        accel_unit="m/s^2",
+    )
+    assert found.rate == pytest.approx(5.0, rel=1e-3) and any(
+        "do not overlap" in note for note in found.notes
+    )
     for i in range(3):
         assert read_record(data_dir / f"calibration/mpu9150_{i}.npz").rate == 100.0
-    ferraris = read_record(data_dir / "calibration/ferraris_session.csv", rate=204.8, gyro_unit="deg/s", accel_unit="m/s^2")
+    ferraris = read_record(
+        data_dir / "calibration/ferraris_session.csv",
+        rate=204.8,
+        gyro_unit="deg/s",
+        accel_unit="m/s^2",
+    )
     assert ferraris.n == 10_376
     with pytest.raises(InputError, match="counts"):
         read_record(data_dir / "calibration/xsens_mti_poses.npz")
@@ -272,10 +400,20 @@ def test_real_drives(data_dir):
 
 
 LOGS = {
-    "phone app": ('"Time (s)";"Gyroscope x (rad/s)";"Gyroscope y (rad/s)";"Gyroscope z (rad/s)"', ";", ",", {}),
+    "phone app": (
+        '"Time (s)";"Gyroscope x (rad/s)";"Gyroscope y (rad/s)";"Gyroscope z (rad/s)"',
+        ";",
+        ",",
+        {},
+    ),
     "blanks before units": ("# t [s] gx [rad/s] gy (rad/s) gz [rad/s]", " ", ".", {}),
     "trailing delimiter": ("time,gx,gy,gz,", ",", ".", {"gyro_unit": "rad/s"}),
-    "evaluation board": ("Time [s],X_GYRO_OUT,Y_GYRO_OUT,Z_GYRO_OUT", ",", ".", {"gyro_unit": "rad/s"}),
+    "evaluation board": (
+        "Time [s],X_GYRO_OUT,Y_GYRO_OUT,Z_GYRO_OUT",
+        ",",
+        ".",
+        {"gyro_unit": "rad/s"},
+    ),
     "byte order mark": ("\ufefftime|w_x [rad/s]|w_y [rad/s]|w_z [rad/s]", "|", ".", {}),
 }
 
@@ -287,7 +425,10 @@ def test_logs_as_programs_write_them(tmp_path, name, encoding):
     if encoding == "latin-1":
         head = head.lstrip("\ufeff")
     g, _ = still()
-    rows = [delimiter.join(f"{v:.12g}".replace(".", decimal) for v in row) for row in np.column_stack([np.arange(N) / RATE, g])]
+    rows = [
+        delimiter.join(f"{v:.12g}".replace(".", decimal) for v in row)
+        for row in np.column_stack([np.arange(N) / RATE, g])
+    ]
     if head.endswith(delimiter):
         rows = [row + delimiter for row in rows]
     (tmp_path / "log.txt").write_text("\n".join([head, *rows]) + "\n", encoding=encoding)

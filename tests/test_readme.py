@@ -19,13 +19,18 @@ def test_the_record_at_hand_needs_no_flags(capsys):
     from imu_lib.cli.main import main
 
     file = re.search(r"`(data/\S+\.csv)` states its units", TEXT)[1]
-    assert main(["check", str(ROOT / file)]) == 0 and "rate             100 Hz" in capsys.readouterr().out
+    assert (
+        main(["check", str(ROOT / file)]) == 0
+        and "rate             100 Hz" in capsys.readouterr().out
+    )
 
 
 def test_commands_and_files_exist():
     from imu_lib.cli.main import COMMANDS
 
-    assert set(COMMANDS) == set(re.findall(r"`(\w+)`", TEXT.split("lists the commands:")[1].split(".")[0]))
+    assert set(COMMANDS) == set(
+        re.findall(r"`(\w+)`", TEXT.split("lists the commands:")[1].split(".")[0])
+    )
     for folder in re.findall(r"`(\w+)/`", TEXT):
         assert (ROOT / folder).is_dir(), folder
     for path in re.findall(r"\]\(([\w/.]+)\)", TEXT):

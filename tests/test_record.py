@@ -12,7 +12,12 @@ from imu_lib.record import Record
 
 
 def six(n=1000, seed=1):
-    return dict(zip(("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"), np.random.default_rng(seed).normal(size=(6, n))))
+    return dict(
+        zip(
+            ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"),
+            np.random.default_rng(seed).normal(size=(6, n)),
+        )
+    )
 
 
 def test_a_record_is_immutable_and_travels():
@@ -25,7 +30,11 @@ def test_a_record_is_immutable_and_travels():
     with pytest.raises(TypeError):
         record.channels["gyro_x"] = record["gyro_y"]
     again = pickle.loads(pickle.dumps(record))
-    assert np.array_equal(again["accel"], record["accel"]) and again.rate == 100.0 and again.name == "a"
+    assert (
+        np.array_equal(again["accel"], record["accel"])
+        and again.rate == 100.0
+        and again.name == "a"
+    )
 
 
 @pytest.mark.parametrize(
@@ -69,19 +78,29 @@ def with_losses(lost, n=20_000, rate=100.0, jitter=0.0, seed=2):
     return slot, slot / rate + noise
 
 
-@pytest.mark.parametrize("jitter", [0.0, 0.2])  # fifths of an interval: stamps keep their order and the steps their medians
+@pytest.mark.parametrize(
+    "jitter", [0.0, 0.2]
+)  # fifths of an interval: stamps keep their order and the steps their medians
 def test_every_missing_sample_is_found(jitter):
     lost = np.r_[500, 3000:3004, 3010, 9000:9900]
     slot, time = with_losses(lost, jitter=jitter)
     x = np.sin(slot / 50.0)
     record = Record({"gyro_x": x}, timing.measured_rate(time), time)
-    assert record.rate == pytest.approx(100.0, rel=1e-4)  # jitter of 2 ms over 200 s moves the rate by less
+    assert record.rate == pytest.approx(
+        100.0, rel=1e-4
+    )  # jitter of 2 ms over 200 s moves the rate by less
     assert np.array_equal(record.slots(), slot)
     assert [g.missing for g in record.gaps()] == [1, 4, 1, 900]
     even = record.uniform()
-    assert even.n == 20_000 and np.isnan(even["gyro_x"][lost]).all() and np.array_equal(even["gyro_x"][slot], x)
+    assert (
+        even.n == 20_000
+        and np.isnan(even["gyro_x"][lost]).all()
+        and np.array_equal(even["gyro_x"][slot], x)
+    )
     whole = record.continuous(fill=10)
-    assert whole.n == 20_000 - 9900 and not whole.missing().any()  # short gaps bridged, cut at the long one
+    assert (
+        whole.n == 20_000 - 9900 and not whole.missing().any()
+    )  # short gaps bridged, cut at the long one
     assert len(whole.notes) == 3
     assert record.longest_stretch().n == 20_000 - 9900
 
@@ -134,7 +153,9 @@ def test_drive_round_trip_and_unknown_keys(tmp_path):
     drive = Drive.load(tmp_path / "d.npz")
     drive.save(tmp_path / "e.npz")
     again = Drive.load(tmp_path / "e.npz")
-    assert np.array_equal(again.gyro, arrays["gyro"]) and np.array_equal(again.extra["odometer"], arrays["odometer"])
+    assert np.array_equal(again.gyro, arrays["gyro"]) and np.array_equal(
+        again.extra["odometer"], arrays["odometer"]
+    )
     assert np.array_equal(again.lever_arm, arrays["lever_arm"]) and not again.has_reference
     part = drive.slice(1.0, 3.0)
     assert part.time[0] == 1.0 and len(part.time) == 200 and (part.gnss_time >= 1.0).all()
@@ -143,11 +164,18 @@ def test_drive_round_trip_and_unknown_keys(tmp_path):
 def test_fixes_out_of_order_are_put_right(tmp_path):
     arrays = drive_arrays()
     order = np.r_[0:10, 9, 12, 11, 10, 13:20]  # one repeated, three swapped
-    arrays["gnss_time"], arrays["gnss_position"] = arrays["gnss_time"][order], arrays["gnss_position"][order]
+    arrays["gnss_time"], arrays["gnss_position"] = (
+        arrays["gnss_time"][order],
+        arrays["gnss_position"][order],
+    )
     arrays["gnss_position"][3] = np.nan
     np.savez(tmp_path / "d.npz", **arrays)
     drive = Drive.load(tmp_path / "d.npz")
-    assert len(drive.gnss_time) == 19 and (np.diff(drive.gnss_time) > 0).all() and "gnss_time" in drive.notes[0]
+    assert (
+        len(drive.gnss_time) == 19
+        and (np.diff(drive.gnss_time) > 0).all()
+        and "gnss_time" in drive.notes[0]
+    )
 
 
 def _with(**changes):
@@ -157,7 +185,10 @@ def _with(**changes):
 @pytest.mark.parametrize(
     ("arrays", "says"),
     [
-        (lambda: {k: v for k, v in drive_arrays().items() if k != "gnss_position"}, "no `gnss_position`"),
+        (
+            lambda: {k: v for k, v in drive_arrays().items() if k != "gnss_position"},
+            "no `gnss_position`",
+        ),
         (_with(gnss_position=np.tile([45.0, 7.0, 250.0], (20, 1))), "degrees"),
         (_with(gyro=np.ones((499, 3))), "gyro"),
         (_with(gyro=np.full((500, 3), np.nan)), "not a number at sample 0"),

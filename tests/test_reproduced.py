@@ -1,4 +1,6 @@
-"""The index of what is reproduced and the chapters agree: each link has its target, each target its link."""
+"""The index of what is reproduced and the chapters agree: each link has its target, each target
+its link.
+"""
 
 import re
 
@@ -16,7 +18,11 @@ def targets():
     for chapter in chapters.chapters(ROOT):
         for cell in nbformat.read(chapter.path, as_version=4).cells:
             if cell.cell_type == "markdown":
-                for pattern in (rf"^\({NAME}\)=", rf"\$\$\s*\({NAME}\)", rf":(?:label|name): {NAME}"):
+                for pattern in (
+                    rf"^\({NAME}\)=",
+                    rf"\$\$\s*\({NAME}\)",
+                    rf":(?:label|name): {NAME}",
+                ):
                     for name in re.findall(pattern, cell.source, re.MULTILINE):
                         found.setdefault(name, []).append(chapter.slug)
     return found
@@ -36,15 +42,29 @@ def test_index_and_chapters_agree():
 
 
 def test_what_is_not_reproduced_has_its_reason():
-    rows = [row for row in (ROOT / "book/reproduced.md").read_text(encoding="utf-8").splitlines()
-            if row.startswith("|") and "not reproduced" in row]
+    rows = [
+        row
+        for row in (ROOT / "book/reproduced.md").read_text(encoding="utf-8").splitlines()
+        if row.startswith("|") and "not reproduced" in row
+    ]
     assert all(re.search(r"not reproduced: \w", row) for row in rows), "\n".join(rows)
 
 
 def test_every_citation_is_in_the_bibliography():
-    known = set(re.findall(r"^@\w+\{(\w+),", (ROOT / "book/references.bib").read_text(encoding="utf-8"), re.MULTILINE))
+    known = set(
+        re.findall(
+            r"^@\w+\{(\w+),",
+            (ROOT / "book/references.bib").read_text(encoding="utf-8"),
+            re.MULTILINE,
+        )
+    )
     texts = [path.read_text(encoding="utf-8") for path in (ROOT / "book").glob("*.md")]
     for chapter in chapters.chapters(ROOT):
         texts += [cell.source for cell in nbformat.read(chapter.path, as_version=4).cells]
-    cited = {key.strip() for text in texts for keys in re.findall(r"\{cite(?::\w+)?\}`([^`]+)`", text) for key in keys.split(",")}
+    cited = {
+        key.strip()
+        for text in texts
+        for keys in re.findall(r"\{cite(?::\w+)?\}`([^`]+)`", text)
+        for key in keys.split(",")
+    }
     assert cited <= known

@@ -1,6 +1,8 @@
-"""Allan variance: the overlapped deviation and how sure it is, reading coefficients off it, fitting a whole model to it.
+"""Allan variance: the overlapped deviation and how sure it is, reading coefficients off it,
+fitting a whole model to it.
 
-`deviation(x, fs)` gives the curve, `read_off(curve)` what IEEE Std 952 reads from its slopes, `fit(curve, terms)` the
+`deviation(x, fs)` gives the curve, `read_off(curve)` what IEEE Std 952 reads from its slopes,
+`fit(curve, terms)` the
 joint fit of a sum of processes, `characterise(x, fs)` one coefficient of each kind.
 """
 
@@ -12,6 +14,26 @@ from imu_lib.allan.flat import flat_gradient, flat_time
 from imu_lib.allan.kinds import by_allantools
 from imu_lib.allan.read_off import FLAT, LINES, PEAK, PEAK_TIME, Reading, of_record, read_off
 
-__all__ = ["FLAT", "LINES", "PEAK", "PEAK_TIME", "AllanCurve", "AllanFit", "Reading", "by_allantools", "characterise",
-           "cluster_lengths", "degrees_of_freedom", "deviation", "fit", "fit_any", "fit_best", "flat_gradient", "flat_time", "of_record",
-           "papers_error", "read_off", "short_filter"]
+__all__ = [
+    "FLAT",
+    "LINES",
+    "PEAK",
+    "PEAK_TIME",
+    "AllanCurve",
+    "AllanFit",
+    "Reading",
+    "by_allantools",
+    "characterise",
+    "cluster_lengths",
+    "degrees_of_freedom",
+    "deviation",
+    "fit",
+    "fit_any",
+    "fit_best",
+    "flat_gradient",
+    "flat_time",
+    "of_record",
+    "papers_error",
+    "read_off",
+    "short_filter",
+]

@@ -15,19 +15,37 @@ from imu_lib.processes import Flicker, GaussMarkov, Quantization, Ramp, RandomWa
 _FAST, _SLOW = Quantization() + WhiteNoise(), RandomWalk() + Ramp()
 #: Relative error of a model's Allan variance that is allowed, taken in turn.
 DISCREPANCIES = (0.0, 0.01, 0.03, 0.1, 0.3)
-#: What is tried, in this order: the standard's five terms, a Gauss-Markov process for the flicker, both.
-TEMPLATES = (_FAST + Flicker() + _SLOW, _FAST + GaussMarkov() + _SLOW, _FAST + Flicker() + GaussMarkov() + _SLOW)
+#: What is tried, in this order: the standard's five terms, a Gauss-Markov process for the flicker,
+#: both.
+TEMPLATES = (
+    _FAST + Flicker() + _SLOW,
+    _FAST + GaussMarkov() + _SLOW,
+    _FAST + Flicker() + GaussMarkov() + _SLOW,
+)
 
 
 def short_filter(curve):
-    """Averaging time, s, from which an on-chip filter no longer shapes the curve; None where there is none to see.
+    """Averaging time, s, from which an on-chip filter no longer shapes the curve; None where there
+    is none to see.
 
-    White noise falls as 1/tau from the first sample on; a filtered one begins flatter. Where the curve begins flatter
-    than tau^-0.85 and then turns to -0.6 or steeper within 64 samples, that turn is the filter's length.
+    White noise falls as 1/tau from the first sample on; a filtered one begins flatter. Where the
+    curve begins flatter
+    than tau^-0.85 and then turns to -0.6 or steeper within 64 samples, that turn is the filter's
+    length.
     """
     octaves = [i for i in range(curve.m.size) if 2 * curve.m[i] in curve.m and curve.m[i] <= 64]
-    slopes = np.array([np.log2(curve.avar[np.searchsorted(curve.m, 2 * curve.m[i])] / curve.avar[i]) for i in octaves])
-    if slopes.size < 3 or curve.m[octaves[0]] > 1 or slopes[0] < -0.85 or not (slopes <= -0.6).any():
+    slopes = np.array(
+        [
+            np.log2(curve.avar[np.searchsorted(curve.m, 2 * curve.m[i])] / curve.avar[i])
+            for i in octaves
+        ]
+    )
+    if (
+        slopes.size < 3
+        or curve.m[octaves[0]] > 1
+        or slopes[0] < -0.85
+        or not (slopes <= -0.6).any()
+    ):
         return None
     turn = int(np.argmax(slopes <= -0.6))
     return float(curve.tau[octaves[turn]]) if slopes[turn:].min() < slopes[0] - 0.05 else None
@@ -36,19 +54,28 @@ def short_filter(curve):
 def fit_any(curve, *, templates=TEMPLATES, stages=()):
     """The best of the usual sums by criterion, an on-chip filter allowed for: an AllanFit.
 
-    `stages` (a known low-pass filter) enter every sum; without them the curve is used from where it looks unfiltered.
+    `stages` (a known low-pass filter) enter every sum; without them the curve is used from where
+    it looks unfiltered.
     """
     start = None if stages else short_filter(curve)
     sums = [Sum(t.terms, tuple(stages)) for t in templates]
-    return fit_best(curve, sums, shortest=start or 0.0, filtered=start is not None, enough=np.inf,
-                    discrepancies=DISCREPANCIES)
+    return fit_best(
+        curve,
+        sums,
+        shortest=start or 0.0,
+        filtered=start is not None,
+        enough=np.inf,
+        discrepancies=DISCREPANCIES,
+    )
 
 
 def characterise(x, fs, *, stages=()):
     """N, B, K, Q, R of a record by a joint fit to its Allan curve.
 
-    B is the flat level over 0.664, of flicker or of a Gauss-Markov process where that makes the curve flat. Where no
-    sum describes the curve within its scatter, the model itself is granted an error (`DISCREPANCIES`), which widens
+    B is the flat level over 0.664, of flicker or of a Gauss-Markov process where that makes the
+    curve flat. Where no
+    sum describes the curve within its scatter, the model itself is granted an error
+    (`DISCREPANCIES`), which widens
     the intervals.
 
     Parameters
@@ -75,11 +102,15 @@ def characterise(x, fs, *, stages=()):
     elif "B" in best.parameters and best["B"].shown:
         out["B"] = best["B"]
     else:
-        out["B"] = Estimate.absent(float(np.nanmin(interval(curve.adev, curve.edf, level=0.9)[1])) / FLAT)
+        out["B"] = Estimate.absent(
+            float(np.nanmin(interval(curve.adev, curve.edf, level=0.9)[1])) / FLAT
+        )
     return {symbol: out[symbol] for symbol in ("N", "B", "K", "Q", "R")}
 
 
 def _is_flat(found):
-    """Whether the fitted deviation really has a flat part at the process's bump: slope below 0.15 either way."""
+    """Whether the fitted deviation really has a flat part at the process's bump: slope below 0.15
+    either way.
+    """
     tau = flat_time(found.model, found.tau[0], found.tau[-1]) * np.array([0.9, 1.1])
     return abs(0.5 * np.diff(np.log(found.model.avar(tau)))[0] / np.log(1.1 / 0.9)) < 0.15

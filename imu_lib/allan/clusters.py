@@ -1,9 +1,14 @@
-"""The hot loop: sums of squared differences of adjacent clusters, over every start and many cluster lengths.
+"""The hot loop: sums of squared differences of adjacent clusters, over every start and many
+cluster lengths.
 
-The record is centred and integrated once, with a compensated sum, into theta (n + 1 values); a cluster mean is then a
-difference of two of its values and each overlapped window costs three loads. Windows are taken in blocks that stay in
-the processor's cache while all cluster lengths pass over them, and blocks are spread over threads, so that nothing of
-the record's size is allocated but theta itself (and, where samples are missing, their running count).
+The record is centred and integrated once, with a compensated sum, into theta (n + 1 values); a
+cluster mean is then a
+difference of two of its values and each overlapped window costs three loads. Windows are taken in
+blocks that stay in
+the processor's cache while all cluster lengths pass over them, and blocks are spread over threads,
+so that nothing of
+the record's size is allocated but theta itself (and, where samples are missing, their running
+count).
 """
 
 from __future__ import annotations
@@ -19,7 +24,9 @@ BLOCK = 4096
 
 @njit(cache=True, nogil=True)
 def _integrate(x, centre, theta):
-    """theta[k] = sum of the first k centred samples (Neumaier's compensated sum); returns the number missing."""
+    """theta[k] = sum of the first k centred samples (Neumaier's compensated sum); returns the
+    number missing.
+    """
     missing = 0
     total = 0.0
     lost = 0.0
@@ -51,8 +58,8 @@ def _full(theta, m, start, stop):
     """Sum of (theta[k+2m] - 2 theta[k+m] + theta[k])^2 for k in start..stop-1."""
     total = 0.0
     a = theta[start:stop]
-    b = theta[start + m:stop + m]
-    c = theta[start + 2 * m:stop + 2 * m]
+    b = theta[start + m : stop + m]
+    c = theta[start + 2 * m : stop + 2 * m]
     for k in range(a.size):
         d = (c[k] - b[k]) - (b[k] - a[k])
         total += d * d
@@ -64,8 +71,8 @@ def _whole(theta, gone, m, start, stop):
     """The same over the windows that miss nothing; returns sum and count."""
     total = 0.0
     count = 0
-    a, b, c = theta[start:stop], theta[start + m:stop + m], theta[start + 2 * m:stop + 2 * m]
-    before, after = gone[start:stop], gone[start + 2 * m:stop + 2 * m]
+    a, b, c = theta[start:stop], theta[start + m : stop + m], theta[start + 2 * m : stop + 2 * m]
+    before, after = gone[start:stop], gone[start + 2 * m : stop + 2 * m]
     for k in range(a.size):
         d = (c[k] - b[k]) - (b[k] - a[k])
         here = 1 if before[k] == after[k] else 0
@@ -76,9 +83,11 @@ def _whole(theta, gone, m, start, stop):
 
 @njit(cache=True, nogil=True)
 def _gappy(theta, gone, m, start, stop, allowed):
-    """The same over windows of which each cluster misses at most `allowed` samples; returns sum and count.
+    """The same over windows of which each cluster misses at most `allowed` samples; returns sum
+    and count.
 
-    The mean of a cluster is over the samples that are present; the sum is scaled to theta's differences.
+    The mean of a cluster is over the samples that are present; the sum is scaled to theta's
+    differences.
     """
     total = 0.0
     count = 0
@@ -86,7 +95,10 @@ def _gappy(theta, gone, m, start, stop, allowed):
         first = gone[k + m] - gone[k]
         second = gone[k + 2 * m] - gone[k + m]
         if first <= allowed and second <= allowed:
-            d = m * ((theta[k + 2 * m] - theta[k + m]) / (m - second) - (theta[k + m] - theta[k]) / (m - first))
+            d = m * (
+                (theta[k + 2 * m] - theta[k + m]) / (m - second)
+                - (theta[k + m] - theta[k]) / (m - first)
+            )
             total += d * d
             count += 1
     return total, count
@@ -157,11 +169,13 @@ def squared_differences(x, lengths, *, present=1.0, threads=None):
     sums = np.array([p[0] for p in parts])
     counts = sum(p[1] for p in parts)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(counts > 0, sums.sum(axis=0) / counts / lengths.astype(float) ** 2, np.nan), counts
+        return np.where(
+            counts > 0, sums.sum(axis=0) / counts / lengths.astype(float) ** 2, np.nan
+        ), counts
 
 
 def _centre(x):
     """A value near the mean, taken from finite samples without a copy of the record."""
-    head = x[::max(1, x.size // 20000)]
+    head = x[:: max(1, x.size // 20000)]
     head = head[np.isfinite(head)]
     return float(head.mean()) if head.size else 0.0

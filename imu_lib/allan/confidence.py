@@ -1,6 +1,8 @@
-"""How sure an overlapped Allan deviation is: equivalent degrees of freedom, and the papers' percentage error.
+"""How sure an overlapped Allan deviation is: equivalent degrees of freedom, and the papers'
+percentage error.
 
-The Allan variance estimate behaves like a chi-square with `edf` degrees of freedom, edf = 2 E[V]^2 / Var[V]. For
+The Allan variance estimate behaves like a chi-square with `edf` degrees of freedom, edf = 2 E[V]^2
+/ Var[V]. For
 power-law noise the covariance of two windows that lie t cluster lengths apart is a fourth difference of |t|^p (or
 t^p ln|t|), and Var[V] is the sum of its squares over all pairs of windows (Greenhall and Riley 2003, Eqs. 7-10).
 """
@@ -12,7 +14,8 @@ from functools import lru_cache
 import numpy as np
 from scipy import stats
 
-#: Exponent of tau in the Allan variance, and alpha, the exponent in Greenhall and Riley's density f^(alpha - 2).
+#: Exponent of tau in the Allan variance, and alpha, the exponent in Greenhall and Riley's density
+#: f^(alpha - 2).
 SLOPES = {-2: 2, -1: 0, 0: -1, 1: -2}
 _STEPS = 100  # windows per cluster length where there are more than this
 
@@ -24,11 +27,15 @@ def _power(t, alpha):
 
 
 def _covariance(t, alpha, m=None):
-    """Covariance of two windows t cluster lengths apart (Eqs. 8-9; m None where the cluster is very long)."""
+    """Covariance of two windows t cluster lengths apart (Eqs. 8-9; m None where the cluster is
+    very long).
+    """
+
     def between(u):
         if m is None:
             return _power(u, alpha + 2)
         return m**2 * (2 * _power(u, alpha) - _power(u - 1 / m, alpha) - _power(u + 1 / m, alpha))
+
     return 6 * between(t) - 4 * (between(t - 1) + between(t + 1)) + between(t - 2) + between(t + 2)
 
 
@@ -64,7 +71,8 @@ def degrees_of_freedom(m, windows, slope):
     windows : ndarray, shape (j,)
         Number of overlapped windows, n - 2 m + 1 for a whole record.
     slope : ndarray, shape (j,)
-        Local exponent of tau in the Allan variance: -2 quantization, -1 white, 0 flicker, 1 walk. Between those the
+        Local exponent of tau in the Allan variance: -2 quantization, -1 white, 0 flicker, 1 walk.
+        Between those the
         logarithm of the degrees of freedom is interpolated; outside it is held.
 
     Returns
@@ -80,16 +88,22 @@ def degrees_of_freedom(m, windows, slope):
         s = min(max(s, known[0]), known[-1])
         below = int(min(np.searchsorted(known, s, side="right") - 1, known.size - 2))
         share = s - known[below]
-        ends = [np.log(_edf(SLOPES[int(k)], int(length), float(count))) for k in known[below:below + 2]]
+        ends = [
+            np.log(_edf(SLOPES[int(k)], int(length), float(count)))
+            for k in known[below : below + 2]
+        ]
         out[j] = np.exp((1 - share) * ends[0] + share * ends[1])
     return np.maximum(out, 1.0)
 
 
 def local_slope(tau, variance, *, decades=0.5):
-    """Exponent of tau in the Allan variance around each averaging time, by a straight line in log-log.
+    """Exponent of tau in the Allan variance around each averaging time, by a straight line in
+    log-log.
 
-    The line covers `decades` of tau and weighs each point by tau^-1, its variance for white noise. Quantization comes
-    before every other noise: once the curve has turned to a slope above -1.3, a steeper stretch is scatter and counts
+    The line covers `decades` of tau and weighs each point by tau^-1, its variance for white noise.
+    Quantization comes
+    before every other noise: once the curve has turned to a slope above -1.3, a steeper stretch is
+    scatter and counts
     as white.
     """
     x, y = np.log(tau), np.log(variance)
@@ -99,9 +113,13 @@ def local_slope(tau, variance, *, decades=0.5):
         return out
     for j in np.flatnonzero(good):
         half = decades * np.log(10) / 2
-        near = good & (np.abs(x - np.clip(x[j], x[good][0] + half, x[good][-1] - half)) <= half * 1.001)
+        near = good & (
+            np.abs(x - np.clip(x[j], x[good][0] + half, x[good][-1] - half)) <= half * 1.001
+        )
         if near.sum() < 2:
-            near = np.isin(np.arange(x.size), np.flatnonzero(good)[np.argsort(np.abs(x[good] - x[j]))[:2]])
+            near = np.isin(
+                np.arange(x.size), np.flatnonzero(good)[np.argsort(np.abs(x[good] - x[j]))[:2]]
+            )
         weight = 1 / tau[near]
         dx = x[near] - np.average(x[near], weights=weight)
         out[j] = np.sum(weight * dx * y[near]) / np.sum(weight * dx * dx)
@@ -110,7 +128,9 @@ def local_slope(tau, variance, *, decades=0.5):
 
 
 def interval(deviation, edf, *, level=0.95):
-    """Two-sided chi-square interval of a deviation (or, squared, of a variance) with `edf` degrees of freedom."""
+    """Two-sided chi-square interval of a deviation (or, squared, of a variance) with `edf` degrees
+    of freedom.
+    """
     tail = (1 - level) / 2
     low = deviation * np.sqrt(edf / stats.chi2.ppf(1 - tail, edf))
     high = deviation * np.sqrt(edf / stats.chi2.ppf(tail, edf))
@@ -120,7 +140,8 @@ def interval(deviation, edf, *, level=0.95):
 def papers_error(n, m):
     """Relative standard error of an Allan deviation as the papers give it: 1 / sqrt(2 (n/m - 1)).
 
-    Quinchia et al. 2013, Eq. 15 and Zhao et al. 2011, Eq. 23 (there in per cent). It counts clusters that do not
+    Quinchia et al. 2013, Eq. 15 and Zhao et al. 2011, Eq. 23 (there in per cent). It counts
+    clusters that do not
     overlap and takes no notice of the kind of noise.
     """
     return 1 / np.sqrt(2 * (np.asarray(n) / np.asarray(m) - 1))

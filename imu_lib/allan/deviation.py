@@ -58,13 +58,17 @@ class AllanCurve:
         return self.samples / self.fs
 
     def holds(self, model):
-        """Whether the 95 % interval at each averaging time holds the deviation of a model, ndarray of bool, shape (j,)."""
+        """Whether the 95 % interval at each averaging time holds the deviation of a model, ndarray
+        of bool, shape (j,).
+        """
         deviation = np.sqrt(model.avar(self.tau, self.fs))
         return (self.low <= deviation) & (deviation <= self.high)
 
     @property
     def papers_error(self):
-        """Relative standard error by the papers' formula (2013 Eq. 15, 2011 Eq. 23), ndarray, shape (j,)."""
+        """Relative standard error by the papers' formula (2013 Eq. 15, 2011 Eq. 23), ndarray,
+        shape (j,).
+        """
         return confidence.papers_error(self.samples, self.m)
 
     def at(self, tau):
@@ -89,15 +93,18 @@ def deviation(x, fs, *, taus=None, per_decade=20, limit=100, present=1.0, thread
     Parameters
     ----------
     x : array_like, shape (n,)
-        Samples of rate or specific force. Values that are not finite are missing: windows that hold one are left
+        Samples of rate or specific force. Values that are not finite are missing: windows that
+        hold one are left
         out, so that gaps are no reason to cut a record.
     fs : float
         Sampling rate, Hz.
     taus : array_like or None
-        Averaging times, s; each is rounded to a whole number of samples. By default `per_decade` a decade from one
+        Averaging times, s; each is rounded to a whole number of samples. By default `per_decade` a
+        decade from one
         sample to a third of the record, at most `limit`.
     present : float
-        Least fraction of a cluster's samples that must be there for its window to count; below 1 where single
+        Least fraction of a cluster's samples that must be there for its window to count; below 1
+        where single
         samples drop out all over the record (the mean is then over those that are there).
     threads : int or None
         Threads of the hot loop.
@@ -109,7 +116,8 @@ def deviation(x, fs, *, taus=None, per_decade=20, limit=100, present=1.0, thread
     Raises
     ------
     ValueError
-        For an `x` that is not a series of at least three samples, an `fs`, `taus` or `present` out of range.
+        For an `x` that is not a series of at least three samples, an `fs`, `taus` or `present` out
+        of range.
     """
     x = np.asarray(x, dtype=float)
     if x.ndim != 1 or x.size < 3:
@@ -124,7 +132,9 @@ def deviation(x, fs, *, taus=None, per_decade=20, limit=100, present=1.0, thread
         m = np.unique(np.round(np.atleast_1d(np.asarray(taus, dtype=float)) * fs).astype(np.int64))
         m = m[(m >= 1) & (2 * m <= x.size)]
         if m.size == 0:
-            raise ValueError("`taus` holds no averaging time between one sample and half the record")
+            raise ValueError(
+                "`taus` holds no averaging time between one sample and half the record"
+            )
     means, counts = squared_differences(x, m, present=present, threads=threads)
     keep = counts > 0
     if not keep.any():

@@ -1,4 +1,6 @@
-"""Joint fit of a sum of processes to a whole Allan curve: the public door, the starts, and the result."""
+"""Joint fit of a sum of processes to a whole Allan curve: the public door, the starts, and the
+result.
+"""
 
 from __future__ import annotations
 
@@ -22,18 +24,22 @@ class AllanFit:
     model : Sum
         The fitted sum; an amplitude that the record does not show is zero.
     parameters : dict of str to Estimate
-        What was fitted, with 95 % intervals, by the labels of the sum (`N`, `sigma`, `correlation_time`, `sigma_2`).
+        What was fitted, with 95 % intervals, by the labels of the sum (`N`, `sigma`,
+        `correlation_time`, `sigma_2`).
     flat : Estimate
         The flat level: the fitted Allan deviation where it is flat (see `imu_lib.allan.flat`).
     misfit : float
-        Generalised sum of squares of the residuals, about chi-square with `dof` degrees of freedom.
+        Generalised sum of squares of the residuals, about chi-square with `dof` degrees of
+        freedom.
     dof : int
     p_value : float
         Probability of a misfit as large if the model is true.
     criterion : float
-        Misfit + log determinant of the covariance + ln(j) per parameter: smaller is better among templates.
+        Misfit + log determinant of the covariance + ln(j) per parameter: smaller is better among
+        templates.
     tau, predicted, sd : ndarray, shape (j,)
-        Averaging times that were fitted, the model's Allan deviation there, and the relative standard error that an
+        Averaging times that were fitted, the model's Allan deviation there, and the relative
+        standard error that an
         estimate of it has under the model.
     """
 
@@ -70,12 +76,14 @@ def fit(curve, terms, *, shortest=0.0, longest=np.inf, filtered=False):
     ----------
     curve : AllanCurve
     terms : Sum or Process
-        The template: parameters at None are fitted, others held. Output stages (a low-pass filter, rounding) must be
+        The template: parameters at None are fitted, others held. Output stages (a low-pass filter,
+        rounding) must be
         complete; they enter as they are.
     shortest, longest : float
         Range of averaging times to use, s.
     filtered : bool
-        The sensor filters its output and the template does not say how: allow for what a short filter takes from
+        The sensor filters its output and the template does not say how: allow for what a short
+        filter takes from
         white noise beyond its own length, and begin there (`shortest`).
 
     Returns
@@ -85,24 +93,40 @@ def fit(curve, terms, *, shortest=0.0, longest=np.inf, filtered=False):
     Raises
     ------
     ValueError
-        Where the template leaves nothing to fit, or the range holds too few averaging times for it.
+        Where the template leaves nothing to fit, or the range holds too few averaging times for
+        it.
     """
     return _finished(*_found(curve, terms, shortest, longest, filtered))
 
 
-def fit_best(curve, templates, *, shortest=0.0, longest=np.inf, filtered=False, enough=0.05, discrepancies=(0.0,)):
-    """The first of several templates that describes the curve (p-value above `enough`), or else the best of them.
+def fit_best(
+    curve,
+    templates,
+    *,
+    shortest=0.0,
+    longest=np.inf,
+    filtered=False,
+    enough=0.05,
+    discrepancies=(0.0,),
+):
+    """The first of several templates that describes the curve (p-value above `enough`), or else
+    the best of them.
 
-    Best is the least criterion; with an infinite `enough` all templates compete. Other arguments as for `fit`; a
-    template with too many parameters for the curve is passed over. `discrepancies` are relative errors of the Allan
-    variance that are allowed to the model itself, taken in turn until the best template fits (p-value above 0.01): no
-    sum of a few processes describes a real sensor to the thousandth that the shortest averaging times are known to,
+    Best is the least criterion; with an infinite `enough` all templates compete. Other arguments
+    as for `fit`; a
+    template with too many parameters for the curve is passed over. `discrepancies` are relative
+    errors of the Allan
+    variance that are allowed to the model itself, taken in turn until the best template fits
+    (p-value above 0.01): no
+    sum of a few processes describes a real sensor to the thousandth that the shortest averaging
+    times are known to,
     and without that allowance they would bend the fit everywhere else.
 
     Returns
     -------
     AllanFit
     """
+
     def p_value(tried):
         return stats.chi2.sf(tried[1][2], tried[0].tau.size - tried[2])
 
@@ -131,9 +155,14 @@ def _found(curve, terms, shortest, longest, filtered, discrepancy=0.0):
     index = choose(curve, shortest=shortest, longest=longest)
     count = len(terms.linear) + len(terms.shape)
     if index.size <= count:
-        raise ValueError(f"`curve` has {index.size} averaging times in the range, too few to fit {count} parameters")
+        raise ValueError(
+            f"`curve` has {index.size} averaging times in the range, too few to fit {count} parameters"
+        )
     problem = Problem(curve, terms, index, discrepancy)
-    found = min((iterate(problem, start, rounds=2) for start in _starts(problem, curve)), key=lambda one: one[3])
+    found = min(
+        (iterate(problem, start, rounds=2) for start in _starts(problem, curve)),
+        key=lambda one: one[3],
+    )
     return problem, iterate(problem, found[0]), count
 
 
@@ -145,9 +174,18 @@ def _finished(problem, found, count):
     dof = problem.tau.size - count
     variance = np.diag(problem.covariance(shape, squares))
     predicted = problem.predict(shape, squares)
-    return AllanFit(model, parameters, flat, float(misfit), int(dof), float(stats.chi2.sf(misfit, dof)),
-                    float(criterion + count * np.log(problem.tau.size)), problem.tau, np.sqrt(predicted),
-                    np.sqrt(variance) / predicted / 2)
+    return AllanFit(
+        model,
+        parameters,
+        flat,
+        float(misfit),
+        int(dof),
+        float(stats.chi2.sf(misfit, dof)),
+        float(criterion + count * np.log(problem.tau.size)),
+        problem.tau,
+        np.sqrt(predicted),
+        np.sqrt(variance) / predicted / 2,
+    )
 
 
 def _starts(problem, curve, *, points=16, best=3):
@@ -155,11 +193,19 @@ def _starts(problem, curve, *, points=16, best=3):
     shape = problem.terms.shape
     if not shape:
         return [np.empty(0)]
-    axis = np.log(np.geomspace(6 * problem.tau[0], max(curve.duration / 6, 12 * problem.tau[0]), points))
+    axis = np.log(
+        np.geomspace(6 * problem.tau[0], max(curve.duration / 6, 12 * problem.tau[0]), points)
+    )
     terms = problem.terms.template.terms
-    grid = np.stack([g.ravel() for g in np.meshgrid(*[sign * axis for sign in problem.sign], indexing="ij")], axis=1)
+    grid = np.stack(
+        [g.ravel() for g in np.meshgrid(*[sign * axis for sign in problem.sign], indexing="ij")],
+        axis=1,
+    )
     for i in range(1, len(shape)):  # twins among the terms in order of their time constants
-        if terms[shape[i][0]].name == terms[shape[i - 1][0]].name and shape[i][1] == shape[i - 1][1]:
+        if (
+            terms[shape[i][0]].name == terms[shape[i - 1][0]].name
+            and shape[i][1] == shape[i - 1][1]
+        ):
             grid = grid[grid[:, i] > grid[:, i - 1]]
     white = problem.first_whitener()
     misfit = np.array([problem.solve(p, white)[1] for p in grid])

@@ -11,7 +11,8 @@ KINDS = {"Allan": "oadev", "modified": "mdev", "Hadamard": "ohdev", "total": "to
 def by_allantools(x, fs, *, taus=None, kinds=tuple(KINDS)):
     """Allan, modified, Hadamard and total deviation of a record, all overlapped.
 
-    `allantools` takes its input for a phase unless it is told that it is a rate; here it is told so.
+    `allantools` takes its input for a phase unless it is told that it is a rate; here it is told
+    so.
 
     Parameters
     ----------
@@ -27,7 +28,8 @@ def by_allantools(x, fs, *, taus=None, kinds=tuple(KINDS)):
     Returns
     -------
     dict of str to (ndarray, ndarray)
-        Averaging times (s) and deviation by kind. A kind that a record is too short for at some time leaves that time out.
+        Averaging times (s) and deviation by kind. A kind that a record is too short for at some
+        time leaves that time out.
 
     Raises
     ------
@@ -41,4 +43,7 @@ def by_allantools(x, fs, *, taus=None, kinds=tuple(KINDS)):
         raise ValueError(f"`kinds` has {unknown[0]!r}; choose from {', '.join(KINDS)}")
     if taus is None:
         taus = np.unique(np.geomspace(1, len(x) // 4, 24).astype(int)) / fs
-    return {kind: getattr(allantools, KINDS[kind])(x, rate=fs, data_type="freq", taus=taus)[:2] for kind in kinds}
+    return {
+        kind: getattr(allantools, KINDS[kind])(x, rate=fs, data_type="freq", taus=taus)[:2]
+        for kind in kinds
+    }

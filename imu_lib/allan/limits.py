@@ -1,10 +1,15 @@
 """Intervals of a joint Allan fit, and upper limits for what a record does not show.
 
-The scatter of an Allan curve grows with the very parameters that are estimated: where a time constant comes out short
-by chance, a standard error taken at the fit is too small as well. So the ends of an interval are where the estimate
-lies 1.96 standard errors away with the error taken *there*, the other parameters moved along with it; amplitudes on
-the scale of the cube root of their square, which makes a chi-square nearly normal (Wilson and Hilferty), time
-constants on the logarithmic one. The flat level is treated like an amplitude, its place moving along.
+The scatter of an Allan curve grows with the very parameters that are estimated: where a time
+constant comes out short
+by chance, a standard error taken at the fit is too small as well. So the ends of an interval are
+where the estimate
+lies 1.96 standard errors away with the error taken *there*, the other parameters moved along with
+it; amplitudes on
+the scale of the cube root of their square, which makes a chi-square nearly normal (Wilson and
+Hilferty), time
+constants on the logarithmic one. The flat level is treated like an amplitude, its place moving
+along.
 """
 
 from __future__ import annotations
@@ -16,20 +21,21 @@ from imu_lib.allan.problem import iterate
 from imu_lib.estimate import Z95, Estimate
 
 ONE_SIDED = 1.6448536269514722  # 95 % point of the standard normal distribution
-AMPLITUDE = 2 / 3      # the power of an amplitude that is the cube root of its square
+AMPLITUDE = 2 / 3  # the power of an amplitude that is the cube root of its square
 
 
 def drop_absent(problem, found, *, needed=2.706):
     """Take out, one after the other, terms without which the misfit grows by less than `needed`.
 
-    2.706 is the 95 % point for an amplitude that cannot be negative. Returns shape, squares, misfit, criterion of
+    2.706 is the 95 % point for an amplitude that cannot be negative. Returns shape, squares,
+    misfit, criterion of
     what is left; `problem.active` tells which terms those are.
     """
     linear = problem.terms.linear
     while True:
         shape, squares, _, _ = found
         problem.active &= squares > 0
-        sd = np.sqrt(np.diag(problem.information(shape, squares)))[:squares.size]
+        sd = np.sqrt(np.diag(problem.information(shape, squares)))[: squares.size]
         weak = [i for i in np.flatnonzero(problem.active) if sd[i] > 0.2 and linear[i][2]]
         trials = []
         for i in weak:
@@ -62,10 +68,15 @@ def estimates(problem, shape, squares):
     for i, (_, _, label) in enumerate(linear):
         if label is None:  # what a filter takes away is no coefficient
             continue
-        parameters[label] = (ends(i, np.sqrt(squares[i]), AMPLITUDE) if problem.active[i]
-                             else Estimate.absent(_upper(problem, shape, squares, i)))
+        parameters[label] = (
+            ends(i, np.sqrt(squares[i]), AMPLITUDE)
+            if problem.active[i]
+            else Estimate.absent(_upper(problem, shape, squares, i))
+        )
     for k, (_, _, label) in enumerate(shapes):
-        parameters[label] = ends(len(linear) + k, np.exp(shape[k]), 0.0) if moving[k] else Estimate.absent()
+        parameters[label] = (
+            ends(len(linear) + k, np.exp(shape[k]), 0.0) if moving[k] else Estimate.absent()
+        )
     order = [label for label, *_ in problem.terms.template.labels() if label in parameters]
     return {label: parameters[label] for label in order}, _flat(problem, shape, squares, cov)
 
@@ -73,8 +84,10 @@ def estimates(problem, shape, squares):
 def _ends(problem, shape, squares, cov, value, gradient, power):
     """Interval of a positive quantity, its standard error taken at the ends.
 
-    `gradient(shape, squares)` is the derivative of its logarithm by the logarithms of the amplitudes and shape
-    parameters, (p,); on the scale of its power `power` (0: of its logarithm) its estimate is nearly normal.
+    `gradient(shape, squares)` is the derivative of its logarithm by the logarithms of the
+    amplitudes and shape
+    parameters, (p,); on the scale of its power `power` (0: of its logarithm) its estimate is
+    nearly normal.
     """
     slope = gradient(shape, squares)
     variance = slope @ cov @ slope
@@ -105,10 +118,13 @@ def _log_step(z, power):
 
 
 def _upper(problem, shape, squares, i):
-    """95 % upper limit of an amplitude that is out of the fit; infinite where the record sets none.
+    """95 % upper limit of an amplitude that is out of the fit; infinite where the record sets
+    none.
 
-    With c the squared amplitude, its estimate scatters like a chi-square of mean c + a with relative error r, a being
-    what the other terms put in its place: standard error r (c + a). The limit is where the estimate that the term would
+    With c the squared amplitude, its estimate scatters like a chi-square of mean c + a with
+    relative error r, a being
+    what the other terms put in its place: standard error r (c + a). The limit is where the
+    estimate that the term would
     have had (zero or too small to count) lies 1.645 standard errors down on the cube-root scale.
     """
     basis, _ = problem.design(shape)
@@ -149,7 +165,7 @@ def _flat(problem, shape, squares, cov):
         def model_of(moved):
             every = log.copy()
             every[moves] = moved
-            return problem.terms.model(every[squares.size:], np.exp(2 * every[:squares.size]))
+            return problem.terms.model(every[squares.size :], np.exp(2 * every[: squares.size]))
 
         place = flat_time(model_of(log[moves]), problem.tau[0], problem.tau[-1], beside=first)
         out = np.zeros(log.size)

@@ -1,9 +1,14 @@
-"""A template against an Allan curve: design, covariance and misfit, and the iterated fit of one start.
+"""A template against an Allan curve: design, covariance and misfit, and the iterated fit of one
+start.
 
-The Allan variance is linear in the squared amplitudes and smooth in the time constants. For time constants held, the
-squared amplitudes follow from non-negative generalised least squares; the time constants follow by minimising what is
-left. The covariance of the estimates depends on the model itself (imu_lib.allan.covariance), so it is taken at the
-fit, and fit and covariance are iterated until they agree: the weights then come from the smooth model, not from the
+The Allan variance is linear in the squared amplitudes and smooth in the time constants. For time
+constants held, the
+squared amplitudes follow from non-negative generalised least squares; the time constants follow by
+minimising what is
+left. The covariance of the estimates depends on the model itself (imu_lib.allan.covariance), so it
+is taken at the
+fit, and fit and covariance are iterated until they agree: the weights then come from the smooth
+model, not from the
 scattered curve, which keeps the solution unbiased.
 """
 
@@ -18,9 +23,11 @@ from imu_lib.processes import LowPass, Sum
 
 
 class Terms:
-    """The terms of a template: what is free in each, and its Allan variance and density at unit amplitude.
+    """The terms of a template: what is free in each, and its Allan variance and density at unit
+    amplitude.
 
-    With `filtered`, one more free term of variance -3 q^2 / tau^2: what any short filter on white noise takes away at
+    With `filtered`, one more free term of variance -3 q^2 / tau^2: what any short filter on white
+    noise takes away at
     averaging times beyond its length.
     """
 
@@ -33,10 +40,14 @@ class Terms:
                 if getattr(process, p.name) is None and not p.optional:
                     size = p.kind == "amplitude" or process.name == "ramp"
                     if not size and p.kind not in ("time", "frequency", "rate"):
-                        raise ValueError(f"`terms`: give {process.name} its `{p.name}`; an Allan curve cannot fit it")
+                        raise ValueError(
+                            f"`terms`: give {process.name} its `{p.name}`; an Allan curve cannot fit it"
+                        )
                     (self.linear if size else self.shape).append((t, p.name, labels[t, p.name]))
         if not self.linear and not self.shape:
-            raise ValueError("`terms` leaves nothing to fit: leave the parameters to be estimated at None")
+            raise ValueError(
+                "`terms` leaves nothing to fit: leave the parameters to be estimated at None"
+            )
         self.filtered = filtered
         if filtered:
             self.linear.append((len(self.template.terms) + 1, "Q", None))
@@ -46,14 +57,30 @@ class Terms:
 
     def model(self, shape, squares):
         """The complete sum for log shape parameters and squared amplitudes."""
-        values = {label: float(np.exp(v)) for (_, _, label), v in zip(self.shape, shape, strict=True)}
-        values |= {label: float(np.sqrt(max(c, 0.0))) for (_, _, label), c in zip(self.linear, squares, strict=True) if label}
+        values = {
+            label: float(np.exp(v)) for (_, _, label), v in zip(self.shape, shape, strict=True)
+        }
+        values |= {
+            label: float(np.sqrt(max(c, 0.0)))
+            for (_, _, label), c in zip(self.linear, squares, strict=True)
+            if label
+        }
         return self.template.with_values(values)
 
     def parts(self, shape, tau, f, fs):
-        """Allan variance (terms + 1, j) and density (terms + 1, k) at unit amplitude; after the terms, what the stages add."""
-        rows = [self._part(t, tuple(float(v) for (s, _, _), v in zip(self.shape, shape, strict=True) if s == t),
-                           tau, f, fs) for t in range(len(self.template.terms))]
+        """Allan variance (terms + 1, j) and density (terms + 1, k) at unit amplitude; after the
+        terms, what the stages add.
+        """
+        rows = [
+            self._part(
+                t,
+                tuple(float(v) for (s, _, _), v in zip(self.shape, shape, strict=True) if s == t),
+                tau,
+                f,
+                fs,
+            )
+            for t in range(len(self.template.terms))
+        ]
         rows.append(self._part(None, (), tau, f, fs))
         if self.filtered:
             rows.append((-3 / tau**2, -8 * fs * np.sin(np.pi * f / fs) ** 2))
@@ -67,11 +94,19 @@ class Terms:
             if t is None:
                 one = Sum((), self.stages)
             else:
-                values = dict(zip([name for s, name, _ in self.shape if s == t], np.exp(shape), strict=True))
+                values = dict(
+                    zip([name for s, name, _ in self.shape if s == t], np.exp(shape), strict=True)
+                )
                 values |= {name: 1.0 for s, name, _ in self.linear if s == t}
                 term = self.template.terms[t].with_(**values)
-                slow = getattr(term, "correlation_time", 0) * min((s.cutoff for s in self.filter), default=0) > 20
-                one = Sum((term,), () if slow else self.filter)  # the filter does not touch what is slow
+                slow = (
+                    getattr(term, "correlation_time", 0)
+                    * min((s.cutoff for s in self.filter), default=0)
+                    > 20
+                )
+                one = Sum(
+                    (term,), () if slow else self.filter
+                )  # the filter does not touch what is slow
             try:
                 density = one.psd(f, fs)
             except UndefinedFormError:  # a ramp, a sinusoid: no random part
@@ -81,7 +116,8 @@ class Terms:
 
 
 class Problem:
-    """One curve against one template: design, covariance and misfit in log shape parameters and squared amplitudes.
+    """One curve against one template: design, covariance and misfit in log shape parameters and
+    squared amplitudes.
 
     `discrepancy` is a relative error of the model itself, independent at each averaging time.
     """
@@ -89,9 +125,16 @@ class Problem:
     def __init__(self, curve, terms, index, discrepancy=0.0):
         self.discrepancy = discrepancy
         # a time constant below a few samples is white noise, one beyond the record a walk
-        self.bounds = np.log(np.array([5 * curve.tau[index[0]], max(curve.duration, 10 * curve.tau[index[0]])]))
-        kinds = [{p.name: p.kind for p in terms.template.terms[t].parameters}[name] for t, name, _ in terms.shape]
-        self.sign = np.array([1.0 if kind == "time" else -1.0 for kind in kinds])  # a frequency is an inverse time
+        self.bounds = np.log(
+            np.array([5 * curve.tau[index[0]], max(curve.duration, 10 * curve.tau[index[0]])])
+        )
+        kinds = [
+            {p.name: p.kind for p in terms.template.terms[t].parameters}[name]
+            for t, name, _ in terms.shape
+        ]
+        self.sign = np.array(
+            [1.0 if kind == "time" else -1.0 for kind in kinds]
+        )  # a frequency is an inverse time
         self.terms, self.tau, self.fs = terms, curve.tau[index], curve.fs
         self.v = curve.avar[index]
         self.edf = curve.edf[index]
@@ -133,7 +176,9 @@ class Problem:
         return out
 
     def whitener(self, covariance):
-        """Inverse square root of the covariance; eigenvalues of the correlation below 1e-4 are lifted to that."""
+        """Inverse square root of the covariance; eigenvalues of the correlation below 1e-4 are
+        lifted to that.
+        """
         scale = np.sqrt(np.maximum(np.diag(covariance), (1e-9 * self.v) ** 2))
         value, vector = linalg.eigh(covariance / np.outer(scale, scale))
         return (vector / np.sqrt(np.maximum(value, 1e-4))).T / scale
@@ -149,9 +194,11 @@ class Problem:
         return squares / norm, rest**2
 
     def information(self, shape, squares, moving=None):
-        """Covariance of the logarithms of the amplitudes and shape parameters at this model (p, p).
+        """Covariance of the logarithms of the amplitudes and shape parameters at this model (p,
+        p).
 
-        Rows and columns follow `terms.linear`, then `terms.shape`; what is not in the fit has zeros. `moving` says
+        Rows and columns follow `terms.linear`, then `terms.shape`; what is not in the fit has
+        zeros. `moving` says
         which shape parameters are uncertain, by default those of the terms in the fit.
         """
         white = self.whitener(self.covariance(shape, squares))
@@ -160,11 +207,15 @@ class Problem:
         for step in 1e-3 * np.eye(shape.size):
             rise = (self.design(shape + step)[0] - self.design(shape - step)[0]) @ squares / 2e-3
             columns.append(rise[:, None])
-        kept = np.flatnonzero(np.concatenate([self.active, self.moving() if moving is None else moving]))
+        kept = np.flatnonzero(
+            np.concatenate([self.active, self.moving() if moving is None else moving])
+        )
         jacobian = white @ np.hstack(columns)[:, kept]
         norm = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-150)
         jacobian = jacobian / norm
-        inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13, hermitian=True) / np.outer(norm, norm)
+        inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13, hermitian=True) / np.outer(
+            norm, norm
+        )
         out = np.zeros((basis.shape[1] + shape.size,) * 2)
         out[np.ix_(kept, kept)] = inverse
         return out
@@ -211,8 +262,20 @@ def _best_shape(problem, shape, white):
     if start.size == 0:
         return shape
     if start.size == 1:
-        return put(optimize.minimize_scalar(rest, method="bounded", bounds=(start[0] - 1.2, start[0] + 1.2),
-                                            options={"xatol": 1e-4}).x)
+        return put(
+            optimize.minimize_scalar(
+                rest,
+                method="bounded",
+                bounds=(start[0] - 1.2, start[0] + 1.2),
+                options={"xatol": 1e-4},
+            ).x
+        )
     simplex = np.vstack([start, start + 0.1 * np.eye(start.size)])
-    return put(optimize.minimize(rest, start, method="Nelder-Mead",
-                                 options={"xatol": 1e-4, "fatol": 1e-6, "initial_simplex": simplex}).x)
+    return put(
+        optimize.minimize(
+            rest,
+            start,
+            method="Nelder-Mead",
+            options={"xatol": 1e-4, "fatol": 1e-6, "initial_simplex": simplex},
+        ).x
+    )

@@ -45,7 +45,9 @@ class Autocorrelation:
 
     @property
     def share_outside(self) -> float:
-        """Share of the lags beyond 0 that lie outside the 95 % band of white noise; 0.05 for white noise."""
+        """Share of the lags beyond 0 that lie outside the 95 % band of white noise; 0.05 for white
+        noise.
+        """
         return float(np.mean(np.abs(self.rho[1:]) > self.white_band()))
 
 
@@ -70,25 +72,29 @@ def autocorrelation(x, fs, *, max_lag=None, detrend="mean") -> Autocorrelation:
     x = prepared(x, detrend)
     lags = int(round(max_lag * fs)) if max_lag is not None else x.size // 10
     if not 1 <= lags < x.size:
-        raise ValueError(f"`max_lag` must lie between one sample and the record's length, {x.size / fs:g} s, "
-                         f"not {max_lag} s")
+        raise ValueError(
+            f"`max_lag` must lie between one sample and the record's length, {x.size / fs:g} s, "
+            f"not {max_lag} s"
+        )
     gamma = autocovariance(x, lags)
     if gamma[0] <= 0:
         raise ValueError("`x` does not vary: its autocorrelation does not exist")
     rho = gamma / gamma[0]
     sd = np.sqrt((1 + 2 * np.concatenate([[0.0, 0.0], np.cumsum(rho[1:-1] ** 2)])) / x.size)
     sd[0] = 0.0
-    return Autocorrelation(lag=np.arange(lags + 1) / fs, rho=rho, sd=sd, variance=float(gamma[0]), n=x.size)
+    return Autocorrelation(
+        lag=np.arange(lags + 1) / fs, rho=rho, sd=sd, variance=float(gamma[0]), n=x.size
+    )
 
 
 def autocovariance(x: np.ndarray, lags: int) -> np.ndarray:
     """Sums of products over n, lags 0 to `lags`, shape (lags + 1,); the mean is not removed here."""
     n = x.size
     if lags <= _FEW_LAGS:
-        return np.array([x[:n - k] @ x[k:] for k in range(lags + 1)]) / n
+        return np.array([x[: n - k] @ x[k:] for k in range(lags + 1)]) / n
     spectrum = fft.rfft(x, fft.next_fast_len(n + lags, real=True))
     power = spectrum.real**2 + spectrum.imag**2
-    return fft.irfft(power, fft.next_fast_len(n + lags, real=True))[:lags + 1] / n
+    return fft.irfft(power, fft.next_fast_len(n + lags, real=True))[: lags + 1] / n
 
 
 def prepared(x, detrend="mean") -> np.ndarray:
@@ -108,7 +114,8 @@ def prepared(x, detrend="mean") -> np.ndarray:
 def bartlett_covariance(gamma, n, lags) -> np.ndarray:
     """Covariance of the sample autocovariances of a Gaussian process, shape (lags + 1, lags + 1).
 
-    Bartlett's formula: cov(g_h, g_k) = sum over all m of (gamma_m gamma_{m+h-k} + gamma_{m+k} gamma_{m-h}) / n,
+    Bartlett's formula: cov(g_h, g_k) = sum over all m of (gamma_m gamma_{m+h-k} + gamma_{m+k}
+    gamma_{m-h}) / n,
     which is (S(h - k) + S(h + k)) / n with S the autocovariance sequence convolved with itself.
 
     Parameters
@@ -121,7 +128,7 @@ def bartlett_covariance(gamma, n, lags) -> np.ndarray:
     gamma = np.asarray(gamma, dtype=float)
     two_sided = np.concatenate([gamma[:0:-1], gamma])
     size = fft.next_fast_len(2 * two_sided.size + 2 * lags, real=True)
-    s = fft.irfft(np.abs(fft.rfft(two_sided, size)) ** 2, size)[:2 * lags + 1]
+    s = fft.irfft(np.abs(fft.rfft(two_sided, size)) ** 2, size)[: 2 * lags + 1]
     h = np.arange(lags + 1)
     return (s[np.abs(h[:, None] - h)] + s[h[:, None] + h]) / n
 
@@ -129,7 +136,8 @@ def bartlett_covariance(gamma, n, lags) -> np.ndarray:
 def expected_autocovariance(gamma, n, lags) -> np.ndarray:
     """Exact mean of the sample autocovariances once the sample mean is removed, shape (lags + 1,).
 
-    Removing the mean and dividing by n pull the whole curve down, by about the variance of the mean; a fit that
+    Removing the mean and dividing by n pull the whole curve down, by about the variance of the
+    mean; a fit that
     ignores it reads a correlation time that is too short.
 
     Parameters

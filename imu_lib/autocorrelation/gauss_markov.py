@@ -1,15 +1,24 @@
 """First-order Gauss-Markov process and white noise, fitted to the autocovariance.
 
-The sample autocovariances of one record are strongly correlated with each other: neighbouring lags share almost all
-of their products. A plain least-squares fit of sigma^2 exp(-lag / Tc) (Eq. 11 of the 2013 paper, Eq. 9 of the 2011
-paper) to them has intervals many times too small. Here the fit is generalised least squares with the covariance of
-the lags evaluated at the fitted model, and against the exact mean of the lags once the record's own mean is off.
+The sample autocovariances of one record are strongly correlated with each other: neighbouring lags
+share almost all
+of their products. A plain least-squares fit of sigma^2 exp(-lag / Tc) (Eq. 11 of the 2013 paper,
+Eq. 9 of the 2011
+paper) to them has intervals many times too small. Here the fit is generalised least squares with
+the covariance of
+the lags evaluated at the fitted model, and against the exact mean of the lags once the record's
+own mean is off.
 
-A gyroscope's white noise is a thousand times its Gauss-Markov variance, sample by sample, and its correlation time
-thousands of samples. The record is therefore first averaged over blocks. The block is not the user's choice: blocks
-of 1, 2, 4, ... samples are tried, and of those where the fitted correlation time is a handful of blocks the most
-significant is taken. Where the record drifts on beyond that (a random walk, which has no autocovariance), the
-autocovariance is averaged over segments, each less its own mean, and a walk is fitted with it. Of two correlated
+A gyroscope's white noise is a thousand times its Gauss-Markov variance, sample by sample, and its
+correlation time
+thousands of samples. The record is therefore first averaged over blocks. The block is not the
+user's choice: blocks
+of 1, 2, 4, ... samples are tried, and of those where the fitted correlation time is a handful of
+blocks the most
+significant is taken. Where the record drifts on beyond that (a random walk, which has no
+autocovariance), the
+autocovariance is averaged over segments, each less its own mean, and a walk is fitted with it. Of
+two correlated
 processes it is the more significant one that is reported.
 """
 
@@ -20,13 +29,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from imu_lib.autocorrelation.correlation import prepared
-from imu_lib.autocorrelation.lag_fit import SEGMENT, SMALLEST, block_levels, excess, fit_segments, fit_whole
+from imu_lib.autocorrelation.lag_fit import (
+    SEGMENT,
+    SMALLEST,
+    block_levels,
+    excess,
+    fit_segments,
+    fit_whole,
+)
 from imu_lib.estimate import Z95, Estimate
 from imu_lib.processes import GaussMarkov
 
 #: Correlation time in blocks at which a block is fit to resolve it.
 _RESOLVED = (2.5, 16.0)
-#: Standard errors above zero that a Gauss-Markov variance must have to count as shown; see `fit_gauss_markov`.
+#: Standard errors above zero that a Gauss-Markov variance must have to count as shown; see
+#: `fit_gauss_markov`.
 _SHOWN = 4.0
 
 
@@ -47,7 +64,8 @@ class GaussMarkovFit:
     lag, autocovariance, fitted : ndarray, shape (m,)
         Of the block means, s and signal unit squared; `fitted` is the model's mean of them.
     significance : float
-        Standard errors between the process's variance and zero under white noise, for the best template.
+        Standard errors between the process's variance and zero under white noise, for the best
+        template.
     """
 
     sigma: Estimate
@@ -77,21 +95,28 @@ def fit_gauss_markov(x, fs, *, block=None, lags=32, detrend="mean", drift=None) 
     fs : float
         Rate, Hz.
     block : int, optional
-        Samples per block mean; default chosen as the module's docstring says. A block that is given is not searched for,
+        Samples per block mean; default chosen as the module's docstring says. A block that is
+        given is not searched for,
         so two standard errors are enough.
     lags : int
         Lags of the block means that are fitted.
     detrend : {"mean", "linear", "none"}
     drift : bool, optional
-        Whether a random walk is fitted as well; default: where the record shows more slow variance than the fit.
+        Whether a random walk is fitted as well; default: where the record shows more slow variance
+        than the fit.
 
     Notes
     -----
-    Intervals are normal in the logarithm of sigma^2 and Tc. A process counts as shown when its variance is four
-    standard errors above zero under the hypothesis of white noise: the search over blocks makes the usual two far
-    too generous (the false-alarm rate is tested). Correlation times below 2.5 samples are left to the electronics'
-    filter. A correlation time of the order of the record has an interval that is open above. Where nothing is shown the
-    upper limit of sigma is the largest over the blocks, each for a process that remembers six of its blocks.
+    Intervals are normal in the logarithm of sigma^2 and Tc. A process counts as shown when its
+    variance is four
+    standard errors above zero under the hypothesis of white noise: the search over blocks makes
+    the usual two far
+    too generous (the false-alarm rate is tested). Correlation times below 2.5 samples are left to
+    the electronics'
+    filter. A correlation time of the order of the record has an interval that is open above. Where
+    nothing is shown the
+    upper limit of sigma is the largest over the blocks, each for a process that remembers six of
+    its blocks.
 
     Raises
     ------
@@ -109,7 +134,11 @@ def fit_gauss_markov(x, fs, *, block=None, lags=32, detrend="mean", drift=None) 
     if peak <= _SHOWN and not block:
         return _absent(levels, fs, scale, peak)
     whole = None if drift else _best(levels, fit_whole, block)
-    local = None if drift is False else _best([lv for lv in levels if lv.n >= 2 * SEGMENT], fit_segments, block)
+    local = (
+        None
+        if drift is False
+        else _best([lv for lv in levels if lv.n >= 2 * SEGMENT], fit_segments, block)
+    )
     if whole and local and not _drifts(levels, *whole) and local[1].z < 1.5 * whole[1].z:
         local = None  # nothing slower than the process: the whole record knows more
     chosen = local or whole or _longest(levels)
@@ -125,7 +154,9 @@ def characterise(x, fs) -> dict[str, Estimate]:
 
 
 def _best(levels, fit, block):
-    """The most significant fit whose correlation time its block resolves, as (level, solution), or None."""
+    """The most significant fit whose correlation time its block resolves, as (level, solution), or
+    None.
+    """
     found = []
     for level in levels:
         if block or level.significance > _SHOWN:
@@ -157,8 +188,12 @@ def _result(level, solution, fs, scale, peak):
         correlation_time=_positive(np.exp(theta[1]) * interval, sd[1]),
         N=_root(theta[2], sd[2], interval * scale**2),
         K=_root(theta[3], sd[3], scale**2 / interval) if drifts else Estimate.absent(),
-        block=level.m, lag=np.arange(solution.gamma.size) * interval, autocovariance=solution.gamma * scale**2,
-        fitted=solution.mean * scale**2, significance=float(peak))
+        block=level.m,
+        lag=np.arange(solution.gamma.size) * interval,
+        autocovariance=solution.gamma * scale**2,
+        fitted=solution.mean * scale**2,
+        significance=float(peak),
+    )
 
 
 def _positive(value, relative_sd):
@@ -182,7 +217,15 @@ def _absent(levels, fs, scale, peak):
     flat = np.full(level.gamma.size, -level.gamma[0] / level.n)
     flat[0] += level.gamma[0]
     return GaussMarkovFit(
-        sigma=Estimate.absent(np.sqrt(max(lv.limit for lv in levels)) * scale), correlation_time=Estimate.absent(),
-        N=Estimate.lognormal(float(np.sqrt(level.gamma[0] * interval) * scale), 1 / np.sqrt(2 * level.n)),
-        K=Estimate.absent(), block=level.m, lag=np.arange(level.gamma.size) * interval,
-        autocovariance=level.gamma * scale**2, fitted=flat * scale**2, significance=float(peak))
+        sigma=Estimate.absent(np.sqrt(max(lv.limit for lv in levels)) * scale),
+        correlation_time=Estimate.absent(),
+        N=Estimate.lognormal(
+            float(np.sqrt(level.gamma[0] * interval) * scale), 1 / np.sqrt(2 * level.n)
+        ),
+        K=Estimate.absent(),
+        block=level.m,
+        lag=np.arange(level.gamma.size) * interval,
+        autocovariance=level.gamma * scale**2,
+        fitted=flat * scale**2,
+        significance=float(peak),
+    )

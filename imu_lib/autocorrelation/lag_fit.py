@@ -1,7 +1,10 @@
-"""Generalised least squares on sample autocovariances of block means: white noise, Gauss-Markov, random walk.
+"""Generalised least squares on sample autocovariances of block means: white noise, Gauss-Markov,
+random walk.
 
-Times are in blocks and covariances in units of the record's variance; `gauss_markov` puts the units back.
-Parameters: ln sigma^2, ln Tc, the white part of a block's variance, and (segments) the walk's variance per block.
+Times are in blocks and covariances in units of the record's variance; `gauss_markov` puts the
+units back.
+Parameters: ln sigma^2, ln Tc, the white part of a block's variance, and (segments) the walk's
+variance per block.
 """
 
 from __future__ import annotations
@@ -12,7 +15,11 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.optimize import nnls
 
-from imu_lib.autocorrelation.correlation import autocovariance, bartlett_covariance, expected_autocovariance
+from imu_lib.autocorrelation.correlation import (
+    autocovariance,
+    bartlett_covariance,
+    expected_autocovariance,
+)
 
 #: Correlation time, in blocks, of the template that a process is looked for with.
 TEMPLATE = 6.0
@@ -24,7 +31,9 @@ _NEAR = (1.4, 24.0)
 
 @dataclass(frozen=True)
 class Level:
-    """Means of `m` samples: their number, and how clearly a correlation of a few blocks shows in them."""
+    """Means of `m` samples: their number, and how clearly a correlation of a few blocks shows in
+    them.
+    """
 
     m: int
     blocks: np.ndarray
@@ -59,25 +68,30 @@ class Solution:
 def block_levels(x, lags, block=None) -> list[Level]:
     """Block means of 1, 2, 4, ... samples (or of `block` alone) of `x`, whose mean is removed."""
     found, m = [], block or 1
-    y = x[:x.size - x.size % m].reshape(-1, m).mean(axis=1)
+    y = x[: x.size - x.size % m].reshape(-1, m).mean(axis=1)
     while y.size >= SMALLEST:
         k = min(lags, y.size // 3)
         gamma = autocovariance(y - y.mean(), k)
-        # In white noise the lags beyond 0 are independent, of variance gamma_0^2 / n and mean -gamma_0 / n.
+        # In white noise the lags beyond 0 are independent, of variance gamma_0^2 / n and mean
+        # -gamma_0 / n.
         template = block_autocovariance(TEMPLATE, k + 1)[1:] - 2 * TEMPLATE / y.size
         weight = template @ template
         estimate = template @ (gamma[1:] + gamma[0] / y.size) / weight
         sd = gamma[0] / np.sqrt(y.size * weight)
-        found.append(Level(m, y, gamma, float(estimate / sd), float(max(estimate, 0.0) + 1.645 * sd)))
+        found.append(
+            Level(m, y, gamma, float(estimate / sd), float(max(estimate, 0.0) + 1.645 * sd))
+        )
         if block:
             break
         m *= 2
-        y = y[:y.size - y.size % 2].reshape(-1, 2).mean(axis=1)
+        y = y[: y.size - y.size % 2].reshape(-1, 2).mean(axis=1)
     return found
 
 
 def block_autocovariance(tc, count, m=np.inf):
-    """Autocovariance of means of `m` samples of a unit Gauss-Markov process, `tc` in blocks; exact."""
+    """Autocovariance of means of `m` samples of a unit Gauss-Markov process, `tc` in blocks;
+    exact.
+    """
     a = 1.0 / tc
     q = -np.expm1(-a)
     h = np.arange(count) - 1.0
@@ -93,9 +107,11 @@ def block_autocovariance(tc, count, m=np.inf):
 
 
 def fit_whole(level, *, anywhere=False) -> Solution | None:
-    """White noise and Gauss-Markov on the autocovariance of the whole record, Bartlett's covariance.
+    """White noise and Gauss-Markov on the autocovariance of the whole record, Bartlett's
+    covariance.
 
-    None where the correlation time is plainly not a handful of blocks, unless it may lie `anywhere`.
+    None where the correlation time is plainly not a handful of blocks, unless it may lie
+    `anywhere`.
     """
     n, k = level.n, level.gamma.size - 1
 
@@ -110,28 +126,36 @@ def fit_whole(level, *, anywhere=False) -> Solution | None:
         return gamma_of(theta, k + 1) - (theta[2] + 2 * np.exp(theta[0] + theta[1])) / n
 
     def covariance_of(theta):
-        return bartlett_covariance(gamma_of(theta, min(n, int(12 * np.exp(theta[1])) + 2 * k + 8)), n, k)
+        return bartlett_covariance(
+            gamma_of(theta, min(n, int(12 * np.exp(theta[1])) + 2 * k + 8)), n, k
+        )
 
     start, tc = _start(level.gamma, [block_autocovariance, _white])
     if not anywhere and not _NEAR[0] <= tc <= _NEAR[1]:
         return None
-    return _iterate(np.array([*start[:1], np.log(tc), start[1]]), level.gamma, mean_of, covariance_of, n / 2)
+    return _iterate(
+        np.array([*start[:1], np.log(tc), start[1]]), level.gamma, mean_of, covariance_of, n / 2
+    )
 
 
 def fit_segments(level, *, anywhere=False) -> Solution | None:
-    """White noise, Gauss-Markov and random walk on the autocovariance averaged over segments of 96 blocks, or None.
+    """White noise, Gauss-Markov and random walk on the autocovariance averaged over segments of 96
+    blocks, or None.
 
-    Each segment's own mean is removed, so a walk has a well-defined mean here; mean and covariance are exact for
+    Each segment's own mean is removed, so a walk has a well-defined mean here; mean and covariance
+    are exact for
     Gaussian processes, segments counted as independent.
     """
     count = level.n // SEGMENT
     k = min(level.gamma.size - 1, SEGMENT // 3)
-    y = level.blocks[:count * SEGMENT].reshape(count, SEGMENT)
+    y = level.blocks[: count * SEGMENT].reshape(count, SEGMENT)
     y = y - y.mean(axis=1, keepdims=True)
     gamma = _diagonal_means(y.T @ y, k) / count
     i = np.arange(SEGMENT)
     distance = np.abs(i[:, None] - i)
-    walk = np.minimum(i[:, None], i) + np.where(distance == 0, 1 / 3, 0.5)  # means of a walk over unit blocks
+    walk = np.minimum(i[:, None], i) + np.where(
+        distance == 0, 1 / 3, 0.5
+    )  # means of a walk over unit blocks
     walk_mean = _diagonal_means(_centred(walk), k)
     white_mean = expected_autocovariance(_white(None, SEGMENT), SEGMENT, k)
 
@@ -139,22 +163,30 @@ def fit_segments(level, *, anywhere=False) -> Solution | None:
         return expected_autocovariance(block_autocovariance(tc, SEGMENT, level.m), SEGMENT, k)
 
     def mean_of(theta):
-        return np.exp(theta[0]) * unit_mean(np.exp(theta[1])) + theta[2] * white_mean + theta[3] * walk_mean
+        return (
+            np.exp(theta[0]) * unit_mean(np.exp(theta[1]))
+            + theta[2] * white_mean
+            + theta[3] * walk_mean
+        )
 
     def covariance_of(theta):  # of the forms y' S_h y / n: 2 tr(S_h C S_k C) / n^2
-        matrix = np.exp(theta[0]) * block_autocovariance(np.exp(theta[1]), SEGMENT, level.m)[distance]
+        matrix = (
+            np.exp(theta[0]) * block_autocovariance(np.exp(theta[1]), SEGMENT, level.m)[distance]
+        )
         matrix = _centred(matrix + theta[2] * np.eye(SEGMENT) + theta[3] * walk)
         products = np.zeros((k + 1, SEGMENT, SEGMENT))
         for h in range(k + 1):
-            products[h, :SEGMENT - h] += matrix[h:] / 2
-            products[h, h:] += matrix[:SEGMENT - h] / 2
+            products[h, : SEGMENT - h] += matrix[h:] / 2
+            products[h, h:] += matrix[: SEGMENT - h] / 2
         flat = products.reshape(k + 1, -1)
         return 2 * flat @ products.transpose(0, 2, 1).reshape(k + 1, -1).T / (SEGMENT**2 * count)
 
     start, tc = _start(gamma, [unit_mean, lambda *_: white_mean, lambda *_: walk_mean])
     if not anywhere and not _NEAR[0] <= tc <= _NEAR[1]:
         return None
-    return _iterate(np.array([start[0], np.log(tc), start[1], start[2]]), gamma, mean_of, covariance_of, SEGMENT)
+    return _iterate(
+        np.array([start[0], np.log(tc), start[1], start[2]]), gamma, mean_of, covariance_of, SEGMENT
+    )
 
 
 def _centred(matrix):
@@ -169,7 +201,9 @@ def _diagonal_means(matrix, k):
 
 
 def excess(level, solution, fine) -> float:
-    """Standard errors by which the lags 1 to 4 of a coarser level exceed what the fit at `fine` predicts."""
+    """Standard errors by which the lags 1 to 4 of a coarser level exceed what the fit at `fine`
+    predicts.
+    """
     ratio = level.m / fine.m
     gamma = np.exp(solution.theta[0]) * block_autocovariance(solution.tc / ratio, level.n)
     gamma[0] += solution.theta[2] / ratio
@@ -183,7 +217,9 @@ def _white(_, count):
 
 
 def _start(gamma, shapes):
-    """Non-negative amplitudes of the shapes (the first as a logarithm) and the best correlation time of a grid."""
+    """Non-negative amplitudes of the shapes (the first as a logarithm) and the best correlation
+    time of a grid.
+    """
     best = None
     weight = np.ones(gamma.size)
     weight[0] = 0.5  # the white part is found from lag 0 alone: let it not rule the others
@@ -210,8 +246,12 @@ def _iterate(theta, gamma, mean_of, covariance_of, longest, iterations=20):
         try:
             factor = cho_factor(weight)
             mean = mean_of(theta)
-            jacobian = np.column_stack([(mean_of(theta + step * e) - mean_of(theta - step * e)) / (2 * step[i])
-                                        for i, e in enumerate(np.eye(size))])
+            jacobian = np.column_stack(
+                [
+                    (mean_of(theta + step * e) - mean_of(theta - step * e)) / (2 * step[i])
+                    for i, e in enumerate(np.eye(size))
+                ]
+            )
             information = jacobian.T @ cho_solve(factor, jacobian)
             covariance = np.linalg.inv(information)
         except (LinAlgError, np.linalg.LinAlgError, ValueError):
@@ -220,7 +260,8 @@ def _iterate(theta, gamma, mean_of, covariance_of, longest, iterations=20):
         change[:2] = np.clip(change[:2], -0.7, 0.7)
         theta = theta + change
         theta[1] = np.clip(theta[1], np.log(0.2), np.log(longest))
-        # The white part may come out a little negative, never so far that the model has no spectrum.
+        # The white part may come out a little negative, never so far that the model has no
+        # spectrum.
         theta[2] = max(theta[2], -0.3 * np.exp(theta[0]) * -np.expm1(-1 / np.exp(theta[1])))
         theta[3:] = np.maximum(theta[3:], 0.0)
         settled = np.all(np.abs(change[:2]) < 1e-3)

@@ -23,5 +23,7 @@ def characterise(x, fs, *, max_order=20) -> dict:
     choice = choose_order(x, max_order)
     model = choice.steps.fit(choice.orders["sbc"])
     phi, sigma = model.estimates()
-    tested = whiteness(model.residuals(x), fitted=model.order, lags=max(2 * max_order, model.order + 10))
+    tested = whiteness(
+        model.residuals(x), fitted=model.order, lags=max(2 * max_order, model.order + 10)
+    )
     return {"order": model.order, "phi": phi, "sigma": sigma, "white": tested.white}

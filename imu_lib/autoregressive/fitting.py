@@ -19,9 +19,12 @@ def fit(x, order, *, method="burg") -> ARModel:
     x : array_like, shape (n,)
     order : int
     method : {"burg", "yule_walker", "least_squares"}
-        Burg minimises the forward and backward prediction errors order by order and is always stable (statsmodels'
-        recursion). Yule-Walker solves for the biased sample autocovariances, also stable, but pulled towards zero
-        where poles are near the unit circle. Least squares regresses on the past with an intercept (2011 paper,
+        Burg minimises the forward and backward prediction errors order by order and is always
+        stable (statsmodels'
+        recursion). Yule-Walker solves for the biased sample autocovariances, also stable, but
+        pulled towards zero
+        where poles are near the unit circle. Least squares regresses on the past with an intercept
+        (2011 paper,
         Eqs. 5-7) and may be unstable. On long records the three agree, as the 2008 paper found.
 
     Raises
@@ -40,7 +43,9 @@ def fit(x, order, *, method="burg") -> ARModel:
 
 
 def burg(x, order) -> list[ARModel]:
-    """Burg's models of order 0 to `order`, from one pass; equal to `statsmodels.regression.linear_model.burg`."""
+    """Burg's models of order 0 to `order`, from one pass; equal to
+    `statsmodels.regression.linear_model.burg`.
+    """
     from statsmodels.tsa.stattools import pacf_burg
 
     x = checked(x, order)
@@ -58,12 +63,16 @@ def burg(x, order) -> list[ARModel]:
 
 
 def yule_walker(x, order) -> ARModel:
-    """Yule-Walker with the sums of products divided by n; equal to statsmodels' `yule_walker(method="mle")`."""
+    """Yule-Walker with the sums of products divided by n; equal to statsmodels'
+    `yule_walker(method="mle")`.
+    """
     x = checked(x, order)
     centred = x - x.mean()
-    gamma = np.array([centred[:x.size - k] @ centred[k:] for k in range(order + 1)]) / x.size
+    gamma = np.array([centred[: x.size - k] @ centred[k:] for k in range(order + 1)]) / x.size
     phi = solve_toeplitz(gamma[:-1], gamma[1:]) if order else np.zeros(0)
-    return ARModel(phi, float(np.sqrt(gamma[0] - phi @ gamma[1:])), float(x.mean()), x.size, "yule_walker")
+    return ARModel(
+        phi, float(np.sqrt(gamma[0] - phi @ gamma[1:])), float(x.mean()), x.size, "yule_walker"
+    )
 
 
 def checked(x, order) -> np.ndarray:
@@ -72,8 +81,10 @@ def checked(x, order) -> np.ndarray:
     if int(order) != order or order < 0:
         raise ValueError(f"`order` must be a whole number, 0 or more, not {order!r}")
     if x.ndim != 1 or x.size < 3 * (order + 1) + 2:
-        raise ValueError(f"`x` must have shape (n,) with n of {3 * (order + 1) + 2} or more for order {order}, "
-                         f"not {x.shape}")
+        raise ValueError(
+            f"`x` must have shape (n,) with n of {3 * (order + 1) + 2} or more for order {order}, "
+            f"not {x.shape}"
+        )
     if not np.all(np.isfinite(x)):
         raise ValueError("`x` holds samples that are not finite: take a gap-free stretch")
     if not np.any(x != x[0]):

@@ -1,10 +1,16 @@
-"""Stepwise least squares over all orders in one pass, one or several variables (Neumaier and Schneider 2001).
+"""Stepwise least squares over all orders in one pass, one or several variables (Neumaier and
+Schneider 2001).
 
-All orders 0 ... p_max are fitted to the same samples, those that have p_max predecessors. One QR factorisation of
-[1, v_{k-1}, ..., v_{k-p_max}, v_k] holds them all: with R = [[R11, R12], [0, R22]], the residual cross-product matrix
-of order p is R22' R22 plus the rows of R12 beyond the first n_p = m p + 1, and the coefficients of order p solve the
-leading triangle. Where the problem is well conditioned R comes from the moment matrices (2011 paper, Eq. 5), else from
-a QR over the record in pieces, each stacked under the triangle so far, so memory does not grow with the record.
+All orders 0 ... p_max are fitted to the same samples, those that have p_max predecessors. One QR
+factorisation of
+[1, v_{k-1}, ..., v_{k-p_max}, v_k] holds them all: with R = [[R11, R12], [0, R22]], the residual
+cross-product matrix
+of order p is R22' R22 plus the rows of R12 beyond the first n_p = m p + 1, and the coefficients of
+order p solve the
+leading triangle. Where the problem is well conditioned R comes from the moment matrices (2011
+paper, Eq. 5), else from
+a QR over the record in pieces, each stacked under the triangle so far, so memory does not grow
+with the record.
 """
 
 from __future__ import annotations
@@ -66,7 +72,7 @@ class VectorARModel:
         p = self.order
         out = v[p:] - self.intercept
         for i in range(p):
-            out = out - v[p - 1 - i:len(v) - 1 - i] @ self.A[i].T
+            out = out - v[p - 1 - i : len(v) - 1 - i] @ self.A[i].T
         return out
 
 
@@ -98,12 +104,14 @@ class Stepwise:
 
     def cross_products(self) -> np.ndarray:
         """Residual cross-product matrices Delta_p of order 0 ... p_max, shape (p_max + 1, m, m)."""
-        right = self.R[:, -self.m:]
-        tails = [right[self.m * p + 1:] for p in range(self.max_order + 1)]
+        right = self.R[:, -self.m :]
+        tails = [right[self.m * p + 1 :] for p in range(self.max_order + 1)]
         return np.array([t.T @ t for t in tails]) * np.outer(self.scale, self.scale)
 
     def residual_variance(self) -> np.ndarray:
-        """Residual variance of each order, Delta_p / n (of the first variable), shape (p_max + 1,)."""
+        """Residual variance of each order, Delta_p / n (of the first variable), shape (p_max +
+        1,).
+        """
         return self.cross_products()[:, 0, 0] / self.n
 
     def vector_fit(self, order) -> VectorARModel:
@@ -157,7 +165,9 @@ def stepwise(v, max_order) -> Stepwise:
         raise ValueError("`v` has a variable that does not vary")
     v = (v - shift) / scale
     R = _triangle_from_products(v, max_order)
-    return Stepwise(_triangle_by_qr(v, max_order) if R is None else R, n - max_order, m, shift, scale)
+    return Stepwise(
+        _triangle_by_qr(v, max_order) if R is None else R, n - max_order, m, shift, scale
+    )
 
 
 def _triangle_by_qr(v, p):
@@ -167,29 +177,42 @@ def _triangle_by_qr(v, p):
     R = np.zeros((0, width))
     for start in range(p, n, _ROWS):
         stop = min(n, start + _ROWS)
-        rows = [np.ones((stop - start, 1)), *(v[start - i:stop - i] for i in range(1, p + 1)), v[start:stop]]
-        R = qr(np.vstack([R, np.hstack(rows)]), mode="r", overwrite_a=True, check_finite=False)[0][:width]
+        rows = [
+            np.ones((stop - start, 1)),
+            *(v[start - i : stop - i] for i in range(1, p + 1)),
+            v[start:stop],
+        ]
+        R = qr(np.vstack([R, np.hstack(rows)]), mode="r", overwrite_a=True, check_finite=False)[0][
+            :width
+        ]
     return R
 
 
 def _triangle_from_products(v, p):
     """The same as the Cholesky factor of the moment matrix, or None where that would lose digits.
 
-    The products of lags i + 1 and j + 1 are those of i and j shifted by one sample, so p + 1 sums over the record
-    give them all. Squaring the matrix squares its condition: smooth series (de-noised ones) go to the QR.
+    The products of lags i + 1 and j + 1 are those of i and j shifted by one sample, so p + 1 sums
+    over the record
+    give them all. Squaring the matrix squares its condition: smooth series (de-noised ones) go to
+    the QR.
     """
     n, m = v.shape
-    blocks = np.empty((p + 1, p + 1, m, m))  # [i, j]: sum over k of v_{k-i} v_{k-j}', k = p ... n - 1
+    blocks = np.empty(
+        (p + 1, p + 1, m, m)
+    )  # [i, j]: sum over k of v_{k-i} v_{k-j}', k = p ... n - 1
     for j in range(p + 1):
-        blocks[0, j] = v[p:].T @ v[p - j:n - j]
+        blocks[0, j] = v[p:].T @ v[p - j : n - j]
         blocks[j, 0] = blocks[0, j].T
     for i in range(p):
         for j in range(p):
-            blocks[i + 1, j + 1] = (blocks[i, j] + np.outer(v[p - 1 - i], v[p - 1 - j])
-                                    - np.outer(v[n - 1 - i], v[n - 1 - j]))
+            blocks[i + 1, j + 1] = (
+                blocks[i, j]
+                + np.outer(v[p - 1 - i], v[p - 1 - j])
+                - np.outer(v[n - 1 - i], v[n - 1 - j])
+            )
     order = [*range(1, p + 1), 0]
     moments = blocks[np.ix_(order, order)].transpose(0, 2, 1, 3).reshape(m * (p + 1), -1)
-    sums = np.concatenate([v[p - i:n - i].sum(axis=0) for i in order])
+    sums = np.concatenate([v[p - i : n - i].sum(axis=0) for i in order])
     moments = np.block([[np.full((1, 1), float(n - p)), sums[None]], [sums[:, None], moments]])
     try:
         R = np.linalg.cholesky(moments).T

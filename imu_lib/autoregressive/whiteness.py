@@ -15,7 +15,8 @@ class Whiteness:
     Parameters
     ----------
     rho : ndarray, shape (h,)
-        Autocorrelations of the residuals at lags 1 ... h (of the variable with the largest, for several).
+        Autocorrelations of the residuals at lags 1 ... h (of the variable with the largest, for
+        several).
     band : float
         95 % half width for white noise, 1.96 / sqrt(n).
     share_outside : float
@@ -35,7 +36,9 @@ class Whiteness:
 
     @property
     def largest(self) -> float:
-        """Largest autocorrelation in magnitude: on a long record a test rejects what hardly matters."""
+        """Largest autocorrelation in magnitude: on a long record a test rejects what hardly
+        matters.
+        """
         return float(np.max(np.abs(self.rho)))
 
 
@@ -51,8 +54,10 @@ def whiteness(residuals, *, fitted=0, lags=40) -> Whiteness:
 
     Notes
     -----
-    With C_k the residual covariances at lag k, m variables and h lags, both are chi-square with m^2 (h - p) degrees of
-    freedom: Ljung-Box (in Hosking's form for several variables) n^2 sum_k tr(C_k' C_0^-1 C_k C_0^-1) / (n - k), and
+    With C_k the residual covariances at lag k, m variables and h lags, both are chi-square with
+    m^2 (h - p) degrees of
+    freedom: Ljung-Box (in Hosking's form for several variables) n^2 sum_k tr(C_k' C_0^-1 C_k
+    C_0^-1) / (n - k), and
     Li-McLeod n sum_k tr(...) + m^2 h (h + 1) / (2 n), which is what ARfit tests with.
 
     Raises
@@ -65,10 +70,12 @@ def whiteness(residuals, *, fitted=0, lags=40) -> Whiteness:
     e = e - e.mean(axis=0)
     n, m = e.shape
     if not fitted < lags < n - 1:
-        raise ValueError(f"`lags` must lie above `fitted` ({fitted}) and below the number of residuals ({n})")
+        raise ValueError(
+            f"`lags` must lie above `fitted` ({fitted}) and below the number of residuals ({n})"
+        )
     c0 = e.T @ e / n
     inverse = np.linalg.inv(c0)
-    covariances = np.array([e[k:].T @ e[:n - k] / n for k in range(1, lags + 1)])
+    covariances = np.array([e[k:].T @ e[: n - k] / n for k in range(1, lags + 1)])
     traces = np.array([np.trace(c.T @ inverse @ c @ inverse) for c in covariances])
     k = np.arange(1, lags + 1)
     freedom = m**2 * (lags - fitted)
@@ -77,5 +84,11 @@ def whiteness(residuals, *, fitted=0, lags=40) -> Whiteness:
     rho = covariances[:, range(m), range(m)] / np.diag(c0)
     rho = rho[:, np.argmax(np.max(np.abs(rho), axis=0))]
     band = float(stats.norm.ppf(0.975) / np.sqrt(n))
-    return Whiteness(rho, band, float(np.mean(np.abs(rho) > band)), float(ljung_box), float(li_mcleod),
-                     bool(min(ljung_box, li_mcleod) > 0.01))
+    return Whiteness(
+        rho,
+        band,
+        float(np.mean(np.abs(rho) > band)),
+        float(ljung_box),
+        float(li_mcleod),
+        bool(min(ljung_box, li_mcleod) > 0.01),
+    )

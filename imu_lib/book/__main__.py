@@ -11,8 +11,13 @@ from imu_lib.errors import InputError
 def main(arguments: list[str]) -> int:
     task, names = arguments[0], arguments[1:]
     try:
-        return {"build": build_book, "pages": pages, "refresh": refresh, "executable": executable,
-                "pdf": pdf}[task](names)
+        return {
+            "build": build_book,
+            "pages": pages,
+            "refresh": refresh,
+            "executable": executable,
+            "pdf": pdf,
+        }[task](names)
     except (InputError, build.BuildError) as problem:
         print(problem, file=sys.stderr)
         return 2 if isinstance(problem, InputError) else 1
@@ -26,13 +31,21 @@ def build_book(names) -> int:
 
 
 def pages(names) -> int:
-    """Build the pages from the stored outputs, nothing executed, warnings told: for whoever is writing."""
-    print(build.default(Path(names[0]).resolve() if names else None, execute_first=False, strict=False))
+    """Build the pages from the stored outputs, nothing executed, warnings told: for whoever is
+    writing.
+    """
+    print(
+        build.default(
+            Path(names[0]).resolve() if names else None, execute_first=False, strict=False
+        )
+    )
     return 0
 
 
 def refresh(names) -> int:
-    """Re-execute the named notebooks (default: every chapter whose records are at hand) and store their outputs."""
+    """Re-execute the named notebooks (default: every chapter whose records are at hand) and store
+    their outputs.
+    """
     if names:
         paths = [Path(name).resolve() for name in names]
     else:
@@ -48,7 +61,9 @@ def refresh(names) -> int:
 
 
 def executable(names) -> int:
-    """Print the notebooks that can be executed here, one on a line; what the test task hands to nbval."""
+    """Print the notebooks that can be executed here, one on a line; what the test task hands to
+    nbval.
+    """
     for chapter in chapters.chapters():
         if not chapter.missing:
             print(chapter.path.relative_to(chapters.source()).as_posix())

@@ -1,4 +1,6 @@
-"""Building the pages: a copy of the sources is executed and built aside, and moved into place when it is whole."""
+"""Building the pages: a copy of the sources is executed and built aside, and moved into place when
+it is whole.
+"""
 
 import contextlib
 import re
@@ -14,7 +16,8 @@ from imu_lib.errors import InputError
 from imu_lib.writers import check_folder
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
-MARK = ".imu_lib_book"  # tells a folder that holds an earlier book, which may be replaced, from any other
+# tells a folder that holds an earlier book, which may be replaced, from any other
+MARK = ".imu_lib_book"
 
 
 class BuildError(RuntimeError):
@@ -24,7 +27,8 @@ class BuildError(RuntimeError):
 def default(out: Path | None = None, *, execute_first: bool = True, strict: bool = True) -> Path:
     """Execute the chapters on the embedded data and build the book; returns its first page.
 
-    A chapter whose public records are not at hand keeps its stored outputs, and the page on run times says so.
+    A chapter whose public records are not at hand keeps its stored outputs, and the page on run
+    times says so.
     Raises BuildError where a chapter fails or the builder warns.
     """
     out = out or contents.source() / "book/_build/html"
@@ -43,7 +47,9 @@ def default(out: Path | None = None, *, execute_first: bool = True, strict: bool
 
 @contextlib.contextmanager
 def workplace(out: Path):
-    """A temporary folder beside `out`, so that the last step is a rename; gone afterwards, whatever happens."""
+    """A temporary folder beside `out`, so that the last step is a rename; gone afterwards,
+    whatever happens.
+    """
     out.parent.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=".book-", dir=out.parent))
     try:
@@ -67,8 +73,10 @@ def execute_chapters(chapters) -> list[execute.Run]:
     from imu_lib import datasets
 
     datasets.twin()  # drawn once here rather than by two chapters at the same time
-    return execute.execute_files([chapter.path for chapter in chapters if not chapter.missing],
-                                 progress=execute.print_progress)
+    return execute.execute_files(
+        [chapter.path for chapter in chapters if not chapter.missing],
+        progress=execute.print_progress,
+    )
 
 
 def write_status(work: Path, runs, chapters):
@@ -77,7 +85,9 @@ def write_status(work: Path, runs, chapters):
     lines = ["| chapter | seconds | state |", "|---|---|---|"]
     for chapter in chapters:
         if chapter.slug in seconds:
-            lines.append(f"| {{doc}}`../nbs/{chapter.slug}` | {seconds[chapter.slug]:.1f} | executed in this build |")
+            lines.append(
+                f"| {{doc}}`../nbs/{chapter.slug}` | {seconds[chapter.slug]:.1f} | executed in this build |"
+            )
         else:
             reason = f"; not at hand: {', '.join(chapter.missing)}" if chapter.missing else ""
             lines.append(f"| {{doc}}`../nbs/{chapter.slug}` | - | stored outputs{reason} |")
@@ -89,12 +99,36 @@ def write_status(work: Path, runs, chapters):
 
 
 def build_pages(work: Path, *, strict: bool, builder: str = "html") -> list[str]:
-    """Run jupyter-book over `work`; returns its warnings. With `strict` each is an error. Raises BuildError."""
-    command = [sys.executable, "-c", "from jupyter_book.cli.main import main; main()", "build", str(work), "--builder", builder,
-               "--config", str(work / "book/_config.yml"), "--toc", str(work / "book/_toc.yml"),
-               "--path-output", str(work), "--keep-going", *(["-W"] if strict else [])]
-    done = subprocess.run(command, cwd=work, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                          encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
+    """Run jupyter-book over `work`; returns its warnings. With `strict` each is an error. Raises
+    BuildError.
+    """
+    command = [
+        sys.executable,
+        "-c",
+        "from jupyter_book.cli.main import main; main()",
+        "build",
+        str(work),
+        "--builder",
+        builder,
+        "--config",
+        str(work / "book/_config.yml"),
+        "--toc",
+        str(work / "book/_toc.yml"),
+        "--path-output",
+        str(work),
+        "--keep-going",
+        *(["-W"] if strict else []),
+    ]
+    done = subprocess.run(
+        command,
+        cwd=work,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+        stdin=subprocess.DEVNULL,
+    )
     told = re.sub(r"\x1b\[[\d;]*m", "", done.stdout).replace(f"{work}/", "")
     warnings = [line for line in told.splitlines() if "WARNING" in line or "ERROR" in line]
     if done.returncode != 0:
@@ -107,7 +141,9 @@ def check_target(out: Path):
     if out.exists() and not out.is_dir():
         raise InputError(f"{out}: this is a file; name a folder for the book with --out.")
     if out.is_dir() and any(out.iterdir()) and not (out / MARK).exists():
-        raise InputError(f"{out}: the folder holds other files; name a new or an empty one with --out.")
+        raise InputError(
+            f"{out}: the folder holds other files; name a new or an empty one with --out."
+        )
     check_folder(out.parent)
 
 
@@ -128,7 +164,9 @@ def pdf(out: Path | None = None) -> Path:
     out = out or contents.source() / "book/_build/book.pdf"
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:
-        raise InputError("a PDF is printed by Chromium or Chrome, and neither is installed: install one of them.")
+        raise InputError(
+            "a PDF is printed by Chromium or Chrome, and neither is installed: install one of them."
+        )
     with workplace(out) as work:
         stage(work)
         write_status(work, [], contents.chapters(work))
@@ -137,10 +175,25 @@ def pdf(out: Path | None = None) -> Path:
         # the single page lands in the folder of the root document but links as from the top
         page = (pages / "book/intro.html").replace(pages / "whole.html")
         done = subprocess.run(
-            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
-             f"--user-data-dir={work / 'profile'}", "--virtual-time-budget=60000", "--no-pdf-header-footer",
-             f"--print-to-pdf={work / 'book.pdf'}", page.as_uri()],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", stdin=subprocess.DEVNULL)
+            [
+                browser,
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-background-networking",
+                "--no-first-run",
+                f"--user-data-dir={work / 'profile'}",
+                "--virtual-time-budget=60000",
+                "--no-pdf-header-footer",
+                f"--print-to-pdf={work / 'book.pdf'}",
+                page.as_uri(),
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            stdin=subprocess.DEVNULL,
+        )
         if done.returncode != 0 or not (work / "book.pdf").exists():
             raise BuildError(done.stdout)
         shutil.move(work / "book.pdf", out)

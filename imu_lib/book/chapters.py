@@ -1,4 +1,6 @@
-"""Where the chapters and the book's configuration are, and what each chapter needs in order to be executed."""
+"""Where the chapters and the book's configuration are, and what each chapter needs in order to be
+executed.
+"""
 
 import ast
 import tomllib
@@ -10,7 +12,14 @@ import yaml
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # what a build copies, by folder: the rest of a checkout is no part of the book
-SOURCES = ("book/*.*", "book/_static/*", "nbs/*.ipynb", "benchmarks/results/*.json", "data/*.csv", "data/*.json")
+SOURCES = (
+    "book/*.*",
+    "book/_static/*",
+    "nbs/*.ipynb",
+    "benchmarks/results/*.json",
+    "data/*.csv",
+    "data/*.json",
+)
 
 
 def source() -> Path:
@@ -66,8 +75,14 @@ def chapters(root: Path | None = None) -> list[Chapter]:
     """The notebooks of the table of contents, in reading order."""
     root = root or source()
     needs = tomllib.loads((root / "book/chapters.toml").read_text(encoding="utf-8"))["needs"]
-    files = [entry["file"] for _, entry in entries(table_of_contents(root)) if entry["file"].startswith("nbs/")]
-    return [Chapter(root / f"{name}.ipynb", tuple(needs.get(Path(name).name, ()))) for name in files]
+    files = [
+        entry["file"]
+        for _, entry in entries(table_of_contents(root))
+        if entry["file"].startswith("nbs/")
+    ]
+    return [
+        Chapter(root / f"{name}.ipynb", tuple(needs.get(Path(name).name, ()))) for name in files
+    ]
 
 
 def parameters(notebook) -> dict:

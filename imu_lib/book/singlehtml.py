@@ -1,6 +1,8 @@
-"""Sphinx extension: what an extension draws in HTML pages it also draws in the single page that becomes the PDF.
+"""Sphinx extension: what an extension draws in HTML pages it also draws in the single page that
+becomes the PDF.
 
-Sphinx takes a builder's own node handlers instead of its format's as soon as one exists; sphinx-exercise registers
+Sphinx takes a builder's own node handlers instead of its format's as soon as one exists;
+sphinx-exercise registers
 none for `singlehtml`, another extension does, and every exercise would be an unknown node.
 """
 

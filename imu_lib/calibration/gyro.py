@@ -1,15 +1,19 @@
 """Gyroscopes without a rate table: turns between poses, whose ends gravity has seen.
 
-Between two rests the gyroscopes integrate to a rotation R_k (body axes at the second rest into those at
+Between two rests the gyroscopes integrate to a rotation R_k (body axes at the second rest into
+those at
 the first). Gravity's direction in body axes, g_k, is known at both ends from the calibrated
 accelerometers, so that
 
     g_{k+1} - R_k^T g_k = 0                                                               (1)
 
-is two equations per turn (the rotation about the vertical stays unseen) on the nine elements of M (Tedaldi et
-al. 2014, their cost for the gyroscopes); the biases come from the rests. What Eq. (1) leaves over is not
+is two equations per turn (the rotation about the vertical stays unseen) on the nine elements of M
+(Tedaldi et
+al. 2014, their cost for the gyroscopes); the biases come from the rests. What Eq. (1) leaves over
+is not
 white: neighbouring turns share the pose between them, and all of them share the accelerometers'
-calibration and the biases. The first is whitened; the others are parameters with their own covariance as
+calibration and the biases. The first is whitened; the others are parameters with their own
+covariance as
 prior, so that the intervals hold them.
 """
 
@@ -29,12 +33,21 @@ from .triad import Triad
 
 @njit(cache=True)
 def _turns(rate, start, stop, dt, out):
-    """Rotations over samples start..stop of each turn, as quaternions: trapezoid with the coning term (Magnus)."""
+    """Rotations over samples start..stop of each turn, as quaternions: trapezoid with the coning
+    term (Magnus).
+    """
     c = dt * dt / 12
     for k in range(len(start)):
         w, x, y, z = 1.0, 0.0, 0.0, 0.0
         for i in range(start[k], stop[k] - 1):
-            a0, a1, a2, b0, b1, b2 = rate[i, 0], rate[i, 1], rate[i, 2], rate[i + 1, 0], rate[i + 1, 1], rate[i + 1, 2]
+            a0, a1, a2, b0, b1, b2 = (
+                rate[i, 0],
+                rate[i, 1],
+                rate[i, 2],
+                rate[i + 1, 0],
+                rate[i + 1, 1],
+                rate[i + 1, 2],
+            )
             p = dt * (a0 + b0) / 2 + c * (a1 * b2 - a2 * b1)
             q = dt * (a1 + b1) / 2 + c * (a2 * b0 - a0 * b2)
             r = dt * (a2 + b2) / 2 + c * (a0 * b1 - a1 * b0)
@@ -53,7 +66,8 @@ def _turns(rate, start, stop, dt, out):
 
 
 def turns(rate: np.ndarray, start: np.ndarray, stop: np.ndarray, fs: float) -> np.ndarray:
-    """Rotation of each turn, body axes at its last sample into those at its first, ndarray, shape (k, 3, 3).
+    """Rotation of each turn, body axes at its last sample into those at its first, ndarray, shape
+    (k, 3, 3).
 
     `rate` (n, 3) rad/s at `fs` Hz; a turn goes from sample `start` to sample `stop` - 1.
     """
@@ -71,9 +85,11 @@ def from_turns(
     *,
     nominal: float | None = 1.0,
 ) -> Triad:
-    """Bias, scale factor and cross-coupling of three gyroscopes from hand-made turns between rests, Eq. (1).
+    """Bias, scale factor and cross-coupling of three gyroscopes from hand-made turns between
+    rests, Eq. (1).
 
-    The axes are those of the accelerometers' calibration, so that the misalignment between the two triads is
+    The axes are those of the accelerometers' calibration, so that the misalignment between the two
+    triads is
     found as well. Earth's rotation is left in the bias (15 deg/h at most).
 
     Parameters
@@ -102,9 +118,19 @@ def from_turns(
     means = rests.means(gyro)
     length = rests.stop - rests.start
     bias = length @ means / length.sum()
-    walk = np.mean([np.var(gyro[a:b], axis=0) for a, b in zip(rests.start, rests.stop, strict=True)], axis=0) / fs
-    scatter = length @ (means - bias) ** 2 / length.sum() * len(rests) / (len(rests) - 1)  # from rest to rest, per axis
-    wander = np.maximum(scatter - walk * fs * len(rests) / length.sum(), 0.0)  # of it not white noise
+    walk = (
+        np.mean(
+            [np.var(gyro[a:b], axis=0) for a, b in zip(rests.start, rests.stop, strict=True)],
+            axis=0,
+        )
+        / fs
+    )
+    scatter = (
+        length @ (means - bias) ** 2 / length.sum() * len(rests) / (len(rests) - 1)
+    )  # from rest to rest, per axis
+    wander = np.maximum(
+        scatter - walk * fs * len(rests) / length.sum(), 0.0
+    )  # of it not white noise
     reading = rests.means(accel)
     span = slice(int(first[0]), int(last[-1]) + 1)  # a long first rest need not be integrated
     gyro, first, last = np.asarray(gyro[span], float), first - span.start, last - span.start
@@ -112,10 +138,14 @@ def from_turns(
     root = np.linalg.cholesky(accelerometers.covariance[np.ix_(index, index)])
 
     def directions(z):
-        """Gravity in body axes at each rest, the accelerometers' parameters `z` standard deviations off."""
+        """Gravity in body axes at each rest, the accelerometers' parameters `z` standard
+        deviations off.
+        """
         p = np.zeros(12)
         p[index] = root @ z
-        u = np.linalg.solve(accelerometers.matrix + p[:9].reshape(3, 3), (reading - accelerometers.bias - p[9:]).T).T
+        u = np.linalg.solve(
+            accelerometers.matrix + p[:9].reshape(3, 3), (reading - accelerometers.bias - p[9:]).T
+        ).T
         return u / np.linalg.norm(u, axis=1, keepdims=True)
 
     def rotations(matrix, shift=0.0):
@@ -124,14 +154,21 @@ def from_turns(
     pose = directions(np.zeros(9))
     tangent = _tangent(pose[1:])
     if nominal is None:
-        nominal = _sensitivity(lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]), gyro - bias)
+        nominal = _sensitivity(
+            lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]),
+            gyro - bias,
+        )
     noise = (walk.mean() * duration + wander.mean() * duration**2) / nominal**2
-    whiten = _whitener(tangent, rotations(nominal * np.eye(3)), accelerometers.residual_sd / G, noise)
+    whiten = _whitener(
+        tangent, rotations(nominal * np.eye(3)), accelerometers.residual_sd / G, noise
+    )
     spread = np.sqrt(scatter / len(rests))
 
     def residuals(p):
         at, shift = directions(p[12:]), p[9:12] * spread
-        miss = at[1:] - np.einsum("kji,kj->ki", rotations(nominal * p[:9].reshape(3, 3), shift), at[:-1])
+        miss = at[1:] - np.einsum(
+            "kji,kj->ki", rotations(nominal * p[:9].reshape(3, 3), shift), at[:-1]
+        )
         return np.append(whiten @ np.einsum("kai,ki->ka", tangent, miss).ravel(), p[9:])
 
     fit = least_squares(residuals, np.append(np.eye(3).ravel(), np.zeros(12)), method="trf")
@@ -140,7 +177,9 @@ def from_turns(
     weak, vectors = np.linalg.eigh(information[:9, :9])
     if not weak[0] > 1e-9 * weak[-1]:
         poor = "xyz"[int(np.argmax((vectors[:, 0].reshape(3, 3) ** 2).sum(axis=0)))]
-        raise InputError(f"The turns do not excite gyro_{poor}; add turns about the {poor} axis between poses.")
+        raise InputError(
+            f"The turns do not excite gyro_{poor}; add turns about the {poor} axis between poses."
+        )
     scale = 2 * fit.cost / dof  # above one where the noise alone does not explain the misfit
     shares = np.concatenate([np.full(9, nominal), spread])
     covariance = scale * np.linalg.inv(information)[:12, :12] * np.outer(shares, shares)
@@ -166,10 +205,13 @@ def _tangent(direction: np.ndarray) -> np.ndarray:
     return np.stack([first, np.cross(direction, first)], axis=1)
 
 
-def _whitener(tangent: np.ndarray, rotation: np.ndarray, pose_sd: float, walk: np.ndarray) -> np.ndarray:
+def _whitener(
+    tangent: np.ndarray, rotation: np.ndarray, pose_sd: float, walk: np.ndarray
+) -> np.ndarray:
     """Inverse square root of the covariance of the misfits, ndarray, shape (2k, 2k).
 
-    `pose_sd` rad, direction noise of each rest (shared by the turns before and after it); `walk` (k,) rad^2,
+    `pose_sd` rad, direction noise of each rest (shared by the turns before and after it); `walk`
+    (k,) rad^2,
     the gyroscopes' own angle variance of each turn.
     """
     k = len(tangent)
@@ -185,7 +227,9 @@ def _whitener(tangent: np.ndarray, rotation: np.ndarray, pose_sd: float, walk: n
 
 
 def _sensitivity(misfit, centred: np.ndarray) -> float:
-    """The common sensitivity (reading per rad/s) with the least misfit, from a grid over its possible range."""
+    """The common sensitivity (reading per rad/s) with the least misfit, from a grid over its
+    possible range.
+    """
     fastest = np.abs(centred).max()  # a hand turns at 0.5 to 40 rad/s at its fastest
     grid = fastest / np.geomspace(40.0, 0.5, 90)
     return float(grid[np.argmin([(misfit(s) ** 2).sum() for s in grid])])

@@ -2,14 +2,17 @@
 
 Two cases:
 
-- the true input of each pose is known (a levelled turntable, a six-position test, a rate table): Eq. (1)
+- the true input of each pose is known (a levelled turntable, a six-position test, a rate table):
+  Eq. (1)
   of `triad` is linear in M and b, and ordinary least squares answers (`from_reference`);
-- it is not, but at rest the specific force has the magnitude of gravity (Tedaldi, Pretto and Menegatti
+- it is not, but at rest the specific force has the magnitude of gravity (Tedaldi, Pretto and
+  Menegatti
   2014; Eq. 10 there): nine parameters from
 
       sum over poses of ( |M^-1 (y_k - b)| - g )^2                                          (2)
 
-  with M upper triangular: a rotation of the body axes does not change Eq. (2), so the body x axis is put
+  with M upper triangular: a rotation of the body axes does not change Eq. (2), so the body x axis
+  is put
   along the x sensor and the y axis in the plane of the x and y sensors (`from_gravity`).
 """
 
@@ -26,18 +29,22 @@ from .triad import AXES, Triad
 UPPER = (0, 1, 2, 4, 5, 8)
 #: Parameters of Eq. (2); at least one pose more is needed.
 PARAMETERS = 9
-#: Smallest over largest singular value of the scaled design; 24 random poses have about 0.1, three axes up and down 1e-4.
+#: Smallest over largest singular value of the scaled design; 24 random poses have about 0.1, three
+#: axes up and down 1e-4.
 ALIKE = 3e-3
 
 
 def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1.0) -> Triad:
-    """Least squares of readings on known inputs (Titterton and Weston's test, used by the 2008 paper, Section 4).
+    """Least squares of readings on known inputs (Titterton and Weston's test, used by the 2008
+    paper, Section 4).
 
     Parameters
     ----------
     reading, truth : ndarray, shape (n, 3)
-        Mean reading of each position or rate step, and the true input there. An input axis that the test
-        never excites leaves its column of M undetermined (held at `nominal` on the diagonal, zero elsewhere).
+        Mean reading of each position or rate step, and the true input there. An input axis that
+        the test
+        never excites leaves its column of M undetermined (held at `nominal` on the diagonal, zero
+        elsewhere).
     nominal : float
         Nominal sensitivity, reading per unit of input.
 
@@ -46,7 +53,10 @@ def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1
     InputError
         When there are too few positions, or they excite no axis.
     """
-    reading, truth = np.atleast_2d(np.asarray(reading, float)), np.atleast_2d(np.asarray(truth, float))
+    reading, truth = (
+        np.atleast_2d(np.asarray(reading, float)),
+        np.atleast_2d(np.asarray(truth, float)),
+    )
     spread = np.ptp(truth, axis=0)
     excited = np.flatnonzero(spread > 1e-3 * max(spread.max(), 1e-300))
     if not len(excited):
@@ -70,16 +80,26 @@ def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1
         matrix[i, excited] = solution[:-1, i]
         estimated[index] = True
         covariance[np.ix_(index, index)] = variance[i] * inverse
-    return Triad(matrix, solution[-1], covariance, dof, estimated, nominal, float(np.sqrt(variance.mean()) / nominal))
+    return Triad(
+        matrix,
+        solution[-1],
+        covariance,
+        dof,
+        estimated,
+        nominal,
+        float(np.sqrt(variance.mean()) / nominal),
+    )
 
 
 def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | None = 1.0) -> Triad:
-    """Bias, scale factor and cross-coupling of three accelerometers from static poses alone, Eq. (2).
+    """Bias, scale factor and cross-coupling of three accelerometers from static poses alone, Eq.
+    (2).
 
     Parameters
     ----------
     reading : ndarray, shape (k, 3)
-        Mean reading of each pose, any unit (counts with an offset are welcome: the start is an algebraic fit).
+        Mean reading of each pose, any unit (counts with an offset are welcome: the start is an
+        algebraic fit).
     gravity : float
         Local gravity, m/s^2.
     nominal : float or None
@@ -133,14 +153,24 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
     matrix = matrix * unit
     if nominal is None:
         nominal = float(np.mean(np.diag(matrix)))
-    return Triad(matrix, bias * unit, covariance, dof, np.isin(np.arange(12), index), nominal, float(np.sqrt(variance)))
+    return Triad(
+        matrix,
+        bias * unit,
+        covariance,
+        dof,
+        np.isin(np.arange(12), index),
+        nominal,
+        float(np.sqrt(variance)),
+    )
 
 
 def _sphere(y: np.ndarray) -> np.ndarray:
     """Start values: the sphere nearest to the readings, |y|^2 = 2 y.c + (r^2 - c.c), linear in c and the rest."""
     middle, scale = y.mean(axis=0), np.ptp(y, axis=0).max() / 2
     z = (y - middle) / scale
-    solution, *_ = np.linalg.lstsq(np.column_stack([2 * z, np.ones(len(z))]), (z**2).sum(axis=1), rcond=None)
+    solution, *_ = np.linalg.lstsq(
+        np.column_stack([2 * z, np.ones(len(z))]), (z**2).sum(axis=1), rcond=None
+    )
     radius = np.sqrt(max(solution[3] + solution[:3] @ solution[:3], 1e-12)) * scale
     return np.concatenate([np.eye(3).ravel() * radius / G, middle + solution[:3] * scale])
 
@@ -159,15 +189,20 @@ def unexcited(y: np.ndarray, centre: np.ndarray, gravity: float) -> None:
     reach = max(gravity, spread.max() / 2)
     poor = [axis for axis, s in zip(AXES, spread) if s < reach]
     if poor:
-        seen = ", ".join(f"{s / reach:.2g} g on accel_{a}" for a, s in zip(AXES, spread) if a in poor)
+        seen = ", ".join(
+            f"{s / reach:.2g} g on accel_{a}" for a, s in zip(AXES, spread) if a in poor
+        )
         raise InputError(
             f"The poses do not excite {' and '.join('accel_' + a for a in poor)}: the readings at rest vary by {seen} only; add "
             f"poses with {' and with '.join(poor)} up and down."
         )
 
 
-def ferraris(positive: np.ndarray, negative: np.ndarray, *, gravity: float = G) -> tuple[np.ndarray, np.ndarray]:
-    """M and b of the classical six-position test (Ferraris, Grimaldi and Parvis 1995, Eqs. 19 to 23).
+def ferraris(
+    positive: np.ndarray, negative: np.ndarray, *, gravity: float = G
+) -> tuple[np.ndarray, np.ndarray]:
+    """M and b of the classical six-position test (Ferraris, Grimaldi and Parvis 1995, Eqs. 19 to
+    23).
 
     Parameters
     ----------
@@ -176,14 +211,17 @@ def ferraris(positive: np.ndarray, negative: np.ndarray, *, gravity: float = G) 
 
     Returns
     -------
-    (M, b) : M (3, 3) equals `from_reference` on the six positions; b takes axis i's bias from its own two
+    (M, b) : M (3, 3) equals `from_reference` on the six positions; b takes axis i's bias from its
+    own two
         positions, where least squares uses all six.
     """
     positive, negative = np.asarray(positive, float), np.asarray(negative, float)
     return (positive - negative).T / (2 * gravity), np.diag(positive + negative) / 2
 
 
-def held_out(reading: np.ndarray, *, gravity: float = G, nominal: float | None = None) -> np.ndarray:
+def held_out(
+    reading: np.ndarray, *, gravity: float = G, nominal: float | None = None
+) -> np.ndarray:
     """|specific force| - gravity of every second pose, calibrated by `from_gravity` from the others, ndarray, shape (k // 2,), m/s^2."""
     half = from_gravity(reading[::2], gravity=gravity, nominal=nominal)
     return np.linalg.norm(half.correct(reading[1::2]), axis=1) - gravity

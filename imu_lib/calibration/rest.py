@@ -2,7 +2,8 @@
 
 The standard deviation over a moving window has two populations, at rest and handled, orders of
 magnitude apart. The split between them is Otsu's (largest variance between two classes, on the
-logarithm); the threshold is then drawn close to the resting class, from that class's own scatter, so
+logarithm); the threshold is then drawn close to the resting class, from that class's own scatter,
+so
 that the slow beginning and end of a movement do not count as rest. No threshold is set by hand
 (Tedaldi et al. 2014 try multiples of the variance of a first rest of known length instead).
 """
@@ -25,7 +26,8 @@ REST_LIMIT = 0.05
 class RestWindows:
     """Where a record rests.
 
-    `start`, `stop` (ndarray of int, shape (k,)): first sample and one past the last; `level`: median
+    `start`, `stop` (ndarray of int, shape (k,)): first sample and one past the last; `level`:
+    median
     standard deviation at rest and `threshold`: what counts as rest, unit of the reading;
     `deviation` (ndarray, shape (n,)): the moving standard deviation they were found in.
     """
@@ -41,13 +43,19 @@ class RestWindows:
 
     def means(self, reading: np.ndarray) -> np.ndarray:
         """Mean reading of each window, ndarray, shape (k, 3)."""
-        return np.array([reading[a:b].mean(axis=0) for a, b in zip(self.start, self.stop, strict=True)])
+        return np.array(
+            [reading[a:b].mean(axis=0) for a, b in zip(self.start, self.stop, strict=True)]
+        )
 
 
 def moving_deviation(reading: np.ndarray, width: int) -> np.ndarray:
-    """Standard deviation over a centred window of `width` samples, axes pooled, ndarray, shape (n,)."""
+    """Standard deviation over a centred window of `width` samples, axes pooled, ndarray, shape
+    (n,).
+    """
     x = reading - reading.mean(axis=0)
-    sums = np.concatenate([np.zeros((2, 1, x.shape[1])), np.stack([x, x * x]).cumsum(axis=1)], axis=1)
+    sums = np.concatenate(
+        [np.zeros((2, 1, x.shape[1])), np.stack([x, x * x]).cumsum(axis=1)], axis=1
+    )
     n = len(x)
     low = np.clip(np.arange(n) - width // 2, 0, n - width)
     mean, square = (sums[:, low + width] - sums[:, low]) / width
@@ -55,7 +63,9 @@ def moving_deviation(reading: np.ndarray, width: int) -> np.ndarray:
 
 
 def otsu(values: np.ndarray, bins: int = 200) -> float:
-    """The value that splits `values` into the two classes of largest between-class variance (Otsu 1979)."""
+    """The value that splits `values` into the two classes of largest between-class variance (Otsu
+    1979).
+    """
     count, edges = np.histogram(values, bins)
     centre = (edges[1:] + edges[:-1]) / 2
     weight = np.cumsum(count)[:-1] / count.sum()
@@ -83,7 +93,8 @@ def rest_windows(
     gyro : ndarray, shape (n, 3), any unit; a window must then be quiet in both
     window : float, s; length of the moving window
     shortest : float, s; shorter rests are left out
-    gravity : float; gravity in the unit of `accel` (found from the spread of the readings when None)
+    gravity : float; gravity in the unit of `accel` (found from the spread of the readings when
+    None)
 
     Raises
     ------
@@ -92,7 +103,9 @@ def rest_windows(
     """
     width = max(3, round(window * fs))
     if len(accel) < 2 * width:
-        raise InputError(f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of {window:g} s at {fs:g} Hz.")
+        raise InputError(
+            f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of {window:g} s at {fs:g} Hz."
+        )
     accel = np.asarray(accel, float)
     deviation = moving_deviation(accel, width)
     quiet, level, threshold = _quiet(deviation)

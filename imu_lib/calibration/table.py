@@ -1,12 +1,14 @@
 """Park and Gao's two laboratory tests, and how far ten runs of one pin down its repeatability.
 
-- Rotation panel (2008 paper, Section 4, Figs. 6 to 8, Table 2): an accelerometer turned at a constant
+- Rotation panel (2008 paper, Section 4, Figs. 6 to 8, Table 2): an accelerometer turned at a
+  constant
   rate W in the vertical plane reads
 
       y(t) = b + (1 + S) g cos(W t + p) = b + A cos(W t) + C sin(W t),    (1 + S) g = sqrt(A^2 + C^2)    (1)
 
   W is found anew in every run, because the motor does not keep it.
-- Rate table (same section, Fig. 9, Table 3): a yaw gyroscope at steps 0, 10, ... 80, ... -80, ... 0 deg/s,
+- Rate table (same section, Fig. 9, Table 3): a yaw gyroscope at steps 0, 10, ... 80, ... -80,
+  ... 0 deg/s,
   each step averaged after it has settled, gives 33 equations y = b + (1 + S) w (Eq. 4).
 """
 
@@ -29,8 +31,10 @@ CALGARY = 9.8080
 
 @dataclass(frozen=True)
 class Line:
-    """Bias and scale factor of one sensor. `bias` in the unit of the input, `scale_factor` dimensionless;
-    `residual` (n,) what the line leaves, `reference` (n,) the inputs, `nonlinearity` its largest share of full scale;
+    """Bias and scale factor of one sensor. `bias` in the unit of the input, `scale_factor`
+    dimensionless;
+    `residual` (n,) what the line leaves, `reference` (n,) the inputs, `nonlinearity` its largest
+    share of full scale;
     `rate` rad/s and `phase` rad of the panel where it turned."""
 
     bias: Estimate
@@ -47,7 +51,8 @@ class Line:
 
 
 def line(reference: np.ndarray, reading: np.ndarray) -> Line:
-    """Bias and scale factor by least squares on known inputs, both ndarray, shape (n,), same unit (2008 Eq. 4).
+    """Bias and scale factor by least squares on known inputs, both ndarray, shape (n,), same unit
+    (2008 Eq. 4).
 
     Raises
     ------
@@ -64,23 +69,33 @@ def line(reference: np.ndarray, reading: np.ndarray) -> Line:
     solution, *_ = np.linalg.lstsq(design, y, rcond=None)
     residual, dof = y - design @ solution, len(x) - 2
     sd = np.sqrt(residual @ residual / dof * np.diag(np.linalg.inv(design.T @ design)))
-    return Line(interval(solution[0], sd[0], dof), interval(solution[1] - 1, sd[1], dof), x, residual)
+    return Line(
+        interval(solution[0], sd[0], dof), interval(solution[1] - 1, sd[1], dof), x, residual
+    )
 
 
 def steps(largest: float = 80 * DEG_PER_S, step: float = 10 * DEG_PER_S) -> np.ndarray:
     """The rates of the stepped test, 0 up to `largest`, down to its negative, back to 0; rad/s."""
     k = round(largest / step)
-    return step * np.concatenate([np.arange(k + 1), np.arange(k - 1, -k - 1, -1), np.arange(-k + 1, 1)])
+    return step * np.concatenate(
+        [np.arange(k + 1), np.arange(k - 1, -k - 1, -1), np.arange(-k + 1, 1)]
+    )
 
 
-def averages(reading: np.ndarray, fs: float, *, dwell: float = 20.0, settle: float = 10.0) -> np.ndarray:
-    """Mean reading of each step of `dwell` s after `settle` s of it, ndarray, shape (n // (dwell fs), ...)."""
+def averages(
+    reading: np.ndarray, fs: float, *, dwell: float = 20.0, settle: float = 10.0
+) -> np.ndarray:
+    """Mean reading of each step of `dwell` s after `settle` s of it, ndarray, shape (n // (dwell
+    fs), ...).
+    """
     each, skip = round(dwell * fs), round(settle * fs)
     count = len(reading) // each
     return np.array([reading[k * each + skip : (k + 1) * each].mean(axis=0) for k in range(count)])
 
 
-def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY, rate: float | None = None) -> Line:
+def rotation(
+    time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY, rate: float | None = None
+) -> Line:
     """Bias and scale factor of an accelerometer on a turning panel, Eq. (1).
 
     Parameters
@@ -111,7 +126,11 @@ def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY,
         if peak * span < 2 * np.pi:
             raise InputError("The record holds less than one turn of the panel; record several.")
         width = 1.0 / span
-        rate = float(minimize_scalar(cost, bounds=(peak - width, peak + width), method="bounded", options={"xatol": 1e-9}).x)
+        rate = float(
+            minimize_scalar(
+                cost, bounds=(peak - width, peak + width), method="bounded", options={"xatol": 1e-9}
+            ).x
+        )
     a = design(rate)
     solution, *_ = np.linalg.lstsq(a, y, rcond=None)
     residual, dof = y - a @ solution, len(y) - 4
@@ -130,7 +149,9 @@ def rotation(time: np.ndarray, reading: np.ndarray, *, gravity: float = CALGARY,
 
 
 def values(fits, name: str) -> np.ndarray:
-    """A result (`bias`, `scale_factor`) of repeated runs, ndarray of the shape of `fits`: a list of `Line`, or of lists of them."""
+    """A result (`bias`, `scale_factor`) of repeated runs, ndarray of the shape of `fits`: a list
+    of `Line`, or of lists of them.
+    """
     if isinstance(fits, Line):
         return np.asarray(getattr(fits, name).value)
     return np.array([values(fit, name) for fit in fits])
@@ -138,7 +159,9 @@ def values(fits, name: str) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Repeatability:
-    """Mean and standard deviation of repeated runs with their 95 % intervals (normal runs, independent)."""
+    """Mean and standard deviation of repeated runs with their 95 % intervals (normal runs,
+    independent).
+    """
 
     mean: Estimate
     sd: Estimate
@@ -151,7 +174,11 @@ def repeatability(values: np.ndarray) -> Repeatability:
     dof = len(v) - 1
     sd = v.std(ddof=1)
     low, high = sd * np.sqrt(dof / stats.chi2.ppf([0.975, 0.025], dof))
-    return Repeatability(interval(v.mean(), sd / np.sqrt(len(v)), dof), Estimate(float(sd), float(low), float(high)), len(v))
+    return Repeatability(
+        interval(v.mean(), sd / np.sqrt(len(v)), dof),
+        Estimate(float(sd), float(low), float(high)),
+        len(v),
+    )
 
 
 def change(values: np.ndarray) -> tuple[int, float]:
@@ -159,7 +186,8 @@ def change(values: np.ndarray) -> tuple[int, float]:
 
     Returns
     -------
-    (k, p) : the second level starts at run k; p from all the orderings' split statistics (permutation test,
+    (k, p) : the second level starts at run k; p from all the orderings' split statistics
+    (permutation test,
         4,999 random orderings of a fixed seed).
     """
     v = np.asarray(values, float)

@@ -5,7 +5,8 @@ The reading of a triad at the true input u (specific force or angular rate, body
     y = M u + b + noise,        u = M^-1 (y - b)                                  (1)
 
 M is 3 x 3; its diagonal holds `nominal` (1 + scale factor error), its off-diagonal elements the
-cross-coupling (misalignment and non-orthogonality, the M_y, M_z of Eqs. 1 and 3 of the 2008 paper),
+cross-coupling (misalignment and non-orthogonality, the M_y, M_z of Eqs. 1 and 3 of the 2008
+paper),
 b is the zero-offset bias in the unit of the reading.
 """
 
@@ -46,10 +47,12 @@ class Triad:
     nominal : float
         The sensitivity that a scale factor error is relative to (1 where readings are in SI).
     residual_sd : float
-        Standard deviation of the residuals of the fit: m/s^2 for accelerometers, rad/s for a rate table, rad
+        Standard deviation of the residuals of the fit: m/s^2 for accelerometers, rad/s for a rate
+        table, rad
         (direction of gravity after a turn) for `from_turns`.
     consistency : float
-        Mean square of the residuals over what the noise at rest explains (1 when the model of the sensor and
+        Mean square of the residuals over what the noise at rest explains (1 when the model of the
+        sensor and
         of its noise holds); nan where the residuals themselves were the measure of the noise.
     """
 
@@ -78,18 +81,27 @@ class Triad:
     @property
     def biases(self) -> tuple[Estimate | None, ...]:
         """Zero-offset bias per axis, in units of the input (reading / nominal)."""
-        return tuple(self._estimate(9 + i, self.bias[i] / self.nominal, 1 / self.nominal) for i in range(3))
+        return tuple(
+            self._estimate(9 + i, self.bias[i] / self.nominal, 1 / self.nominal) for i in range(3)
+        )
 
     @property
     def scale_factors(self) -> tuple[Estimate | None, ...]:
         """Scale factor error per axis, dimensionless (0.01 is one per cent)."""
-        return tuple(self._estimate(4 * i, self.matrix[i, i] / self.nominal - 1, 1 / self.nominal) for i in range(3))
+        return tuple(
+            self._estimate(4 * i, self.matrix[i, i] / self.nominal - 1, 1 / self.nominal)
+            for i in range(3)
+        )
 
     @property
     def cross_coupling(self) -> dict[str, Estimate | None]:
-        """`{"xy": ...}`: what the x sensor reads of the y input, relative to nominal (rad where small)."""
+        """`{"xy": ...}`: what the x sensor reads of the y input, relative to nominal (rad where
+        small).
+        """
         return {
-            AXES[i] + AXES[j]: self._estimate(3 * i + j, self.matrix[i, j] / self.nominal, 1 / self.nominal)
+            AXES[i] + AXES[j]: self._estimate(
+                3 * i + j, self.matrix[i, j] / self.nominal, 1 / self.nominal
+            )
             for i in range(3)
             for j in range(3)
             if i != j

@@ -1,7 +1,9 @@
 """A whole record into a calibration, with or without a list of what was done when.
 
-The list (`--poses`) is a CSV file with a header and one row per pose or rate step, or a JSON file of named
-sections (`x_p x_a y_p y_a z_p z_a x_rot y_rot z_rot`, each with `start` and `stop` in samples), as the six
+The list (`--poses`) is a CSV file with a header and one row per pose or rate step, or a JSON file
+of named
+sections (`x_p x_a y_p y_a z_p z_a x_rot y_rot z_rot`, each with `start` and `stop` in samples), as
+the six
 positions and three turns of Ferraris are usually stored.
 
 | column | meaning |
@@ -29,13 +31,20 @@ from .poses import from_gravity, from_reference
 from .rest import RestWindows, rest_windows
 from .triad import AXES, Triad
 
-GROUPS = {"force": ("x", "y", "z"), "rate": ("rate_x", "rate_y", "rate_z"), "angle": ("angle_x", "angle_y", "angle_z")}
+GROUPS = {
+    "force": ("x", "y", "z"),
+    "rate": ("rate_x", "rate_y", "rate_z"),
+    "angle": ("angle_x", "angle_y", "angle_z"),
+}
 
 
 @dataclass(frozen=True)
 class Section:
-    """One pose or rate step: `start`, `stop` in s; `force` (3,) in g, `rate` (3,) in rad/s where known.
-    `turn` holds an angle (3,) in rad instead, whose sign is taken from the record when `signed` is False."""
+    """One pose or rate step: `start`, `stop` in s; `force` (3,) in g, `rate` (3,) in rad/s where
+    known.
+    `turn` holds an angle (3,) in rad instead, whose sign is taken from the record when `signed` is
+    False.
+    """
 
     start: float
     stop: float
@@ -69,20 +78,30 @@ class Calibration:
             ("accel", self.accelerometers, MILLI_G, "mg"),
             ("gyro", self.gyroscopes, DEG, "deg/s"),
         ):
-            for what, factor in (("biases", 1 / unit), ("scale_factors", 100)) if triad is not None else ():
+            for what, factor in (
+                (("biases", 1 / unit), ("scale_factors", 100)) if triad is not None else ()
+            ):
                 text = f"bias, {label}" if what == "biases" else "scale, %"
                 estimates = zip(AXES, getattr(triad, what))
-                out |= {f"{name} {axis} {text}": e.value * factor for axis, e in estimates if e is not None}
+                out |= {
+                    f"{name} {axis} {text}": e.value * factor
+                    for axis, e in estimates
+                    if e is not None
+                }
         return out
 
     def to_json(self) -> dict:
-        """The whole result; SI units (`bias`, `offset`, `residual_sd`), scale factors and cross-coupling relative."""
+        """The whole result; SI units (`bias`, `offset`, `residual_sd`), scale factors and
+        cross-coupling relative.
+        """
         return {
             "method": self.method,
             "gravity": self.gravity,
             "windows": self.windows.tolist(),
             "notes": list(self.notes),
-            "accelerometers": None if self.accelerometers is None else self.accelerometers.to_json(),
+            "accelerometers": None
+            if self.accelerometers is None
+            else self.accelerometers.to_json(),
             "gyroscopes": None if self.gyroscopes is None else self.gyroscopes.to_json(),
         }
 
@@ -103,7 +122,8 @@ def calibrate(
     Parameters
     ----------
     accel, gyro : ndarray, shape (n, 3), or None
-        m/s^2 and rad/s, or counts with `nominal` None. Only `sections` with rates can do without accelerometers.
+        m/s^2 and rad/s, or counts with `nominal` None. Only `sections` with rates can do without
+        accelerometers.
     fs : float, Hz
     sections : what was done when (`read_poses`); None finds the rests and uses gravity alone
     gravity : float, local gravity, m/s^2
@@ -112,17 +132,22 @@ def calibrate(
     Raises
     ------
     InputError
-        In one sentence: missing samples, never at rest, too few poses, poses or turns that leave an axis out.
+        In one sentence: missing samples, never at rest, too few poses, poses or turns that leave
+        an axis out.
     """
     for name, x in (("accel", accel), ("gyro", gyro)):
         if x is not None and (np.ndim(x) != 2 or np.shape(x)[1] != 3):
             raise ValueError(f"`{name}` must have the shape (n, 3), not {np.shape(x)}")
     if accel is not None and gyro is not None and len(accel) != len(gyro):
-        raise ValueError(f"`gyro` has {len(gyro)} samples, `accel` {len(accel)}; they must be sampled together")
+        raise ValueError(
+            f"`gyro` has {len(gyro)} samples, `accel` {len(accel)}; they must be sampled together"
+        )
     for name, x in (("accelerometers", accel), ("gyroscopes", gyro)):
         if x is not None and not np.isfinite(x).all():
             row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
-            raise InputError(f"The {name} have a missing or infinite sample at row {row}; cut the record around it (--start, --stop).")
+            raise InputError(
+                f"The {name} have a missing or infinite sample at row {row}; cut the record around it (--start, --stop)."
+            )
     if sections is not None:
         return _known(accel, gyro, fs, sections, gravity, accel_nominal or 1.0, gyro_nominal or 1.0)
     if accel is None:
@@ -161,13 +186,17 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
             )
 
     def mean(x, s):
-        return x[round(s.start * fs) : max(round(s.stop * fs), round(s.start * fs) + 1)].mean(axis=0)
+        return x[round(s.start * fs) : max(round(s.stop * fs), round(s.start * fs) + 1)].mean(
+            axis=0
+        )
 
     accelerometers = gyroscopes = magnitude = None
     still = [s for s in sections if s.force is not None]
     if still and accel is not None:
         means = np.array([mean(accel, s) for s in still])
-        accelerometers = from_reference(means, gravity * np.array([s.force for s in still]), nominal=accel_nominal)
+        accelerometers = from_reference(
+            means, gravity * np.array([s.force for s in still]), nominal=accel_nominal
+        )
         magnitude = np.linalg.norm(accelerometers.correct(means), axis=1)
     moving = [s for s in sections if s.rate is not None or s.turn is not None]
     if moving and gyro is not None:
@@ -191,12 +220,15 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
         np.array([[s.start, s.stop] for s in sections]),
         gravity,
         magnitude,
-        notes=("The intervals take the listed poses and turns as exact; what the hand or the table is off by adds to them.",),
+        notes=(
+            "The intervals take the listed poses and turns as exact; what the hand or the table is off by adds to them.",
+        ),
     )
 
 
 def read_poses(path: str | Path, fs: float) -> list[Section]:
-    """Sections from a CSV or JSON file (see the top of this module); `fs` turns samples into seconds.
+    """Sections from a CSV or JSON file (see the top of this module); `fs` turns samples into
+    seconds.
 
     Raises
     ------
@@ -207,21 +239,34 @@ def read_poses(path: str | Path, fs: float) -> list[Section]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'}).") from None
-    return _json_sections(path, text, fs) if path.suffix.lower() == ".json" else _csv_sections(path, text)
+        raise InputError(
+            f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'})."
+        ) from None
+    return (
+        _json_sections(path, text, fs)
+        if path.suffix.lower() == ".json"
+        else _csv_sections(path, text)
+    )
 
 
 def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
     try:
         table = json.loads(text)
-        items = [(name, float(v["start"]) / fs, float(v.get("stop", v.get("end"))) / fs) for name, v in table.items()]
+        items = [
+            (name, float(v["start"]) / fs, float(v.get("stop", v.get("end"))) / fs)
+            for name, v in table.items()
+        ]
     except (ValueError, TypeError, AttributeError, KeyError):
-        raise InputError(f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.') from None
+        raise InputError(
+            f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.'
+        ) from None
     out = []
     for name, start, stop in items:
         axis, _, what = name.partition("_")
         if axis not in AXES or what not in ("p", "a", "rot"):
-            raise InputError(f"{path}: section {name!r} is not one of x_p, x_a, x_rot and the same of y and z.")
+            raise InputError(
+                f"{path}: section {name!r} is not one of x_p, x_a, x_rot and the same of y and z."
+            )
         unit = np.eye(3)[AXES.index(axis)]
         out.append(
             Section(start, stop, turn=2 * np.pi * unit, signed=False)
@@ -232,12 +277,20 @@ def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
 
 
 def _csv_sections(path: Path, text: str) -> list[Section]:
-    rows = list(csv.DictReader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
+    rows = list(
+        csv.DictReader(
+            line for line in text.splitlines() if line.strip() and not line.startswith("#")
+        )
+    )
     if not rows:
-        raise InputError(f"{path}: no pose in the file; a header and one row per pose are expected.")
+        raise InputError(
+            f"{path}: no pose in the file; a header and one row per pose are expected."
+        )
     names = {(k or "").strip() for k in rows[0]}
     if not {"start", "stop"} <= names:
-        raise InputError(f"{path}: the columns start and stop (s) are needed; found {', '.join(sorted(names))}.")
+        raise InputError(
+            f"{path}: the columns start and stop (s) are needed; found {', '.join(sorted(names))}."
+        )
     out = []
     for number, row in enumerate(rows, 2):
         values = {}
@@ -249,12 +302,20 @@ def _csv_sections(path: Path, text: str) -> list[Section]:
                 try:
                     values[key] = float(cell)
                 except ValueError:
-                    raise InputError(f"{path}: row {number}, column {key}: {cell.strip()!r} is not a number.") from None
+                    raise InputError(
+                        f"{path}: row {number}, column {key}: {cell.strip()!r} is not a number."
+                    ) from None
         if not {"start", "stop"} <= values.keys():
             raise InputError(f"{path}: row {number} has no start or no stop.")
-        found = {g: np.array([values.get(c, 0.0) for c in cols]) for g, cols in GROUPS.items() if values.keys() & set(cols)}
+        found = {
+            g: np.array([values.get(c, 0.0) for c in cols])
+            for g, cols in GROUPS.items()
+            if values.keys() & set(cols)
+        }
         if not found:
-            raise InputError(f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z in deg/s.")
+            raise InputError(
+                f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z in deg/s."
+            )
         out.append(
             Section(
                 values["start"],
@@ -267,7 +328,9 @@ def _csv_sections(path: Path, text: str) -> list[Section]:
     return out
 
 
-def calibrate_record(record: Record, *, poses: str | Path | None = None, gravity: float = G) -> Calibration:
+def calibrate_record(
+    record: Record, *, poses: str | Path | None = None, gravity: float = G
+) -> Calibration:
     """`calibrate` on a record in SI: its gap-free part without `poses`, the whole of it with them.
 
     Raises
@@ -282,15 +345,22 @@ def calibrate_record(record: Record, *, poses: str | Path | None = None, gravity
         present = [f"{kind}_{axis}" in even for axis in AXES]
         absent[kind] = [a for a, there in zip(AXES, present) if not there]
         signals[kind] = None
-        if all(present) or any(present) and sections is not None:  # known inputs calibrate single sensors too
-            columns = [even[f"{kind}_{a}"] if there else np.zeros(even.n) for a, there in zip(AXES, present)]
+        if (
+            all(present) or any(present) and sections is not None
+        ):  # known inputs calibrate single sensors too
+            columns = [
+                even[f"{kind}_{a}"] if there else np.zeros(even.n)
+                for a, there in zip(AXES, present)
+            ]
             signals[kind] = np.column_stack(columns)
     if signals["accel"] is None and sections is None:
         raise InputError(
             f"{record.name or record.source or 'The record'} has no {', '.join('accel_' + a for a in absent['accel'])}; poses "
             "at rest need three accelerometers, a rate table needs --poses."
         )
-    found = calibrate(signals["accel"], signals["gyro"], record.rate, sections=sections, gravity=gravity)
+    found = calibrate(
+        signals["accel"], signals["gyro"], record.rate, sections=sections, gravity=gravity
+    )
 
     def only(triad, missing):
         if triad is None or not missing:

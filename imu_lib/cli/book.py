@@ -1,4 +1,7 @@
-"""`imu-lib book FILE`: the chapters on static records, executed on the user's own record and built into a book."""
+"""`imu-lib book FILE`: the chapters on static records, executed on the user's own record and built
+into a book.
+"""
+
 from __future__ import annotations
 
 import argparse
@@ -14,7 +17,11 @@ HELP = "Execute the chapters on static records on your own record and build them
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     common.add_record_arguments(parser)
-    parser.add_argument("--out", metavar="DIR", help="where the book goes, a new or empty folder or an earlier book (default: NAME_book here)")
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="where the book goes, a new or empty folder or an earlier book (default: NAME_book here)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -22,7 +29,9 @@ def run(args: argparse.Namespace) -> int:
 
     if not (args.file or args.gyro or args.accel):
         raise InputError("book needs a record: give FILE, or --gyro FILE and --accel FILE.")
-    out = Path(args.out or f"{rerun.safe_name(args.file or args.gyro or args.accel)}_book").resolve()
+    out = Path(
+        args.out or f"{rerun.safe_name(args.file or args.gyro or args.accel)}_book"
+    ).resolve()
     build.check_target(out)  # before the long work
     record = common.open_record(args)
     try:

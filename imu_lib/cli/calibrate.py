@@ -1,4 +1,6 @@
-"""`imu-lib calibrate FILE`: bias, scale factor and cross-coupling from static poses or a rate table."""
+"""`imu-lib calibrate FILE`: bias, scale factor and cross-coupling from static poses or a rate
+table.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +24,18 @@ def add_arguments(parser):
         help="what was done when: CSV with start, stop (s) and x, y, z (g) or rate_x, rate_y, rate_z (deg/s) or angle_x, "
         "angle_y, angle_z (deg); or JSON sections x_p x_a x_rot ... in samples",
     )
-    parser.add_argument("--gravity", type=common.positive, metavar="G", help="local gravity, m/s^2 (9.80665 where not given)")
-    parser.add_argument("--latitude", type=common.number, metavar="DEG", help="gives gravity instead, with --height")
-    parser.add_argument("--height", type=common.number, metavar="M", help="above the ellipsoid, with --latitude")
+    parser.add_argument(
+        "--gravity",
+        type=common.positive,
+        metavar="G",
+        help="local gravity, m/s^2 (9.80665 where not given)",
+    )
+    parser.add_argument(
+        "--latitude", type=common.number, metavar="DEG", help="gives gravity instead, with --height"
+    )
+    parser.add_argument(
+        "--height", type=common.number, metavar="M", help="above the ellipsoid, with --latitude"
+    )
     parser.add_argument("--out", metavar="DIR", help="write calibration.json and figures there")
     common.add_json_argument(parser)
 
@@ -88,10 +99,20 @@ def report(record, found) -> str:
                     *(_text(c, 1e3) if j != i else "" for j, c in enumerate(cross)),
                 )
             )
-        head = (name, f"bias, {label}", "scale factor, %", *(f"cross from {a}, mrad" for a in "xyz"))
+        head = (
+            name,
+            f"bias, {label}",
+            "scale factor, %",
+            *(f"cross from {a}, mrad" for a in "xyz"),
+        )
         lines += ["", common.table(rows, head)]
-        what = {"accelerometers": ("m/s^2", 1.0), "gyroscopes": ("deg/s" if found.rests is None else "deg", units.DEG)}[name]
-        fit = f"residual {triad.residual_sd / what[1]:.3g} {what[0]}, {triad.dof} degrees of freedom"
+        what = {
+            "accelerometers": ("m/s^2", 1.0),
+            "gyroscopes": ("deg/s" if found.rests is None else "deg", units.DEG),
+        }[name]
+        fit = (
+            f"residual {triad.residual_sd / what[1]:.3g} {what[0]}, {triad.dof} degrees of freedom"
+        )
         if not math.isnan(triad.consistency):
             fit += f"; mean square of the residuals over what the noise explains: {triad.consistency:.3g}"
         lines.append(fit)
@@ -121,4 +142,6 @@ def figures(record, found, folder) -> None:
         ax = plots.pose_magnitudes(before, found.magnitude, found.gravity)
         plots.save(ax, folder / "poses.png")
     elif found.magnitude is not None:
-        plots.save(plots.pose_magnitudes(None, found.magnitude, found.gravity), folder / "poses.png")
+        plots.save(
+            plots.pose_magnitudes(None, found.magnitude, found.gravity), folder / "poses.png"
+        )

@@ -7,17 +7,30 @@ from imu_lib.cli import common
 from imu_lib.errors import InputError
 
 NAME = "characterise"
-HELP = ("Allan variance, spectrum, autocorrelation, autoregressive model and likelihood on every channel of a record at "
-        "rest: coefficients with 95 % intervals, an error model, figures, exports.")
+HELP = (
+    "Allan variance, spectrum, autocorrelation, autoregressive model and likelihood on every channel of a record at "
+    "rest: coefficients with 95 % intervals, an error model, figures, exports."
+)
 
 
 def add_arguments(parser):
     common.add_record_arguments(parser)
     common.add_json_argument(parser)
-    parser.add_argument("--out", metavar="DIR", help="write model.json, result.json, report.html and the figures there")
-    parser.add_argument("--export", metavar="FORMAT", action="append", default=[],
-                        help="kalibr, ros or gnss-ins-sim: the model for another program, in DIR (or here); may be repeated")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes at a time; default one per core")
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="write model.json, result.json, report.html and the figures there",
+    )
+    parser.add_argument(
+        "--export",
+        metavar="FORMAT",
+        action="append",
+        default=[],
+        help="kalibr, ros or gnss-ins-sim: the model for another program, in DIR (or here); may be repeated",
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes at a time; default one per core"
+    )
 
 
 def run(args):
@@ -50,7 +63,9 @@ def run(args):
                 temporary.write_text(content, encoding="utf-8")
     common.write_json(result, args.json)
     if args.json != "-":
-        print(f"{result.name or 'record'}: {units.duration(result.duration)} at {result.rate:.6g} Hz\n")
+        print(
+            f"{result.name or 'record'}: {units.duration(result.duration)} at {result.rate:.6g} Hz\n"
+        )
         _print(result, report, out, formats)
     return 0
 
@@ -65,7 +80,9 @@ def _characterised(record, workers, characterise):
     try:
         return characterise(record, workers=workers, progress=lambda name: bar.update(1))
     except ValueError as error:  # the record, not the call: the estimators say what it lacks
-        raise InputError(f"{record.source or 'The record'} cannot be characterised: {plainly(error)}.") from None
+        raise InputError(
+            f"{record.source or 'The record'} cannot be characterised: {plainly(error)}."
+        ) from None
     finally:
         bar.close()
 
@@ -78,12 +95,18 @@ def _write(result, folder, formats, report, export):
     figures = []
     for sensor in report.sensors(result):
         word = "gyro" if sensor == "gyro" else "accelerometer"
-        for kind, draw, caption in (("allan", plots.characterised_allan, "Allan deviation"),
-                                    ("spectrum", plots.characterised_spectrum, "averaged spectrum")):
+        for kind, draw, caption in (
+            ("allan", plots.characterised_allan, "Allan deviation"),
+            ("spectrum", plots.characterised_spectrum, "averaged spectrum"),
+        ):
             image = report.png(draw(result, sensor))
             (folder / f"{kind}_{sensor}.png").write_bytes(image)
-            figures.append((image, f"{word}: {caption} of the record with the model that the likelihood chose"))
-    (folder / "report.html").write_text(report.characterisation_page(result, figures), encoding="utf-8")
+            figures.append(
+                (image, f"{word}: {caption} of the record with the model that the likelihood chose")
+            )
+    (folder / "report.html").write_text(
+        report.characterisation_page(result, figures), encoding="utf-8"
+    )
     for form in formats:
         name, content = export.text(result.model, form)
         (folder / name).write_text(content, encoding="utf-8")
@@ -97,6 +120,11 @@ def _print(result, report, out, formats):
     for note in report.notes_of(result):
         print(f"note: {note}")
     if out is not None:
-        print(f"written to {out}: model.json, result.json, report.html, figures" + (", " + ", ".join(formats) if formats else ""))
+        print(
+            f"written to {out}: model.json, result.json, report.html, figures"
+            + (", " + ", ".join(formats) if formats else "")
+        )
     elif not formats:
-        print("--out DIR writes the error model, figures and a report; --export kalibr a file for Kalibr")
+        print(
+            "--out DIR writes the error model, figures and a report; --export kalibr a file for Kalibr"
+        )

@@ -13,7 +13,9 @@ HELP = "Health of a record or drive: rate, duration, gaps, jitter, duplicates, N
 
 def add_arguments(parser):
     common.add_record_arguments(parser)
-    parser.add_argument("--gnss", metavar="FILE", help="the GNSS solution of a drive (RTKLIB .pos or NMEA)")
+    parser.add_argument(
+        "--gnss", metavar="FILE", help="the GNSS solution of a drive (RTKLIB .pos or NMEA)"
+    )
     common.add_json_argument(parser)
 
 
@@ -62,19 +64,28 @@ def report(health) -> str:
         if not clock.stamped
         else f"jitter {clock.jitter * 1e3:.3g} ms" + (", in bursts" if clock.bursts else "")
     )
-    rest = motion.state if motion.state == "at rest" else f"{motion.state}, {100 * motion.moving_share:.3g} % of the seconds"
+    rest = (
+        motion.state
+        if motion.state == "at rest"
+        else f"{motion.state}, {100 * motion.moving_share:.3g} % of the seconds"
+    )
     facts = [
         ("record", health.source),
         ("samples", f"{clock.samples:,}"),
         ("rate", f"{clock.rate:.6g} Hz"),
         ("duration", _duration(clock.duration)),
         ("time stamps", stamps),
-        ("gaps", f"{clock.gap_count} ({clock.missing:,} samples missing)" if clock.gap_count else "none"),
+        (
+            "gaps",
+            f"{clock.gap_count} ({clock.missing:,} samples missing)" if clock.gap_count else "none",
+        ),
         ("repeated stamps", f"{clock.repeats:,}"),
         ("motion", rest),
     ]
     if motion.gravity is not None:
-        facts.append(("specific force", f"{motion.gravity:.4g} m/s^2, {motion.gravity / units.G:.4g} g"))
+        facts.append(
+            ("specific force", f"{motion.gravity:.4g} m/s^2, {motion.gravity / units.G:.4g} g")
+        )
     if health.temperature:
         t = health.temperature
         facts.append(("temperature", f"{t['low']:.4g} to {t['high']:.4g} degC"))
@@ -83,7 +94,8 @@ def report(health) -> str:
         facts += [
             (
                 "fixes",
-                f"{g['fixes']:,} at {g['rate']:.4g} Hz, {g['from']:.4g} to {g['to']:.4g} s" + (", with velocity" if g["velocity"] else ""),
+                f"{g['fixes']:,} at {g['rate']:.4g} Hz, {g['from']:.4g} to {g['to']:.4g} s"
+                + (", with velocity" if g["velocity"] else ""),
             ),
             ("reference", "yes" if g["reference"] else "none"),
         ]
@@ -109,7 +121,23 @@ def report(health) -> str:
                 c.frozen,
             )
         )
-    lines += ["", common.table(rows, ("channel", "unit", "mean", "sd", "step", "short-time noise", "NaN", "clipped", "frozen"))]
+    lines += [
+        "",
+        common.table(
+            rows,
+            (
+                "channel",
+                "unit",
+                "mean",
+                "sd",
+                "step",
+                "short-time noise",
+                "NaN",
+                "clipped",
+                "frozen",
+            ),
+        ),
+    ]
     for title, sentences in (("Reading", health.notes), ("Attention", health.findings)):
         if sentences:
             lines += ["", title] + [f"  - {s}" for s in sentences]

@@ -1,4 +1,6 @@
-"""What the commands share: the flags that open a record, results written whole or not at all, tables, progress."""
+"""What the commands share: the flags that open a record, results written whole or not at all,
+tables, progress.
+"""
 
 from __future__ import annotations
 
@@ -34,26 +36,67 @@ def positive(text: str) -> float:
     return value
 
 
-def add_record_arguments(parser: argparse.ArgumentParser, *, positional: str | None = "FILE", required: bool = True) -> None:
+def add_record_arguments(
+    parser: argparse.ArgumentParser, *, positional: str | None = "FILE", required: bool = True
+) -> None:
     """The record's file (or two files) and the flags that say what is in it."""
     if positional:
-        parser.add_argument("file", nargs="?", metavar=positional, help="the record: .npz .csv .txt .tsv .parquet .mat or a ROS bag")
+        parser.add_argument(
+            "file",
+            nargs="?",
+            metavar=positional,
+            help="the record: .npz .csv .txt .tsv .parquet .mat or a ROS bag",
+        )
     group = parser.add_argument_group("what is in the file")
-    group.add_argument("--gyro", metavar="FILE", help="the gyro's file, where gyro and accelerometer are two files")
+    group.add_argument(
+        "--gyro", metavar="FILE", help="the gyro's file, where gyro and accelerometer are two files"
+    )
     group.add_argument("--accel", metavar="FILE", help="the accelerometer's file")
-    group.add_argument("--rate", type=positive, metavar="HZ", help="samples per second, where the file has no time")
-    group.add_argument("--gyro-unit", metavar="UNIT", help="rad/s, deg/s, deg/h or counts:C (C counts per deg/s)")
-    group.add_argument("--accel-unit", metavar="UNIT", help="m/s^2, g, mg or counts:C (C counts per g)")
-    group.add_argument("--columns", metavar="NAMES", help="names by position, as in time,gyro_x,gyro_y,gyro_z,-,accel_x; - skips")
-    group.add_argument("--topic", metavar="NAME", help="the IMU topic of a ROS bag that has several")
-    group.add_argument("--start", type=number, metavar="S", help="leave out what comes before, s from the first sample")
-    group.add_argument("--stop", type=number, metavar="S", help="leave out what comes from here on, s")
-    group.add_argument("--trust-units", action="store_true", help="do not refuse units that look impossible")
+    group.add_argument(
+        "--rate", type=positive, metavar="HZ", help="samples per second, where the file has no time"
+    )
+    group.add_argument(
+        "--gyro-unit", metavar="UNIT", help="rad/s, deg/s, deg/h or counts:C (C counts per deg/s)"
+    )
+    group.add_argument(
+        "--accel-unit", metavar="UNIT", help="m/s^2, g, mg or counts:C (C counts per g)"
+    )
+    group.add_argument(
+        "--columns",
+        metavar="NAMES",
+        help="names by position, as in time,gyro_x,gyro_y,gyro_z,-,accel_x; - skips",
+    )
+    group.add_argument(
+        "--topic", metavar="NAME", help="the IMU topic of a ROS bag that has several"
+    )
+    group.add_argument(
+        "--start",
+        type=number,
+        metavar="S",
+        help="leave out what comes before, s from the first sample",
+    )
+    group.add_argument(
+        "--stop", type=number, metavar="S", help="leave out what comes from here on, s"
+    )
+    group.add_argument(
+        "--trust-units", action="store_true", help="do not refuse units that look impossible"
+    )
 
 
 def record_options(args: argparse.Namespace) -> dict:
     """The keyword arguments of `read_record` out of parsed flags."""
-    keys = ("gyro", "accel", "rate", "gyro_unit", "accel_unit", "columns", "topic", "start", "stop", "trust_units")
+    keys = (
+        "gyro",
+        "accel",
+        "rate",
+        "gyro_unit",
+        "accel_unit",
+        "columns",
+        "topic",
+        "start",
+        "stop",
+        "trust_units",
+    )
     return {k: getattr(args, k) for k in keys if getattr(args, k, None) not in (None, False)}
 
 
@@ -74,15 +117,21 @@ def open_record(args: argparse.Namespace, *, tell: bool = True, **more):
 
 
 def add_json_argument(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", metavar="FILE", help="write the whole result as JSON (- for standard output)")
+    parser.add_argument(
+        "--json", metavar="FILE", help="write the whole result as JSON (- for standard output)"
+    )
 
 
 @contextmanager
 def atomic_path(path):
-    """A temporary path beside `path` that takes its name when the block ends well and vanishes otherwise."""
+    """A temporary path beside `path` that takes its name when the block ends well and vanishes
+    otherwise.
+    """
     path = Path(path)
     check_writable(path)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    handle, temporary = tempfile.mkstemp(
+        dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix
+    )
     os.close(handle)
     temporary = Path(temporary)
     try:
@@ -97,10 +146,14 @@ def atomic_path(path):
 
 @contextmanager
 def atomic_folder(path):
-    """A temporary folder whose files move into `path` (made if needed) when the block ends well; otherwise nothing is left."""
+    """A temporary folder whose files move into `path` (made if needed) when the block ends well;
+    otherwise nothing is left.
+    """
     path = Path(path)
     check_out(path)
-    with tempfile.TemporaryDirectory(dir=path.resolve().parent, prefix=f".{path.name}-") as temporary:
+    with tempfile.TemporaryDirectory(
+        dir=path.resolve().parent, prefix=f".{path.name}-"
+    ) as temporary:
         yield Path(temporary)
         path.mkdir(exist_ok=True)
         for item in sorted(Path(temporary).rglob("*")):
@@ -112,7 +165,8 @@ def atomic_folder(path):
 
 
 def check_writable(path) -> None:
-    """InputError at once, before long work, where `path` (a file to be) has no folder, is one, or may not be written. `-`
+    """InputError at once, before long work, where `path` (a file to be) has no folder, is one, or
+    may not be written. `-`
     and None pass."""
     if path in (None, "-"):
         return
@@ -131,7 +185,9 @@ def _folder(path) -> None:
 
 
 def check_out(path) -> None:
-    """InputError at once, before long work, where `path` (--out, a folder to be) cannot be made or written into. None passes."""
+    """InputError at once, before long work, where `path` (--out, a folder to be) cannot be made or
+    written into. None passes.
+    """
     if path is None:
         return
     path = Path(path)
@@ -143,7 +199,9 @@ def check_out(path) -> None:
 
 
 def plain(value):
-    """A result as JSON knows it: dataclasses with `to_json`, arrays, NumPy numbers; NaN and infinities become null."""
+    """A result as JSON knows it: dataclasses with `to_json`, arrays, NumPy numbers; NaN and
+    infinities become null.
+    """
     if hasattr(value, "to_json"):
         return plain(value.to_json())
     if isinstance(value, dict):
@@ -160,7 +218,9 @@ def plain(value):
 
 
 def write_json(value, path) -> None:
-    """The result as JSON to a file, whole or not at all, or to standard output for `-`. Does nothing for None."""
+    """The result as JSON to a file, whole or not at all, or to standard output for `-`. Does
+    nothing for None.
+    """
     if path is None:
         return
     text = json.dumps(plain(value), indent=2, allow_nan=False) + "\n"
@@ -175,8 +235,17 @@ def table(rows: Iterable[Sequence], header: Sequence[str] | None = None) -> str:
     """Rows as aligned text: the first column to the left, the others to the right."""
     body = [[str(c) for c in row] for row in rows]
     lines = ([list(header)] if header else []) + body
-    widths = [max(len(line[i]) for line in lines if i < len(line)) for i in range(max(map(len, lines)))] if lines else []
-    out = ["  ".join(c.ljust(w) if i == 0 else c.rjust(w) for i, (c, w) in enumerate(zip(line, widths))).rstrip() for line in lines]
+    widths = (
+        [max(len(line[i]) for line in lines if i < len(line)) for i in range(max(map(len, lines)))]
+        if lines
+        else []
+    )
+    out = [
+        "  ".join(
+            c.ljust(w) if i == 0 else c.rjust(w) for i, (c, w) in enumerate(zip(line, widths))
+        ).rstrip()
+        for line in lines
+    ]
     if header:
         out.insert(1, "  ".join("-" * w for w in widths))
     return "\n".join(out)
@@ -192,7 +261,9 @@ def in_datasheet_unit(value: float | None, symbol: str, channel: str) -> str:
 
 
 def estimate_text(estimate, symbol: str, channel: str) -> str:
-    """An Estimate as `value [low, high]` in its datasheet unit, or `< high` where the record does not show it."""
+    """An Estimate as `value [low, high]` in its datasheet unit, or `< high` where the record does
+    not show it.
+    """
     low, high = (in_datasheet_unit(v, symbol, channel) for v in (estimate.low, estimate.high))
     if estimate.value is None:
         return f"< {high}"

@@ -12,7 +12,9 @@ HELP = "Two error models, two records of one sensor, or a record and a model sid
 
 
 def add_arguments(parser):
-    parser.add_argument("a", metavar="A", help="a record, an error-model file (.json) or preset:NAME")
+    parser.add_argument(
+        "a", metavar="A", help="a record, an error-model file (.json) or preset:NAME"
+    )
     parser.add_argument("b", metavar="B", help="the other one")
     common.add_record_arguments(parser, positional=None)
     common.add_json_argument(parser)
@@ -26,7 +28,12 @@ def run(args):
         raise InputError("compare takes two files, A and B; --gyro and --accel do not apply to it.")
     a, b = (_open(args, path) for path in (args.a, args.b))
     try:
-        result = compare(a, b, rate=args.rate, tell=lambda fits, total: common.progress(fits, about="fits", total=total))
+        result = compare(
+            a,
+            b,
+            rate=args.rate,
+            tell=lambda fits, total: common.progress(fits, about="fits", total=total),
+        )
     except ValueError as error:
         raise InputError(f"{args.a} and {args.b}: {str(error).replace('`', '')}.") from None
     common.write_json(result.to_json() | {"a": args.a, "b": args.b}, args.json)
@@ -53,24 +60,59 @@ def report(result, a: str, b: str) -> str:
     for name, channel in result.channels.items():
         factor, unit = units.datasheet("B", name)
         rows = [
-            (f"{t:.3g} s", f"{x / factor:.4g}", f"{y / factor:.4g}", f"{r:.3g}", f"[{lo:.3g}, {hi:.3g}]", "differ" if d else "")
+            (
+                f"{t:.3g} s",
+                f"{x / factor:.4g}",
+                f"{y / factor:.4g}",
+                f"{r:.3g}",
+                f"[{lo:.3g}, {hi:.3g}]",
+                "differ" if d else "",
+            )
             for t, x, y, r, lo, hi, d in zip(
-                channel.tau, channel.a.adev, channel.b.adev, channel.ratio, channel.low, channel.high, channel.differs
+                channel.tau,
+                channel.a.adev,
+                channel.b.adev,
+                channel.ratio,
+                channel.low,
+                channel.high,
+                channel.differs,
             )
         ]
-        lines += ["", name, common.table(rows, ("averaging time", f"A, {unit}", f"B, {unit}", "A/B", "95 %", ""))]
+        lines += [
+            "",
+            name,
+            common.table(rows, ("averaging time", f"A, {unit}", f"B, {unit}", "A/B", "95 %", "")),
+        ]
         rows = []
         for key, pair in channel.coefficients.items():
-            symbol = key.rpartition(".")[2].partition("_2")[0] if key not in ("Q", "N", "B", "K", "R") else key
-            rows.append((f"{key}, {units.datasheet(symbol, name)[1]}".rstrip(", "), *(_text(v, symbol, name) for v in pair)))
+            symbol = (
+                key.rpartition(".")[2].partition("_2")[0]
+                if key not in ("Q", "N", "B", "K", "R")
+                else key
+            )
+            rows.append(
+                (
+                    f"{key}, {units.datasheet(symbol, name)[1]}".rstrip(", "),
+                    *(_text(v, symbol, name) for v in pair),
+                )
+            )
         if rows:
             lines += ["", common.table(rows, ("coefficient", "A", "B"))]
     differing = [n for n, c in result.channels.items() if c.differs.any()]
-    lines += ["", f"They differ beyond sampling in {', '.join(differing)}." if differing else "No difference beyond sampling."]
+    lines += [
+        "",
+        f"They differ beyond sampling in {', '.join(differing)}."
+        if differing
+        else "No difference beyond sampling.",
+    ]
     return "\n".join(lines)
 
 
 def _text(value, symbol, channel):
     if value is None:
         return "-"
-    return common.in_datasheet_unit(value, symbol, channel) if isinstance(value, float) else common.estimate_text(value, symbol, channel)
+    return (
+        common.in_datasheet_unit(value, symbol, channel)
+        if isinstance(value, float)
+        else common.estimate_text(value, symbol, channel)
+    )

@@ -1,4 +1,5 @@
 """The result of the gap workflow as one self-contained HTML page."""
+
 from __future__ import annotations
 
 from imu_lib import report
@@ -9,14 +10,32 @@ from imu_lib.plots import gap as plots
 def write(found, path) -> None:
     """Write the page for a `gap.Report`."""
     names = list(found.channels)
-    start = "a model that was given, its parameters held" if found.given else "a model fitted to the record itself"
+    start = (
+        "a model that was given, its parameters held"
+        if found.given
+        else "a model fitted to the record itself"
+    )
     name = found.record.name or found.record.source or "static record"
-    parts = [report.paragraph(f"Record: {name}, {found.record.duration:.0f} s at {found.record.rate:.6g} Hz. "
-                              f"Compared with {start}. The gap index is the distance of the measurement "
-                              "from an ensemble of simulations over the median distance "
-                              f"that one simulation has from the others: 1 where the measurement differs no more than simulations do."),
-             report.table_html(["channel", "gap before", "gap after", "held out before", "held out after", "found", "unexplained"],
-                               [_row(name, found.channels[name]) for name in names])]
+    parts = [
+        report.paragraph(
+            f"Record: {name}, {found.record.duration:.0f} s at {found.record.rate:.6g} Hz. "
+            f"Compared with {start}. The gap index is the distance of the measurement "
+            "from an ensemble of simulations over the median distance "
+            f"that one simulation has from the others: 1 where the measurement differs no more than simulations do."
+        ),
+        report.table_html(
+            [
+                "channel",
+                "gap before",
+                "gap after",
+                "held out before",
+                "held out after",
+                "found",
+                "unexplained",
+            ],
+            [_row(name, found.channels[name]) for name in names],
+        ),
+    ]
     if found.record_steps or found.record_unexplained:
         parts += [report.heading("On the whole record"), *_steps(found.record_steps, "record")]
         if found.record_unexplained:
@@ -28,18 +47,46 @@ def write(found, path) -> None:
             continue
         parts += [report.heading(name), *_steps(result.steps, name)]
         if result.absorbed:
-            parts.append(report.paragraph("The fitted base may have absorbed: " + ", ".join(result.absorbed) + "."))
+            parts.append(
+                report.paragraph(
+                    "The fitted base may have absorbed: " + ", ".join(result.absorbed) + "."
+                )
+            )
         if result.unexplained:
-            parts.append(report.paragraph(f"Unexplained, no effect of the catalogue accounts for it: {result.unexplained}."))
+            parts.append(
+                report.paragraph(
+                    f"Unexplained, no effect of the catalogue accounts for it: {result.unexplained}."
+                )
+            )
         if channel.before is not None:
             n, rate = found.record.n, found.record.rate
-            for domain, caption in (("psd", "Spectrum: measurement against the bands that hold 95 % of the simulations."),
-                                    ("allan", "Allan deviation, in the same way.")):
-                parts.append(report.figure_html(plots.band(channel, domain=domain, rate=rate, n=n), caption))
-            parts.append(report.figure_html(plots.domains(channel), "Gap index by domain; 1 is a measurement like any simulation."))
-    clean = [n for n in names if not found.channels[n].result.steps and not found.channels[n].result.unexplained]
+            for domain, caption in (
+                (
+                    "psd",
+                    "Spectrum: measurement against the bands that hold 95 % of the simulations.",
+                ),
+                ("allan", "Allan deviation, in the same way."),
+            ):
+                parts.append(
+                    report.figure_html(plots.band(channel, domain=domain, rate=rate, n=n), caption)
+                )
+            parts.append(
+                report.figure_html(
+                    plots.domains(channel),
+                    "Gap index by domain; 1 is a measurement like any simulation.",
+                )
+            )
+    clean = [
+        n
+        for n in names
+        if not found.channels[n].result.steps and not found.channels[n].result.unexplained
+    ]
     if clean:
-        parts.append(report.paragraph("Nothing missing in " + ", ".join(clean) + ": simulation and measurement agree."))
+        parts.append(
+            report.paragraph(
+                "Nothing missing in " + ", ".join(clean) + ": simulation and measurement agree."
+            )
+        )
     with open(path, "w", encoding="utf-8") as handle:
         handle.write(report.page("Where simulation and measurement disagree", *parts))
 
@@ -47,15 +94,25 @@ def write(found, path) -> None:
 def _row(name, c):
     number = lambda v: "" if v is None else f"{v:.2f}"  # noqa: E731
     held = c.held_out or {}
-    return [name, number(c.before and c.before.value), number(c.after and c.after.value), number(held.get("before")), number(held.get("after")),
-            ", ".join(s.effect for s in c.result.steps) or "nothing", c.result.unexplained or ""]
+    return [
+        name,
+        number(c.before and c.before.value),
+        number(c.after and c.after.value),
+        number(held.get("before")),
+        number(held.get("after")),
+        ", ".join(s.effect for s in c.result.steps) or "nothing",
+        c.result.unexplained or "",
+    ]
 
 
 def _steps(steps, name):
     out = []
     for s in steps:
-        lines = [f"Where: {s.where}.", f"Physical cause: {s.cause}",
-                 f"Confidence {s.confidence:.3g}; runner-up: {s.runner_up['effect']} ({s.runner_up['confidence']:.2g})."]
+        lines = [
+            f"Where: {s.where}.",
+            f"Physical cause: {s.cause}",
+            f"Confidence {s.confidence:.3g}; runner-up: {s.runner_up['effect']} ({s.runner_up['confidence']:.2g}).",
+        ]
         for key, (low, high) in s.intervals.items():
             lines.append(f"95 % interval of {key}: {low:.4g} to {high:.4g} (SI).")
         if s.indistinguishable:

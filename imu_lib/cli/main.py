@@ -1,7 +1,9 @@
 """`imu-lib COMMAND ...`: the parser, the dispatch, and what a user sees when something is wrong.
 
-A command is a module of this package with NAME, HELP, `add_arguments(parser)` and `run(args)`; it is imported when it is
-asked for. Exit 0: done. Exit 2: the input or the call is at fault; one sentence on standard error says what and the remedy.
+A command is a module of this package with NAME, HELP, `add_arguments(parser)` and `run(args)`; it
+is imported when it is
+asked for. Exit 0: done. Exit 2: the input or the call is at fault; one sentence on standard error
+says what and the remedy.
 """
 
 from __future__ import annotations
@@ -13,13 +15,22 @@ import sys
 from importlib import import_module, metadata
 from importlib.util import find_spec
 
-#: Command -> (module, aliases, one line for the list of commands). Listed in the order of a user's work.
+#: Command -> (module, aliases, one line for the list of commands). Listed in the order of a user's
+#: work.
 COMMANDS = {
     "check": ("check", (), "health of a record or drive: rate, gaps, units, is it at rest"),
-    "characterise": ("characterise", ("characterize",), "all methods on all channels; coefficients with intervals, model file, exports"),
+    "characterise": (
+        "characterise",
+        ("characterize",),
+        "all methods on all channels; coefficients with intervals, model file, exports",
+    ),
     "simulate": ("simulate", (), "a record drawn from an error model"),
     "gap": ("gap", (), "where simulation and measurement disagree, and what is missing"),
-    "calibrate": ("calibrate", (), "bias, scale factor, cross-coupling from static poses or a rate table"),
+    "calibrate": (
+        "calibrate",
+        (),
+        "bias, scale factor, cross-coupling from static poses or a rate table",
+    ),
     "outages": ("outages", (), "error models compared under GPS outages of a drive"),
     "compare": ("compare", (), "two models or two records of one sensor side by side"),
     "book": ("book", (), "the book re-executed on your own record"),
@@ -34,7 +45,10 @@ class Parser(argparse.ArgumentParser):
         super().__init__(*args, allow_abbrev=False, **kwargs)
 
     def error(self, message):
-        self.exit(2, f"{self.prog}: {message[:1].upper()}{message[1:]}; `{self.prog} --help` shows the call.\n")
+        self.exit(
+            2,
+            f"{self.prog}: {message[:1].upper()}{message[1:]}; `{self.prog} --help` shows the call.\n",
+        )
 
 
 def there() -> dict[str, tuple]:
@@ -50,11 +64,15 @@ def parser(command: str | None = None) -> Parser:
         epilog="`imu-lib COMMAND --help` shows the options of a command. A model is a file or a preset (preset:3dm-gx3-25).",
     )
     out.add_argument("--version", action="version", version=f"imu-lib {_version()}")
-    commands = out.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
+    commands = out.add_subparsers(
+        dest="command", metavar="COMMAND", required=True, parser_class=Parser
+    )
     for name, (module, aliases, about) in there().items():
         if command in (name, *aliases):
             found = import_module(f"imu_lib.cli.{module}")
-            sub = commands.add_parser(name, aliases=aliases, help=about, description=getattr(found, "HELP", about))
+            sub = commands.add_parser(
+                name, aliases=aliases, help=about, description=getattr(found, "HELP", about)
+            )
             found.add_arguments(sub)
             sub.set_defaults(run=found.run)
         else:
@@ -73,7 +91,9 @@ def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit status."""
     if argv is None:
         argv = sys.argv[1:]
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # temporary files are cleaned up on the way out
+        signal.signal(
+            signal.SIGTERM, lambda *_: sys.exit(143)
+        )  # temporary files are cleaned up on the way out
     command = next((a for a in argv if not a.startswith("-")), None)
     from imu_lib.errors import ImuLibError
 
@@ -88,7 +108,9 @@ def main(argv: list[str] | None = None) -> int:
             return 0
         return _fault(_of_os(error))
     except MemoryError:
-        return _fault("There is not enough memory for this record; take a part of it with --start and --stop.")
+        return _fault(
+            "There is not enough memory for this record; take a part of it with --start and --stop."
+        )
     except KeyboardInterrupt:
         print("imu-lib: Stopped; nothing half-written was left behind.", file=sys.stderr)
         return 130

@@ -1,4 +1,5 @@
 """`imu-lib outages DRIVE`: error models compared under GPS outages of a drive."""
+
 from __future__ import annotations
 
 import sys
@@ -7,29 +8,82 @@ from imu_lib.cli import common
 from imu_lib.errors import InputError
 
 NAME = "outages"
-HELP = ("GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error model is followed. "
-        "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, or from the paper's own tables.")
+HELP = (
+    "GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error model is followed. "
+    "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, or from the paper's own tables."
+)
 #: Bias left at switch-on where nobody says: 0.2 deg/s and 20 mg.
 TURN_ON = (0.2, 20.0)
-#: Least standard deviation believed of a received velocity, m/s: receivers' velocities lag by up to a tenth of a second.
+#: Least standard deviation believed of a received velocity, m/s: receivers' velocities lag by up
+#: to a tenth of a second.
 VELOCITY_FLOOR = 0.15
 
 
 def add_arguments(parser):
-    parser.add_argument("drive", metavar="DRIVE", help="the drive: .npz with IMU and GNSS, or an IMU file with --gnss")
-    parser.add_argument("--gnss", metavar="FILE", help="the GNSS solution of the drive (RTKLIB .pos or NMEA)")
-    parser.add_argument("--static", metavar="FILE", help="the same sensor at rest: the models are made from it, and the likelihood's own is added")
-    parser.add_argument("--model", metavar="MODEL", help="an error-model file or preset:NAME: the models are made from it, and it is added itself")
-    parser.add_argument("--models", metavar="NAMES", default="15AV,18AV,18AVWD,15AR,27AR", help="which of the five (15AV,18AV,...)")
+    parser.add_argument(
+        "drive",
+        metavar="DRIVE",
+        help="the drive: .npz with IMU and GNSS, or an IMU file with --gnss",
+    )
+    parser.add_argument(
+        "--gnss", metavar="FILE", help="the GNSS solution of the drive (RTKLIB .pos or NMEA)"
+    )
+    parser.add_argument(
+        "--static",
+        metavar="FILE",
+        help="the same sensor at rest: the models are made from it, and the likelihood's own is added",
+    )
+    parser.add_argument(
+        "--model",
+        metavar="MODEL",
+        help="an error-model file or preset:NAME: the models are made from it, and it is added itself",
+    )
+    parser.add_argument(
+        "--models",
+        metavar="NAMES",
+        default="15AV,18AV,18AVWD,15AR,27AR",
+        help="which of the five (15AV,18AV,...)",
+    )
     parser.add_argument("--windows", metavar="START:DURATION,...", help="the outages, s")
-    parser.add_argument("--duration", type=common.positive, metavar="S", help="length of regular outages, s (default 30)")
-    parser.add_argument("--every", type=common.positive, metavar="S", help="one outage each this many s (default: the duration)")
-    parser.add_argument("--causal", action="store_true", help="18AVWD de-noises without the future (default: whole record, as the paper)")
+    parser.add_argument(
+        "--duration",
+        type=common.positive,
+        metavar="S",
+        help="length of regular outages, s (default 30)",
+    )
+    parser.add_argument(
+        "--every",
+        type=common.positive,
+        metavar="S",
+        help="one outage each this many s (default: the duration)",
+    )
+    parser.add_argument(
+        "--causal",
+        action="store_true",
+        help="18AVWD de-noises without the future (default: whole record, as the paper)",
+    )
     parser.add_argument("--no-velocity", action="store_true", help="use GNSS positions alone")
-    parser.add_argument("--accept", metavar="CODES", help="GNSS fix codes to use, as in 1,4 (default: all)")
-    parser.add_argument("--heading", type=common.number, metavar="DEG", help="heading at the start, where it is known")
-    parser.add_argument("--gyro-bias", type=common.positive, metavar="DEG/S", help=f"gyro bias left at switch-on, sd (default {TURN_ON[0]:g})")
-    parser.add_argument("--accel-bias", type=common.positive, metavar="MG", help=f"accelerometer bias left at switch-on, sd (default {TURN_ON[1]:g})")
+    parser.add_argument(
+        "--accept", metavar="CODES", help="GNSS fix codes to use, as in 1,4 (default: all)"
+    )
+    parser.add_argument(
+        "--heading",
+        type=common.number,
+        metavar="DEG",
+        help="heading at the start, where it is known",
+    )
+    parser.add_argument(
+        "--gyro-bias",
+        type=common.positive,
+        metavar="DEG/S",
+        help=f"gyro bias left at switch-on, sd (default {TURN_ON[0]:g})",
+    )
+    parser.add_argument(
+        "--accel-bias",
+        type=common.positive,
+        metavar="MG",
+        help=f"accelerometer bias left at switch-on, sd (default {TURN_ON[1]:g})",
+    )
     common.add_json_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="write result.json and figures here")
 
@@ -53,9 +107,19 @@ def run(args):
         duration = args.duration or 30.0
         windows = outages.regular_windows(drive, duration=duration, every=args.every or duration)
     models = _models(args, names, drive.rate)
-    gnss = preparation.Gnss(velocity=not args.no_velocity, accept=_codes(args.accept), velocity_floor=VELOCITY_FLOOR)
+    gnss = preparation.Gnss(
+        velocity=not args.no_velocity, accept=_codes(args.accept), velocity_floor=VELOCITY_FLOOR
+    )
     heading = None if args.heading is None else args.heading * 3.141592653589793 / 180.0
-    study = outages.compare(drive, models, windows, gnss=gnss, heading=heading, strict=bool(args.windows), progress=sys.stderr.isatty())
+    study = outages.compare(
+        drive,
+        models,
+        windows,
+        gnss=gnss,
+        heading=heading,
+        strict=bool(args.windows),
+        progress=sys.stderr.isatty(),
+    )
     if args.out:
         with common.atomic_folder(args.out) as folder:
             _write(study, drive, folder)
@@ -86,7 +150,9 @@ def _models(args, names, rate):
     base, static, more = None, None, {}
     if args.model:
         base = Model.load(args.model)
-        more[base.name or "given"] = FilterModel(base.name or "given", base, flicker="markov", **options)
+        more[base.name or "given"] = FilterModel(
+            base.name or "given", base, flicker="markov", **options
+        )
     if args.static:
         from imu_lib.characterise import characterise
         from imu_lib.readers import read_record
@@ -100,7 +166,10 @@ def _models(args, names, rate):
         more["likelihood"] = FilterModel("likelihood", found, flicker="markov", **options)
         base = base or models.read_off(static, rate)
     if base is None:
-        print("note: no --static and no --model: the models are those of the 2013 paper's 3DM-GX3-25, not of this sensor.", file=sys.stderr)
+        print(
+            "note: no --static and no --model: the models are those of the 2013 paper's 3DM-GX3-25, not of this sensor.",
+            file=sys.stderr,
+        )
     made = models.five(base, static=static, rate=rate, names=names, causal=args.causal, **options)
     return {**made, **{name: m for name, m in more.items() if name not in made}}
 
@@ -109,29 +178,63 @@ def _write(study, drive, folder):
     from imu_lib import plots, report
 
     common.write_json(study, folder / "result.json")
-    for name, draw in (("map", lambda: plots.outage_map(study, drive)), ("growth", lambda: plots.outage_growth(study, 0)),
-                       ("fan", lambda: plots.outage_fan(study)), ("errors", lambda: plots.outage_errors(study))):
+    for name, draw in (
+        ("map", lambda: plots.outage_map(study, drive)),
+        ("growth", lambda: plots.outage_growth(study, 0)),
+        ("fan", lambda: plots.outage_fan(study)),
+        ("errors", lambda: plots.outage_errors(study)),
+    ):
         (folder / f"{name}.png").write_bytes(report.png(draw()))
 
 
 def _print(study, drive):
     against = "reference" if "reference" in study.against else "full_gnss"
     truth = "the drive's reference" if against == "reference" else "the full-GNSS solution"
-    print(f"{drive.name or 'drive'}: {len(study.windows)} outages; maximum horizontal error in m against {truth}\n")
+    print(
+        f"{drive.name or 'drive'}: {len(study.windows)} outages; maximum horizontal error in m against {truth}\n"
+    )
     few = len(study.windows) <= 12
     header = ["outage", "start s", "for s", "km/h", *study.models]
     errors = {name: study.errors(name, against=against) for name in study.models}
     if few:
-        rows = [[str(i + 1), f"{w.start:.0f}", f"{w.duration:.0f}", f"{3.6 * w.mean_speed:.1f}", *(f"{errors[m][i]:.4g}" for m in errors)]
-                for i, w in enumerate(study.windows)]
+        rows = [
+            [
+                str(i + 1),
+                f"{w.start:.0f}",
+                f"{w.duration:.0f}",
+                f"{3.6 * w.mean_speed:.1f}",
+                *(f"{errors[m][i]:.4g}" for m in errors),
+            ]
+            for i, w in enumerate(study.windows)
+        ]
         print(common.table(rows, header), end="\n\n")
     import numpy as np
-    rows = [[name, str(m.states), f"{np.median(errors[name]):.4g}", f"{np.mean(errors[name]):.4g}", f"{np.max(errors[name]):.4g}",
-             f"{np.median([s[-1] for s in m.sigma]):.4g}"] for name, m in study.models.items()]
-    print(common.table(rows, ["model", "states", "median", "mean", "worst", "predicted sigma"]), end="\n\n")
+
+    rows = [
+        [
+            name,
+            str(m.states),
+            f"{np.median(errors[name]):.4g}",
+            f"{np.mean(errors[name]):.4g}",
+            f"{np.max(errors[name]):.4g}",
+            f"{np.median([s[-1] for s in m.sigma]):.4g}",
+        ]
+        for name, m in study.models.items()
+    ]
+    print(
+        common.table(rows, ["model", "states", "median", "mean", "worst", "predicted sigma"]),
+        end="\n\n",
+    )
     if len(study.windows) > 1 and len(study.models) > 1:
-        rows = [[f"{p.better} against {p.than}", f"{p.ratio:.3g} [{p.low:.3g}, {p.high:.3g}]", f"{100 * p.wins:.0f} %",
-                 "yes" if p.decided else "no"] for p in study.paired(against=against)]
+        rows = [
+            [
+                f"{p.better} against {p.than}",
+                f"{p.ratio:.3g} [{p.low:.3g}, {p.high:.3g}]",
+                f"{100 * p.wins:.0f} %",
+                "yes" if p.decided else "no",
+            ]
+            for p in study.paired(against=against)
+        ]
         print(common.table(rows, ["pair", "ratio of errors [95 %]", "wins", "decided"]))
     for note in study.notes:
         print(f"note: {note}")

@@ -59,7 +59,9 @@ def rdata_one(originals, targets):
 def hipnuc_static(originals, targets):
     """accReading g, gyroReading deg/s."""
     raw = read_mat(originals[0])
-    gyro, accel = (np.column_stack([raw.columns[f"{k}_{a}"] for a in "xyz"]) for k in ("gyro", "accel"))
+    gyro, accel = (
+        np.column_stack([raw.columns[f"{k}_{a}"] for a in "xyz"]) for k in ("gyro", "accel")
+    )
     _save(
         targets[0],
         time=np.arange(len(gyro)) / RATE,

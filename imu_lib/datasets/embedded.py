@@ -1,4 +1,6 @@
-"""The twins, drawn once and kept: the file carries a hash of all it was drawn from, so that a changed model is drawn anew."""
+"""The twins, drawn once and kept: the file carries a hash of all it was drawn from, so that a
+changed model is drawn anew.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ _WAIT = 180.0  # s that one process waits for another that draws the same twin
 
 
 def twin(name: str = "3dm-gx3-25") -> Record:
-    """An embedded record. Seconds on first use, then read from the cache (mapped, not copied). InputError where there is none of
+    """An embedded record. Seconds on first use, then read from the cache (mapped, not copied).
+    InputError where there is none of
     that name."""
     mark = twins.fingerprint(name)
     path = places.cache() / f"{name}-{mark[:12]}.npy"
@@ -38,11 +41,14 @@ def _read(name, path: Path, mark: str) -> Record | None:
         state = path.stat()
         if side["fingerprint"] != mark or side["bytes"] != state.st_size:
             return None
-        # hashing 120 MB for each chapter would cost more than reading it: a file not touched since it was verified is the same
+        # hashing 120 MB for each chapter would cost more than reading it: a file not touched since
+        # it was verified is the same
         if side.get("modified_ns") != state.st_mtime_ns and _sha256(path) != side["sha256"]:
             return None
         values = np.load(path, mmap_mode="r", allow_pickle=False)
-        return Record(dict(zip(side["channels"], values)), side["rate"], name=name, source=side["source"])
+        return Record(
+            dict(zip(side["channels"], values)), side["rate"], name=name, source=side["source"]
+        )
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
@@ -88,7 +94,9 @@ def _sha256(path: Path) -> str:
 
 @contextmanager
 def _alone(lock: Path):
-    """One process at a time; a lock left behind by a process that died is overridden. Two that draw at once would write the same bytes."""
+    """One process at a time; a lock left behind by a process that died is overridden. Two that
+    draw at once would write the same bytes.
+    """
     end = time.monotonic() + _WAIT
     held = False
     while time.monotonic() < end:
@@ -113,16 +121,33 @@ def _alone(lock: Path):
 
 
 def chapter_record(
-    record_path: str = "", *, gyro_unit: str = "", accel_unit: str = "", rate: float = 0.0, columns: str = "", twin: str = "3dm-gx3-25"
+    record_path: str = "",
+    *,
+    gyro_unit: str = "",
+    accel_unit: str = "",
+    rate: float = 0.0,
+    columns: str = "",
+    twin: str = "3dm-gx3-25",
 ) -> Record:
-    """What a chapter works on: the user's record where `record_path` names one, else an embedded twin; evenly sampled and without NaN.
+    """What a chapter works on: the user's record where `record_path` names one, else an embedded
+    twin; evenly sampled and without NaN.
 
-    Empty and zero options are left unsaid. `record_path` may be two files joined by ` + `: the gyro's and the accelerometer's.
+    Empty and zero options are left unsaid. `record_path` may be two files joined by ` + `: the
+    gyro's and the accelerometer's.
     InputError where fewer than 100 samples are left.
     """
     if not record_path:
         return globals()["twin"](twin)
-    options = {k: v for k, v in (("gyro_unit", gyro_unit), ("accel_unit", accel_unit), ("rate", rate), ("columns", columns)) if v}
+    options = {
+        k: v
+        for k, v in (
+            ("gyro_unit", gyro_unit),
+            ("accel_unit", accel_unit),
+            ("rate", rate),
+            ("columns", columns),
+        )
+        if v
+    }
     if " + " in str(record_path):
         gyro, accel = str(record_path).split(" + ")
         return read_record(gyro=gyro, accel=accel, **options).continuous().enough()

@@ -1,4 +1,6 @@
-"""Where data lies: beside the code in a source tree, in the wheel, in the user's cache, in IMU_LIB_DATA."""
+"""Where data lies: beside the code in a source tree, in the wheel, in the user's cache, in
+IMU_LIB_DATA.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +24,22 @@ def example(name: str = EXAMPLE) -> Path:
     """Path of a committed file. InputError where there is none of that name."""
     path = shipped() / name
     if not path.is_file():
-        raise InputError(f"{name} is no committed file; there are {', '.join(sorted(p.name for p in shipped().glob('*.csv'))) or 'none'}.")
+        raise InputError(
+            f"{name} is no committed file; there are {', '.join(sorted(p.name for p in shipped().glob('*.csv'))) or 'none'}."
+        )
     return path
 
 
 def cache() -> Path:
-    """The folder for what is drawn or downloaded, made on first use: data/cache of a source tree, else the user's cache folder."""
+    """The folder for what is drawn or downloaded, made on first use: data/cache of a source tree,
+    else the user's cache folder.
+    """
     tree = PACKAGE.parent
-    if (tree / "pyproject.toml").is_file() and (tree / "data").is_dir() and os.access(tree / "data", os.W_OK):
+    if (
+        (tree / "pyproject.toml").is_file()
+        and (tree / "data").is_dir()
+        and os.access(tree / "data", os.W_OK)
+    ):
         folder = tree / "data" / "cache"
     else:
         import pooch
@@ -40,7 +50,8 @@ def cache() -> Path:
 
 
 def given() -> Path | None:
-    """The folder that IMU_LIB_DATA names (relative: to the working folder, then to the source tree), None where it is not set or
+    """The folder that IMU_LIB_DATA names (relative: to the working folder, then to the source
+    tree), None where it is not set or
     not there."""
     value = os.environ.get("IMU_LIB_DATA", "")
     if not value:

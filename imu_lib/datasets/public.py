@@ -1,4 +1,6 @@
-"""The public records: what `data/registry.json` lists, found in IMU_LIB_DATA, in the cache, or fetched from their source."""
+"""The public records: what `data/registry.json` lists, found in IMU_LIB_DATA, in the cache, or
+fetched from their source.
+"""
 
 from __future__ import annotations
 
@@ -17,16 +19,21 @@ from imu_lib.record import Record
 
 @cache
 def registry() -> MappingProxyType:
-    """Name -> entry: kind (static, drive, calibration), sensor, about, rate, columns, licence, files, options of the reader,
+    """Name -> entry: kind (static, drive, calibration), sensor, about, rate, columns, licence,
+    files, options of the reader,
     sources (url, sha256, bytes)."""
-    return MappingProxyType(json.loads((places.shipped() / "registry.json").read_text(encoding="utf-8")))
+    return MappingProxyType(
+        json.loads((places.shipped() / "registry.json").read_text(encoding="utf-8"))
+    )
 
 
 def entry(name: str) -> dict:
     """The registry's entry. InputError where there is none of that name."""
     found = registry().get(Path(name).stem if name not in registry() else name)
     if found is None:
-        raise InputError(f"{name!r} is not in the registry; `imu-lib data list` shows the names: {', '.join(registry())}.")
+        raise InputError(
+            f"{name!r} is not in the registry; `imu-lib data list` shows the names: {', '.join(registry())}."
+        )
     return found
 
 
@@ -49,7 +56,8 @@ def paths(name: str) -> list[Path]:
 
 
 def load(name: str):
-    """A Record (static), a Drive (drive), or for a calibration session the Record where it is in SI, else a dict of its arrays.
+    """A Record (static), a Drive (drive), or for a calibration session the Record where it is in
+    SI, else a dict of its arrays.
 
     InputError where it is not at hand and cannot be fetched.
     """
@@ -67,7 +75,9 @@ def load(name: str):
 
 
 def fetch(name: str, *, progress: bool = False) -> list[Path]:
-    """Download a record's originals, check their SHA-256, convert them; returns the files in the cache. InputError names what failed."""
+    """Download a record's originals, check their SHA-256, convert them; returns the files in the
+    cache. InputError names what failed.
+    """
     import pooch
 
     about = entry(name)
@@ -91,7 +101,9 @@ def fetch(name: str, *, progress: bool = False) -> list[Path]:
             raise InputError(
                 f"{source['url']} is not what the registry describes ({str(error).splitlines()[0][:80]}); it changed at its source."
             ) from None
-        except Exception as error:  # requests, urllib3, ssl and the operating system all have their own
+        except (
+            Exception
+        ) as error:  # requests, urllib3, ssl and the operating system all have their own
             raise InputError(
                 f"{name} is not at hand and {source['url']} cannot be fetched ({type(error).__name__}); set IMU_LIB_DATA to a "
                 f"folder that holds "

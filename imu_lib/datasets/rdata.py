@@ -1,4 +1,6 @@
-"""Numeric matrices out of R's `.rda` files: just enough of R's serialisation (XDR, versions 2 and 3) for the public records."""
+"""Numeric matrices out of R's `.rda` files: just enough of R's serialisation (XDR, versions 2 and
+3) for the public records.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ class _Reader:
         return values
 
     def item(self):
-        """One object: arrays for vectors (with `dim` applied), str, list, or dict of a tagged list."""
+        """One object: arrays for vectors (with `dim` applied), str, list, or dict of a tagged
+        list.
+        """
         flags = self.integer()
         kind, has_attributes, has_tag = flags & 0xFF, flags & 0x200, flags & 0x400
         if kind in (_NIL, _GLOBAL, _BASE, _EMPTY, _MISSING):
@@ -63,15 +67,24 @@ class _Reader:
             value = self.take(">f8" if kind == _REAL else ">i4", length).astype(float)
         attributes = self.item() if has_attributes else {}
         dim = (attributes or {}).get("dim")
-        return value.reshape(tuple(int(d) for d in dim), order="F") if dim is not None and isinstance(value, np.ndarray) else value
+        return (
+            value.reshape(tuple(int(d) for d in dim), order="F")
+            if dim is not None and isinstance(value, np.ndarray)
+            else value
+        )
 
 
 def read_rdata(path) -> dict[str, np.ndarray]:
-    """The numeric vectors and matrices of an `.rda` file by name; columns of a data frame are stacked. InputError where it is no
+    """The numeric vectors and matrices of an `.rda` file by name; columns of a data frame are
+    stacked. InputError where it is no
     such file."""
     data = Path(path).read_bytes()
     try:
-        for magic, unpack in ((b"\x1f\x8b", gzip.decompress), (b"BZh", bz2.decompress), (b"\xfd7zXZ", lzma.decompress)):
+        for magic, unpack in (
+            (b"\x1f\x8b", gzip.decompress),
+            (b"BZh", bz2.decompress),
+            (b"\xfd7zXZ", lzma.decompress),
+        ):
             if data.startswith(magic):
                 data = unpack(data)
         if data[:5] not in (b"RDX2\n", b"RDX3\n") or data[5:7] != b"X\n":
@@ -88,5 +101,14 @@ def read_rdata(path) -> dict[str, np.ndarray]:
             if isinstance(value, np.ndarray):
                 out[str(name)] = value
         return out
-    except (ValueError, struct.error, IndexError, OSError, EOFError, lzma.LZMAError, AttributeError, RecursionError) as error:
+    except (
+        ValueError,
+        struct.error,
+        IndexError,
+        OSError,
+        EOFError,
+        lzma.LZMAError,
+        AttributeError,
+        RecursionError,
+    ) as error:
         raise InputError(f"{path} is not an R data file read here ({error}).") from None

@@ -1,4 +1,7 @@
-"""A base where none is given: the family and its parameters fitted to the record, so that only what it cannot express shows."""
+"""A base where none is given: the family and its parameters fitted to the record, so that only
+what it cannot express shows.
+"""
+
 from __future__ import annotations
 
 from copy import copy
@@ -20,8 +23,15 @@ BELOW = (0.1, 0.02)
 #: Samples in the shortest correlation time of a free base.
 QUICKEST = 50
 #: Families of a free base: the noises beside white noise.
-FAMILIES = ((), ("random_walk",), ("flicker",), ("gauss_markov",), ("flicker", "random_walk"),
-            ("gauss_markov", "random_walk"), ("gauss_markov", "gauss_markov"))
+FAMILIES = (
+    (),
+    ("random_walk",),
+    ("flicker",),
+    ("gauss_markov",),
+    ("flicker", "random_walk"),
+    ("gauss_markov", "random_walk"),
+    ("gauss_markov", "gauss_markov"),
+)
 
 
 def _starts(data: Data, family):
@@ -33,9 +43,14 @@ def _starts(data: Data, family):
     excess = max(low - top, 0.1 * top)
     strong = max(excess, 0.3 * top)
     N = np.sqrt(top / 2)
-    make = {"random_walk": lambda _: RandomWalk(K=float(np.sqrt(excess / 2) * 2 * np.pi * f_low)),
-            "flicker": lambda _: Flicker(B=float(np.sqrt(excess * np.pi * f_low))),
-            "gauss_markov": lambda t: GaussMarkov(sigma=float(np.sqrt(strong * (1 + (2 * np.pi * f_low * t) ** 2) / (4 * t))), correlation_time=t)}
+    make = {
+        "random_walk": lambda _: RandomWalk(K=float(np.sqrt(excess / 2) * 2 * np.pi * f_low)),
+        "flicker": lambda _: Flicker(B=float(np.sqrt(excess * np.pi * f_low))),
+        "gauss_markov": lambda t: GaussMarkov(
+            sigma=float(np.sqrt(strong * (1 + (2 * np.pi * f_low * t) ** 2) / (4 * t))),
+            correlation_time=t,
+        ),
+    }
     times = [0.003 * data.duration, 0.02 * data.duration, 0.1 * data.duration]
     if "gauss_markov" not in family:
         yield [WhiteNoise(N=N)] + [make[n](None) for n in family]
@@ -48,21 +63,29 @@ def _starts(data: Data, family):
 
 
 def _slow(slot, fs):
-    """The slot with its time constant long enough for a drift: a shorter one would imitate a filter in the sensor."""
-    low = tuple(np.log(QUICKEST / fs) if name == "correlation_time" else v for name, v in zip(slot.names, slot.low))
+    """The slot with its time constant long enough for a drift: a shorter one would imitate a
+    filter in the sensor.
+    """
+    low = tuple(
+        np.log(QUICKEST / fs) if name == "correlation_time" else v
+        for name, v in zip(slot.names, slot.low)
+    )
     return replace(slot, low=low)
 
 
 def free_base(data: Data, held=()) -> State:
     """The best family by evidence, as a state whose base is free.
 
-    A filter in the sensor is tried at once, beside a base fitted to the low part of the band, up to each of `BELOW`: fitted
+    A filter in the sensor is tried at once, beside a base fitted to the low part of the band, up
+    to each of `BELOW`: fitted
     to all of it, flicker or a quick Gauss-Markov process would imitate the roll-off.
     """
     best = _best_family(data, held)
     for share in BELOW:
         low = copy(data)
-        low.layout = replace(data.layout, nu=np.where(data.layout.f < share * data.fs, data.layout.nu, 0.0))
+        low.layout = replace(
+            data.layout, nu=np.where(data.layout.f < share * data.fs, data.layout.nu, 0.0)
+        )
         below = _best_family(low, held).settled()
         for item in filter_candidates(State(data, below.base)):
             trial = State(data, below.base, [item], base_slots=below.base_slots)
@@ -76,20 +99,28 @@ def _best_family(data, held):
     for family in FAMILIES:
         for terms in _starts(data, family):
             terms = list(held) + terms
-            slots = [_slow(CATALOGUE[t.name].slot(i, data.fs, data.duration), data.fs) for i, t in enumerate(terms) if i >= len(held)]
+            slots = [
+                _slow(CATALOGUE[t.name].slot(i, data.fs, data.duration), data.fs)
+                for i, t in enumerate(terms)
+                if i >= len(held)
+            ]
             state = State(data, terms, base_slots=slots)
             if best is None or state.evidence > best.evidence:
                 best = state
     return best
 
 
-#: An effect is swallowed if the base takes this share of the information on its strength, for this share of its shapes.
+#: An effect is swallowed if the base takes this share of the information on its strength, for this
+#: share of its shapes.
 SWALLOWED, FAMILY = 0.5, 0.25
 
 
 def absorbed(state: State) -> list[str]:
-    """Effects that the free base of `state` may have swallowed: noises whose spectrum it imitates by a change of its own
-    parameters, to first order in the effect's strength, and drifts that would show if its slow noises were not there."""
+    """Effects that the free base of `state` may have swallowed: noises whose spectrum it imitates
+    by a change of its own
+    parameters, to first order in the effect's strength, and drifts that would show if its slow
+    noises were not there.
+    """
     data, likelihood, fit = state.data, state.likelihood, state.fit
     names = [t.name for t in state.base]
     s, c = likelihood.shapes(fit.vector)
@@ -103,13 +134,26 @@ def absorbed(state: State) -> list[str]:
             continue
         taken = []
         for process in effect.grid(data.fs, data.duration):
-            quick = fast.spectrum([process], fit.low_pass, data.layout, data.fs)[data.layout.slow:] / s
-            v = np.concatenate([quick, slow.spectrum_difference(slow.covariance(process, data.k, data.m, data.fs)) / slow_s]) * weight
+            quick = (
+                fast.spectrum([process], fit.low_pass, data.layout, data.fs)[data.layout.slow :] / s
+            )
+            v = (
+                np.concatenate(
+                    [
+                        quick,
+                        slow.spectrum_difference(slow.covariance(process, data.k, data.m, data.fs))
+                        / slow_s,
+                    ]
+                )
+                * weight
+            )
             taken.append(np.sum((basis.T @ v) ** 2) > SWALLOWED * np.sum(v**2))
         if np.mean(taken) > FAMILY:
             names.append(effect.name)
     # a drift that shows in the fast noise alone may be part of a fitted slow noise
-    quick = sum((slow.covariance(t, data.k, data.m, data.fs) for t in fit.terms if t.fast), np.zeros(data.k))
+    quick = sum(
+        (slow.covariance(t, data.k, data.m, data.fs) for t in fit.terms if t.fast), np.zeros(data.k)
+    )
     for effect in DRIFTS:
         shapes = [] if effect.sharp else effect.candidates(data)
         if shapes and quick[0] > 0:
@@ -117,6 +161,6 @@ def absorbed(state: State) -> list[str]:
             seen, alone = (np.sum(slow.whiten(v, d)[1] ** 2, axis=0) for v in (c, quick))
             if np.mean(seen < SWALLOWED * alone) > FAMILY:
                 names.append(effect.name)
-    if "gauss_markov" in names:                            # two levels whose dwells are lost in the noise have its spectrum
+    if "gauss_markov" in names:  # two levels whose dwells are lost in the noise have its spectrum
         names.append("telegraph")
     return list(dict.fromkeys([*names, "parameter_change"]))

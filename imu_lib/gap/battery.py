@@ -1,8 +1,11 @@
-"""The battery: one set of statistics, computed the same way on the measurement and on every simulation.
+"""The battery: one set of statistics, computed the same way on the measurement and on every
+simulation.
 
-They are of the raw output, electronics and all. Each is on a scale on which simulations scatter about
+They are of the raw output, electronics and all. Each is on a scale on which simulations scatter
+about
 normally (logarithms of powers), so that standardising by their scatter makes them comparable.
 """
+
 from __future__ import annotations
 
 from functools import lru_cache
@@ -11,18 +14,32 @@ import numpy as np
 from numba import njit
 from scipy.fft import rfft
 
-DOMAINS = ("psd", "lines", "allan", "autocorrelation", "distribution", "mean", "variance", "temperature")
-#: Bands of equal width that the range up to half the sampling rate is divided into, for the spectrum and its lines.
+DOMAINS = (
+    "psd",
+    "lines",
+    "allan",
+    "autocorrelation",
+    "distribution",
+    "mean",
+    "variance",
+    "temperature",
+)
+#: Bands of equal width that the range up to half the sampling rate is divided into, for the
+#: spectrum and its lines.
 BANDS = 64
 
 
 def edges(n: int) -> np.ndarray:
-    """Edges of the bands of the spectrum of `n` samples, in ordinates: logarithmic up to the width of `BANDS` equal ones."""
+    """Edges of the bands of the spectrum of `n` samples, in ordinates: logarithmic up to the width
+    of `BANDS` equal ones.
+    """
     last = n // 2 - 1
     steps = np.geomspace(3, last, 33)
     equal = np.linspace(0, last, BANDS + 1)
     narrow = steps[:-1][np.diff(steps) < equal[1]]
-    return np.unique(np.round(np.concatenate([narrow, equal[equal > narrow[-1] + 0.5 * equal[1]]])).astype(int))
+    return np.unique(
+        np.round(np.concatenate([narrow, equal[equal > narrow[-1] + 0.5 * equal[1]]])).astype(int)
+    )
 
 
 @lru_cache(maxsize=4)
@@ -33,7 +50,9 @@ def _window(n: int):
 
 @njit(cache=True, nogil=True)
 def _pass(x, b):
-    """Block means, mean squares about them, moments and lagged products of the deviations, ties, ends of the range."""
+    """Block means, mean squares about them, moments and lagged products of the deviations, ties,
+    ends of the range.
+    """
     k = len(x) // b
     level, square = np.empty(k), np.empty(k)
     r = np.empty(k * b)
@@ -67,7 +86,9 @@ def _pass(x, b):
 
 @njit(cache=True, nogil=True, fastmath=True)
 def _avar(c, m, step):
-    """Mean square second difference of the cumulative sum `c` over `m` samples at every `step`-th instant, per sample squared."""
+    """Mean square second difference of the cumulative sum `c` over `m` samples at every `step`-th
+    instant, per sample squared.
+    """
     acc, count = 0.0, 0
     for i in range(0, len(c) - 2 * m, step):
         d = c[i + 2 * m] - 2 * c[i + m] + c[i]
@@ -78,7 +99,9 @@ def _avar(c, m, step):
 
 @njit(cache=True, nogil=True, fastmath=True)
 def _shape(r, sd, lags):
-    """Shares of deviations beyond 3, beyond 4 and within 0.5 standard deviations, the largest, and lagged products."""
+    """Shares of deviations beyond 3, beyond 4 and within 0.5 standard deviations, the largest, and
+    lagged products.
+    """
     n = len(r)
     a = b = c = 0
     most = 0.0
@@ -110,10 +133,10 @@ def battery(x, fs: float, temperature=None) -> dict:
     taper, edge = _window(n)
     z = rfft(y * taper)
     p = z.real**2 + z.imag**2
-    mean = np.add.reduceat(p[:edge[-1]], edge[:-1]) / np.diff(edge)
+    mean = np.add.reduceat(p[: edge[-1]], edge[:-1]) / np.diff(edge)
     out["psd"] = np.log(mean + 1e-30 * mean.max())
     size = np.diff(edge)
-    peak = np.maximum.reduceat(p[:edge[-1]], edge[:-1])
+    peak = np.maximum.reduceat(p[: edge[-1]], edge[:-1])
     wide = size > 40
     out["lines"] = np.log(peak[wide] / mean[wide]) if wide.any() else np.zeros(0)
     # Allan variances of block sums, from the cumulative sum
@@ -127,36 +150,60 @@ def battery(x, fs: float, temperature=None) -> dict:
     var = e.mean()
     sd = np.sqrt(var)
     far, farther, core, most, out["autocorrelation"] = _shape(r, sd, _LAGS)
-    out["distribution"] = np.array([third / (var * sd), np.log(fourth / var**2), np.log(far + 1 / n), np.log(farther + 1 / n),
-                                    np.log(most), np.log(same + 1 / n), np.log(core + 1 / n), float(tops >= 3) + float(bottoms >= 3)])
+    out["distribution"] = np.array(
+        [
+            third / (var * sd),
+            np.log(fourth / var**2),
+            np.log(far + 1 / n),
+            np.log(farther + 1 / n),
+            np.log(most),
+            np.log(same + 1 / n),
+            np.log(core + 1 / n),
+            float(tops >= 3) + float(bottoms >= 3),
+        ]
+    )
     t = np.linspace(-1, 1, k)
     scatter = np.std(np.diff(level)) / np.sqrt(2)
     jump = _largest_jump(level)
-    out["mean"] = np.array([np.mean(level * t) * 3 / scatter, (level[:max(1, k // 20)].mean() - level.mean()) / scatter,
-                            np.log(np.abs(np.diff(level)).max() / scatter), np.log(jump / scatter), np.log(np.std(level) / scatter)])
+    out["mean"] = np.array(
+        [
+            np.mean(level * t) * 3 / scatter,
+            (level[: max(1, k // 20)].mean() - level.mean()) / scatter,
+            np.log(np.abs(np.diff(level)).max() / scatter),
+            np.log(jump / scatter),
+            np.log(np.std(level) / scatter),
+        ]
+    )
     values = []
     for join in (1, 5, 15, 75):
         g = k // join
         if g >= 6:
-            v = e[:g * join].reshape(g, join).mean(axis=1)
+            v = e[: g * join].reshape(g, join).mean(axis=1)
             values += [np.log(np.std(v) / v.mean()), np.log(v.max() / v.mean())]
     half = k // 2
     out["variance"] = np.array(values + [np.log(e[:half].mean() / e[half:].mean())])
     if temperature is not None and np.ptp(temperature) > 0:
         q = max(1, n // 400)
         g = n // q
-        a = x[:g * q].reshape(g, q).mean(axis=1)
-        h = temperature[:g * q].reshape(g, q).mean(axis=1)
+        a = x[: g * q].reshape(g, q).mean(axis=1)
+        h = temperature[: g * q].reshape(g, q).mean(axis=1)
         h = h - h.mean()
         d, dh = np.diff(a), np.diff(h)
-        out["temperature"] = np.array([np.dot(a, h) / np.sqrt(np.dot(h, h) * np.dot(a, a)), np.dot(d, dh) / np.sqrt(np.dot(dh, dh) * np.dot(d, d))])
+        out["temperature"] = np.array(
+            [
+                np.dot(a, h) / np.sqrt(np.dot(h, h) * np.dot(a, a)),
+                np.dot(d, dh) / np.sqrt(np.dot(dh, dh) * np.dot(d, d)),
+            ]
+        )
     else:
         out["temperature"] = np.zeros(0)
     return out
 
 
 def _largest_jump(level):
-    """The largest difference of means on the two sides of any instant, each over a tenth of the record."""
+    """The largest difference of means on the two sides of any instant, each over a tenth of the
+    record.
+    """
     k = len(level)
     w = max(2, k // 10)
     c = np.concatenate([[0.0], np.cumsum(level)])

@@ -1,4 +1,7 @@
-"""The workflow on one channel: electronics, noise level, lines, then the competition, then whether anything is left."""
+"""The workflow on one channel: electronics, noise level, lines, then the competition, then whether
+anything is left.
+"""
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
@@ -22,9 +25,11 @@ DOUBTED = 0.5
 MANY = 0.8
 #: Part of the shared noise's variance by which its estimate may be off.
 SHARED = 0.1
-#: What is found in single samples or their level: evidences of records that differ in it can't be compared.
+#: What is found in single samples or their level: evidences of records that differ in it can't be
+#: compared.
 SAMPLES = ("saturation", "stuck", "spikes", "noise_level_change")
-#: Log evidence by which spikes too small to be seen, white noise to a free quantization, may mislead the choice between grids.
+#: Log evidence by which spikes too small to be seen, white noise to a free quantization, may
+#: mislead the choice between grids.
 UNSEEN = 15.0
 #: log10 p of the stationarity tests below which only one round is run.
 VETO = -9.0
@@ -34,9 +39,12 @@ VETO = -9.0
 class ChannelResult:
     """What was found in a channel.
 
-    `base` is the model it started from (fitted where none was given), `model` the grown one, `evidence` its log evidence for
-    the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may have swallowed, `unexplained`
-    None or a sentence, `refit` models fitted to the first part of the record, one a simulation, empty where that part does not
+    `base` is the model it started from (fitted where none was given), `model` the grown one,
+    `evidence` its log evidence for
+    the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may
+    have swallowed, `unexplained`
+    None or a sentence, `refit` models fitted to the first part of the record, one a simulation,
+    empty where that part does not
     show every effect, `filled` the number of samples that were filled in.
     """
 
@@ -54,14 +62,32 @@ class ChannelResult:
     filled: int = 0
 
 
-def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, seed: int = 0, shared: float = 0.0, filtered: bool = False,
-            progress=None) -> ChannelResult:
-    """Find, name and add what `base` lacks to be the model of `raw` (NaN where a sample is missing), one channel at `fs` Hz.
+def analyse(
+    name: str,
+    raw,
+    fs: float,
+    base: Sum | None,
+    *,
+    temperature=None,
+    seed: int = 0,
+    shared: float = 0.0,
+    filtered: bool = False,
+    progress=None,
+) -> ChannelResult:
+    """Find, name and add what `base` lacks to be the model of `raw` (NaN where a sample is
+    missing), one channel at `fs` Hz.
 
-    `shared` is the density N of noise that the channel shares with others and that is accounted for on the record; it enters
+    `shared` is the density N of noise that the channel shares with others and that is accounted
+    for on the record; it enters
     before the channel's low-pass filter where it is `filtered`.
     """
-    options = {"temperature": temperature, "seed": seed, "shared": shared, "filtered": filtered, "progress": progress}
+    options = {
+        "temperature": temperature,
+        "seed": seed,
+        "shared": shared,
+        "filtered": filtered,
+        "progress": progress,
+    }
     raw = np.asarray(raw, float)
     grid = grid_of(raw[~np.isnan(raw)])
     held = None if grid is None else electronics.integral_of(base, grid[0], fs)
@@ -73,35 +99,63 @@ def analyse(name: str, raw, fs: float, base: Sum | None, *, temperature=None, se
     if not electronics.may_be_of_integral(raw, grid[0], fs):
         return found
     if held is not None:
-        base = Sum(tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages)
+        base = Sum(
+            tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages
+        )
     other = _analyse(name, raw, fs, base, integral=True, **options)
-    alike = len({tuple(s.effect for s in r.steps if s.effect in SAMPLES) for r in (found, other)}) == 1
+    alike = (
+        len({tuple(s.effect for s in r.steps if s.effect in SAMPLES) for r in (found, other)}) == 1
+    )
     better, fewer = other.evidence - found.evidence, len(found.steps) - len(other.steps)
     if other.unexplained is None or found.unexplained is not None:
         # what is drawn for samples that are missing differs from one analysis to the other
-        slack = 3.0 * np.sqrt(max(found.filled, other.filled)) + (UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0)
-        if fewer > 0 and (better > -slack or not alike) or fewer == 0 and alike and better > rounds.NEAR:
+        slack = 3.0 * np.sqrt(max(found.filled, other.filled)) + (
+            UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0
+        )
+        if (
+            fewer > 0
+            and (better > -slack or not alike)
+            or fewer == 0
+            and alike
+            and better > rounds.NEAR
+        ):
             return other
         if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
-            found.steps[found.steps.index(rounded)] = replace(rounded.capped(DOUBTED), indistinguishable=["quantization"])
+            found.steps[found.steps.index(rounded)] = replace(
+                rounded.capped(DOUBTED), indistinguishable=["quantization"]
+            )
     return found
 
 
 def _of_differences(step) -> bool:
-    """Whether a step beside a grid may come of rounding the integral: differenced errors, white noise the less, samples that agree."""
+    """Whether a step beside a grid may come of rounding the integral: differenced errors, white
+    noise the less, samples that agree.
+    """
     if step.effect == "parameter_change":
         return step.parameters["name"] in ("N", "Q")
-    return step.effect in ("quantization", "stuck") or step.effect == "autoregressive" and len(step.parameters["phi"]) == 1
+    return (
+        step.effect in ("quantization", "stuck")
+        or step.effect == "autoregressive"
+        and len(step.parameters["phi"]) == 1
+    )
 
 
-def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progress, integral=False) -> ChannelResult:
+def _analyse(
+    name, raw, fs, base, *, temperature, seed, shared, filtered, progress, integral=False
+) -> ChannelResult:
     say = progress or (lambda text: None)
     rng = np.random.default_rng([seed, sum(map(ord, name))])
     mean = float(np.nanmean(raw))
     given = base
     drift = np.zeros(len(raw))
     if given is not None and given.drifts.terms:
-        known = Sum(tuple(t for t in given.drifts.terms if t.name != "constant" and not (t.name == "sinusoid" and t.phase is None)))
+        known = Sum(
+            tuple(
+                t
+                for t in given.drifts.terms
+                if t.name != "constant" and not (t.name == "sinusoid" and t.phase is None)
+            )
+        )
         drift = known.mean(np.arange(len(raw)) / fs, temperature)
     say("electronics")
     clean = electronics.undo(raw, fs, given, rng, integral=integral)
@@ -114,7 +168,8 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progre
     if clean.of_integral is not None and (given is None or given.rounding is None):
         terms.append(clean.of_integral)
     held_terms = len(terms) - (0 if given is None else len(given.noise.terms))
-    # -- noise level ---------------------------------------------------------------------------------------
+    # -- noise level
+    # ---------------------------------------------------------------------------------------
     say("noise level")
     y = whitened(clean.x - clean.coarse, clean.smooth) / clean.swing
     held = None if given is None else given.find("noise_level_change")
@@ -126,31 +181,50 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progre
         if change.doubt is None:
             if given is not None:
                 level = _level(clean, terms, given.low_pass, fs)
-                change = effects.CATALOGUE["noise_level_change"].anchored(change, y, fs, level, clean.smooth.independent)
+                change = effects.CATALOGUE["noise_level_change"].anchored(
+                    change, y, fs, level, clean.smooth.independent
+                )
             findings.append(change)
             x = _levelled(x, change.process.ratio, change.process.time, fs, given)
-            y = y / np.where(np.arange(len(y)) >= change.process.time * fs, change.process.ratio, 1.0)
+            y = y / np.where(
+                np.arange(len(y)) >= change.process.time * fs, change.process.ratio, 1.0
+            )
         else:
             doubts.append(change.doubt)
-    # -- lines ---------------------------------------------------------------------------------------------
+    # -- lines
+    # ---------------------------------------------------------------------------------------------
     say("lines")
-    data = Data(x, fs, white=clean.white, temperature=temperature, extra=clean.extra, blind=clean.blind)
+    data = Data(
+        x, fs, white=clean.white, temperature=temperature, extra=clean.extra, blind=clean.blind
+    )
     lines, data = effects.CATALOGUE["sinusoid"].find(data)
     if given is not None:
         foreseen = [t.frequency for t in given.terms if t.name == "sinusoid" and t.phase is None]
-        lines = [(item, s) for item, s in lines if not any(abs(f - item.process.frequency) < 2 / data.duration for f in foreseen)]
+        lines = [
+            (item, s)
+            for item, s in lines
+            if not any(abs(f - item.process.frequency) < 2 / data.duration for f in foreseen)
+        ]
     findings += [item for item, _ in lines]
-    # -- the competition -------------------------------------------------------------------------------------
+    # -- the competition
+    # -------------------------------------------------------------------------------------
     say("candidates")
     if given is None:
         state = free_base(data, terms)
     else:
         state = State(data, terms, low_pass=given.low_pass)
     n_base = len(state.base)
-    # a spectrum that does not stand still has no stationary name: one round at the most, and no confidence
+    # a spectrum that does not stand still has no stationary name: one round at the most, and no
+    # confidence
     quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else y
-    coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(clean.smooth.conditional_variance)
-    unsteady = min(verdict.stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps), key=lambda c: c.log_p, default=None)
+    coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(
+        clean.smooth.conditional_variance
+    )
+    unsteady = min(
+        verdict.stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps),
+        key=lambda c: c.log_p,
+        default=None,
+    )
     wild = unsteady is not None and unsteady.log_p < VETO
     state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
     rivals = [{} for _ in state.items]
@@ -160,13 +234,17 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progre
         if len(fewer.items) < len(state.items):
             state, rivals = rounds.swap(fewer, passes=1)
         state = profiled(state)
-    # -- what is left ----------------------------------------------------------------------------------------
+    # -- what is left
+    # ----------------------------------------------------------------------------------------
     say("what is left")
 
     def left(state):
         rest = data.x - _deterministic(state)
         smooth = Smooth(rest, fs)
-        return verdict.checks(state, whitened(rest, smooth) / clean.swing, smooth, coarse_steps=coarse_steps)
+        return verdict.checks(
+            state, whitened(rest, smooth) / clean.swing, smooth, coarse_steps=coarse_steps
+        )
+
     tests = left(state)
     if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
         # before it is left without a name: two effects far behind one alone
@@ -185,7 +263,9 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progre
     steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals, n_base)
     if unexplained is not None:
         steps = [s.capped(DOUBTED) for s in steps]
-    elif len(state.likelihood.slots) - len(state.base_slots) > 2:       # so many noises draw any smooth spectrum
+    elif (
+        len(state.likelihood.slots) - len(state.base_slots) > 2
+    ):  # so many noises draw any smooth spectrum
         steps = [s.capped(MANY) for s in steps]
     steps = _doubtful(steps, shared)
     base_sum = given if given is not None else Sum(tuple(state.base[held_terms:n_base]))
@@ -193,16 +273,31 @@ def _analyse(name, raw, fs, base, *, temperature, seed, shared, filtered, progre
     model = grown(*parts)
     refit = refits(*parts, rng) if steps else []
     swallowed = [] if given is not None else absorbed(state)
-    return ChannelResult(name, base_sum, model, steps, swallowed, unexplained, tests, mean, between(base_sum, findings, state), refit,
-                         state.evidence, clean.filled)
+    return ChannelResult(
+        name,
+        base_sum,
+        model,
+        steps,
+        swallowed,
+        unexplained,
+        tests,
+        mean,
+        between(base_sum, findings, state),
+        refit,
+        state.evidence,
+        clean.filled,
+    )
 
 
 def _doubtful(steps, shared):
     """The steps with no high confidence in what the make of another would explain, too.
 
-    A filter that is not of the catalogue's kinds leaves a slope near half the sampling rate; where an angle or a velocity is
-    rounded instead of the sample, its errors are differenced, and N stands for the white noise that the grid then lacks. The
-    density of `shared` noise is known to some per cent, and a channel's own N makes up for the rest.
+    A filter that is not of the catalogue's kinds leaves a slope near half the sampling rate; where
+    an angle or a velocity is
+    rounded instead of the sample, its errors are differenced, and N stands for the white noise
+    that the grid then lacks. The
+    density of `shared` noise is known to some per cent, and a channel's own N makes up for the
+    rest.
     """
     names = {s.effect for s in steps}
     out = []
@@ -220,13 +315,18 @@ def _doubtful(steps, shared):
 def _level(clean, terms, low_pass, fs) -> float:
     """Variance of the fast noise as a multiple of what the given noises have."""
     layout = clean.smooth.layout
-    s = measured(fast.spectrum(terms, low_pass, layout, fs), clean.extra if clean.extra is not None else 2.0 * clean.white / fs)
+    s = measured(
+        fast.spectrum(terms, low_pass, layout, fs),
+        clean.extra if clean.extra is not None else 2.0 * clean.white / fs,
+    )
     k = layout.slow
     return float(np.average(clean.smooth.level[k:] / s[k:], weights=layout.nu[k:]))
 
 
 def _levelled(x, ratio, time, fs, base):
-    """The fast noise after `time` brought back to its level before; what the base calls slow stays."""
+    """The fast noise after `time` brought back to its level before; what the base calls slow
+    stays.
+    """
     n = len(x)
     k = int(round(time * fs))
     drifts = [] if base is None else [t for t in base.terms if not t.deterministic and not t.fast]
@@ -242,7 +342,7 @@ def _levelled(x, ratio, time, fs, base):
         gain[:2] = 1.0
     else:
         gain = 1.0 / (1.0 + (f * 20.0) ** 4)
-    gain[0] = 1.0                                         # the mean is no noise
+    gain[0] = 1.0  # the mean is no noise
     pad = np.concatenate([x, x[::-1]])
     slow_part = np.fft.irfft(np.fft.rfft(pad) * gain, size)[:n]
     out = x.copy()

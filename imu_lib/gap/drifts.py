@@ -1,4 +1,7 @@
-"""Deterministic drifts: scanned by generalised least squares, their time constants and instants found beside one another."""
+"""Deterministic drifts: scanned by generalised least squares, their time constants and instants
+found beside one another.
+"""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -12,7 +15,9 @@ from imu_lib.gap.state import Item, State
 
 
 def _scanner(state: State, columns):
-    """Gain, amplitude and squared norm of drifts by generalised least squares under the fitted noise, beside `columns`."""
+    """Gain, amplitude and squared norm of drifts by generalised least squares under the fitted
+    noise, beside `columns`.
+    """
     data = state.cleaned
     white = slow.whitening_matrix(state.likelihood.shapes(state.fit.vector)[1])
     e = white @ data.d
@@ -27,6 +32,7 @@ def _scanner(state: State, columns):
             a = a - basis @ (basis.T @ a)
         norm = np.maximum(np.sum(a * a, axis=0), 1e-300)
         return 0.5 * (a.T @ e) ** 2 / norm, (a.T @ e) / norm, norm
+
     return scan
 
 
@@ -34,9 +40,12 @@ def drift_candidates(state: State) -> list[Item]:
     """Deterministic drifts by generalised least squares under the fitted noise."""
     out, scan = [], _scanner(state, state.assemble()[3])
     for effect in effects.DRIFTS:
-        if effect.name in ("ramp", "warm_up", "temperature") and any(i.name == effect.name for i in state.items):
+        if effect.name in ("ramp", "warm_up", "temperature") and any(
+            i.name == effect.name for i in state.items
+        ):
             continue
-        # a drift beside a transient whose time constant is not yet its own gains only when both are found anew
+        # a drift beside a transient whose time constant is not yet its own gains only when both
+        # are found anew
         beside = effect.name == "ramp" and any(i.name == "warm_up" for i in state.items)
         item = _best_drift(state, effect, scan, 0.0 if beside else SCREEN)
         if item is not None:
@@ -54,12 +63,15 @@ def _best_drift(state, effect, scan, screen: float = SCREEN) -> Item | None:
     if gain[j] < screen:
         return None
     best, note = processes[j], {"screen": float(gain[j])}
-    if effect.name == "step":                              # log of the share of all instants at which the jump may lie
+    if effect.name == "step":  # log of the share of all instants at which the jump may lie
         note["width"] = float(np.log(np.sum(np.exp(gain - gain[j])) / len(gain)))
     if effect.shape is not None:
         best, edge = _refine(effect, best, scan, data, state)
-        if edge is not None:                               # seen in the samples: the odds fall off on both sides like exp(-|t|)
-            note["edge"], note["width"] = edge, float(np.log((edge[2] - edge[1]) / 3.0 / data.duration))
+        if edge is not None:  # seen in the samples: the odds fall off on both sides like exp(-|t|)
+            note["edge"], note["width"] = (
+                edge,
+                float(np.log((edge[2] - edge[1]) / 3.0 / data.duration)),
+            )
     column = np.diff(effect.columns([best], data)[:, 0])
     return Item(effect.key, best, column=column, note=note)
 
@@ -77,13 +89,26 @@ def profiled(state: State) -> State:
         return state
     for item in state.items:
         if item.column is not None and item.effect.shape is not None:
-            item = replace(item, note={**item.note, "profile": _profile(item.effect, item.process, _scanner(state, _others(state, item)), state.cleaned)})
+            item = replace(
+                item,
+                note={
+                    **item.note,
+                    "profile": _profile(
+                        item.effect,
+                        item.process,
+                        _scanner(state, _others(state, item)),
+                        state.cleaned,
+                    ),
+                },
+            )
         items.append(item)
     return state.with_items(items).settled()
 
 
 def retuned(state: State) -> State:
-    """The state with the shapes of its drifts (time constants, instants) found anew beside one another."""
+    """The state with the shapes of its drifts (time constants, instants) found anew beside one
+    another.
+    """
     for _ in range(2):
         moved = False
         for i, item in enumerate(state.items):
@@ -98,7 +123,7 @@ def retuned(state: State) -> State:
                 continue
             gain, _, _ = scan(item.effect, [item.process, best.process])
             if gain[1] > gain[0] + 0.1:
-                state = state.with_items(state.items[:i] + (best,) + state.items[i + 1:])
+                state = state.with_items(state.items[:i] + (best,) + state.items[i + 1 :])
                 moved = True
         if not moved:
             break
@@ -106,7 +131,9 @@ def retuned(state: State) -> State:
 
 
 def _refine(effect, best, scan, data, state):
-    """The drift with its shape at the best place, and the edge that the samples show of a jump, or None."""
+    """The drift with its shape at the best place, and the edge that the samples show of a jump, or
+    None.
+    """
     for reach in (1.0, 0.12, 0.015):
         trial = effect.around(best, data, reach, 25)
         gain, amplitude, _ = scan(effect, trial)
@@ -116,7 +143,9 @@ def _refine(effect, best, scan, data, state):
     if effect.name == "step":
         amplitude = float(amplitude[j])
         s = state.likelihood.shapes(state.fit.vector)[0]
-        density = max(float(np.median(s)), float(np.median(s[:20]))) / 2      # red noise has edges of its own
+        density = (
+            max(float(np.median(s)), float(np.median(s[:20]))) / 2
+        )  # red noise has edges of its own
         edge = sharpen(data.x, data.fs, best.time, data.m / data.fs, amplitude, density)
         if edge is not None:
             best = best.with_(time=edge[0])

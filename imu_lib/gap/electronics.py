@@ -1,8 +1,12 @@
-"""What the electronics did to a channel, found first and undone: rounding, clipping, frozen samples, spikes, missing samples.
+"""What the electronics did to a channel, found first and undone: rounding, clipping, frozen
+samples, spikes, missing samples.
 
-Everything else assumes a Gaussian signal, so that these come first; the samples they touch are drawn
-anew given the others under the spectrum of the record itself, not of the base model, which may be wrong.
+Everything else assumes a Gaussian signal, so that these come first; the samples they touch are
+drawn
+anew given the others under the spectrum of the record itself, not of the base model, which may be
+wrong.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -23,9 +27,11 @@ from imu_lib.gap.outliers import deconvolved
 from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.processes import Quantization as OfIntegral
 
-#: Share of the mean spectrum below which a bin holds little but what was filled in for missing samples.
+#: Share of the mean spectrum below which a bin holds little but what was filled in for missing
+#: samples.
 EMPTY = 3e-3
-#: Steps of the grid, in standard deviations of what the other samples leave open, from which on the levels show in the innovations.
+#: Steps of the grid, in standard deviations of what the other samples leave open, from which on
+#: the levels show in the innovations.
 DITHER = 0.3
 
 
@@ -33,10 +39,14 @@ DITHER = 0.3
 class Clean:
     """A channel with the electronics undone.
 
-    `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside meanwhile, `findings` what was
-    found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x - coarse`, `step` the grid,
-    `of_integral` the quantization where it is the integral that is rounded, `blind` the bins of the spectrum where samples
-    that were filled in (`filled` many) are stronger than the signal, `swing` how a coarse grid lets the noise rise and fall (n,), 1 where it does not.
+    `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside
+    meanwhile, `findings` what was
+    found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x -
+    coarse`, `step` the grid,
+    `of_integral` the quantization where it is the integral that is rounded, `blind` the bins of
+    the spectrum where samples
+    that were filled in (`filled` many) are stronger than the signal, `swing` how a coarse grid
+    lets the noise rise and fall (n,), 1 where it does not.
     """
 
     x: np.ndarray
@@ -59,7 +69,7 @@ def gross_jumps(x, fs) -> np.ndarray:
     out = np.zeros(len(x))
     if k < 60:
         return out
-    y = x[:k * q].reshape(k, q).mean(axis=1)
+    y = x[: k * q].reshape(k, q).mean(axis=1)
     c = np.concatenate([[0.0], np.cumsum(y)])
     w = 6
     i = np.arange(w, k - w + 1)
@@ -74,17 +84,19 @@ def gross_jumps(x, fs) -> np.ndarray:
         density = fast_sd**2 / fs
         edge = sharpen(x, fs, i[j] * q / fs, 1.0, jump[j], density)
         at = int(round((edge[0] if edge else i[j] * q / fs) * fs))
-        a = x[max(0, at - w * q):at].mean() if at > 0 else x[0]
-        b = x[at:at + w * q].mean()
+        a = x[max(0, at - w * q) : at].mean() if at > 0 else x[0]
+        b = x[at : at + w * q].mean()
         out[at:] += b - a
-        strong[max(0, j - w):j + w + 1] = 0.0
+        strong[max(0, j - w) : j + w + 1] = 0.0
     return out
 
 
 def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
-    """Find and undo what the electronics did to `raw` (NaN where a sample is missing); `base` is the channel's model (`Sum`).
+    """Find and undo what the electronics did to `raw` (NaN where a sample is missing); `base` is
+    the channel's model (`Sum`).
 
-    A grid is taken for that of a rounded integral whose increments are read out where `integral` is set.
+    A grid is taken for that of a rounded integral whose increments are read out where `integral`
+    is set.
     """
     missing = np.isnan(raw)
     held = {s.name: s for s in base.stages} if base is not None else {}
@@ -95,13 +107,22 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
     step = grid[0] if grid else None
     if step is not None and fast_sd < step:
         fast_sd = float(np.std(np.diff(good)) / np.sqrt(2))
-    rounded = Resolution().detect(good, max(fast_sd, 1e-300), held["resolution"].lsb if "resolution" in held else None)
+    rounded = Resolution().detect(
+        good, max(fast_sd, 1e-300), held["resolution"].lsb if "resolution" in held else None
+    )
     if step is not None and rounded is None and "resolution" not in held:
-        step = grid = None                                # a number format, too fine to matter
+        step = grid = None  # a number format, too fine to matter
     of_integral = OfIntegral.of_grid(step, fs) if integral and step is not None else None
     if of_integral is not None:
         if integral_of(base, step, fs) is None:
-            findings.append(Quantization().on_grid(of_integral, step, len(np.unique(good)), None if rounded is None else rounded.doubt))
+            findings.append(
+                Quantization().on_grid(
+                    of_integral,
+                    step,
+                    len(np.unique(good)),
+                    None if rounded is None else rounded.doubt,
+                )
+            )
     elif rounded is not None:
         findings.append(rounded)
     clipped = Saturation().detect(good, step, held.get("saturation"))
@@ -120,7 +141,12 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
     for _, signal in lines:
         coarse = coarse + signal
     smooth = Smooth(x - coarse, fs)
-    stuck = Stuck().detect(x, side != 0, None if step is None else Rounding(x, smooth, grid).twin(rng, of_integral), held.get("stuck"))
+    stuck = Stuck().detect(
+        x,
+        side != 0,
+        None if step is None else Rounding(x, smooth, grid).twin(rng, of_integral),
+        held.get("stuck"),
+    )
     bad = missing.copy()
     if stuck is not None:
         findings.append(stuck)
@@ -132,9 +158,12 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
     spikes, spiked = None, np.zeros(len(x), bool)
     for _ in range(5):
         if (hidden | spiked).any():
-            # what was filled in under too loud a spectrum would make its neighbours surprising under a better one
+            # what was filled in under too loud a spectrum would make its neighbours surprising
+            # under a better one
             for _ in range(5):
-                clean = _fill(rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid)
+                clean = _fill(
+                    rest, hidden & (side == 0) | spiked, above, below, coarse, smooth, rng, grid
+                )
                 before, smooth = smooth.conditional_variance, Smooth(clean, fs)
                 if smooth.conditional_variance > 0.9 * before:
                     break
@@ -149,7 +178,9 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         y, instead = deconvolved(surprises(probe, even), even)
         y[hidden | _edges(measured, y)] = 0.0
         for end in (y[:64], y[-64:]):
-            end[np.abs(end) < 20] = 0.0                 # a filter that starts up is no spike, unless it is one by eye
+            end[np.abs(end) < 20] = (
+                0.0  # a filter that starts up is no spike, unless it is one by eye
+            )
         new = Spikes().detect(y[~hidden], even, held.get("spikes"))
         if new is None and "spikes" not in held:
             spikes = None
@@ -175,32 +206,59 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         rounding = Rounding(clean + coarse, smooth, grid)
         extra, swing = rounding.extra(rng), rounding.swing
         k = smooth.layout.slow
-        white = float(np.mean(extra[k:k + 12]) * fs / 2)
+        white = float(np.mean(extra[k : k + 12]) * fs / 2)
     blind = smooth.level < EMPTY * np.mean(smooth.on(2048)) if (hidden | spiked).any() else None
-    return Clean(clean + coarse, coarse, findings, white, smooth, step, extra, swing, of_integral, blind, int(np.count_nonzero(hidden | spiked)))
+    return Clean(
+        clean + coarse,
+        coarse,
+        findings,
+        white,
+        smooth,
+        step,
+        extra,
+        swing,
+        of_integral,
+        blind,
+        int(np.count_nonzero(hidden | spiked)),
+    )
 
 
 def may_be_of_integral(raw, step: float, fs: float) -> bool:
-    """Whether the spectrum leaves room for the errors of a rounded integral, which are strongest at half the sampling rate."""
+    """Whether the spectrum leaves room for the errors of a rounded integral, which are strongest
+    at half the sampling rate.
+    """
     smooth = Smooth(first_fill(raw, np.isnan(raw)), fs)
     top = smooth.layout.f > 0.45 * fs
-    return bool(np.mean(smooth.level[top]) > 0.9 * np.mean(OfIntegral.of_grid(step, fs).psd(smooth.layout.f[top], fs)))
+    return bool(
+        np.mean(smooth.level[top])
+        > 0.9 * np.mean(OfIntegral.of_grid(step, fs).psd(smooth.layout.f[top], fs))
+    )
 
 
 def integral_of(base, step: float, fs: float) -> OfIntegral | None:
     """The quantization of a base model that a grid of `step` would come of, if it has one."""
     want = OfIntegral.of_grid(step, fs).Q
-    if base is None or any(s.name == "resolution" and abs(s.lsb / step - 1) < 0.02 for s in base.stages):
+    if base is None or any(
+        s.name == "resolution" and abs(s.lsb / step - 1) < 0.02 for s in base.stages
+    ):
         return None
-    return next((t for t in base.terms if t.name == "quantization" and abs(t.Q / want - 1) < 0.02), None)
+    return next(
+        (t for t in base.terms if t.name == "quantization" and abs(t.Q / want - 1) < 0.02), None
+    )
 
 
 def _edges(x, y, *, reach: int = 4) -> np.ndarray:
-    """Surprises where the level before differs from the level after by most of the surprise: a jump, not a spike; mask (n,)."""
+    """Surprises where the level before differs from the level after by most of the surprise: a
+    jump, not a spike; mask (n,).
+    """
     at = np.flatnonzero(np.abs(y) > 4.5)
     at = at[(at > reach + 1) & (at < len(x) - reach - 2)]
     # the surprises beside a spike are its shadow
-    at = at[np.abs(y[at]) >= np.max(np.abs(y[at[:, None] + np.arange(-reach, reach + 1)]), axis=1)] if len(at) else at
+    at = (
+        at[np.abs(y[at]) >= np.max(np.abs(y[at[:, None] + np.arange(-reach, reach + 1)]), axis=1)]
+        if len(at)
+        else at
+    )
     out = np.zeros(len(x), bool)
     if len(at) == 0 or len(at) > len(x) // 50:
         return out
@@ -208,10 +266,13 @@ def _edges(x, y, *, reach: int = 4) -> np.ndarray:
 
     def levels(at):
         return np.median(x[at[:, None] - lag], axis=1), np.median(x[at[:, None] + lag], axis=1)
+
     before, after = levels(at)
     far = np.maximum(np.abs(x[at] - before), np.abs(x[at] - after))
     # a filtered signal moves as much anywhere
-    usual = 1.4826 * np.median(np.abs(np.subtract(*levels(np.linspace(reach + 2, len(x) - reach - 3, 4000).astype(int)))))
+    usual = 1.4826 * np.median(
+        np.abs(np.subtract(*levels(np.linspace(reach + 2, len(x) - reach - 3, 4000).astype(int))))
+    )
     jump = at[np.abs(after - before) > np.maximum(0.7 * far, 3.5 * usual)]
     for k in (-1, 0, 1):
         out[jump + k] = True
@@ -223,9 +284,19 @@ def _fill(rest, bad, above, below, coarse, smooth, rng, grid):
         return impute(rest, bad, smooth, rng)
     # the limits hold for the whole signal: for the rest of it they move with what was set aside
     whole = impute(rest, bad | above[0] | below[0], smooth, rng)
-    out = impute(rest, bad, smooth, rng, above=(above[0], above[1] - float(np.median(coarse[above[0]]))) if above[0].any() else None,
-                 below=(below[0], below[1] - float(np.median(coarse[below[0]]))) if below[0].any() else None)
-    if grid is not None:                                  # clipped samples were rounded, too
+    out = impute(
+        rest,
+        bad,
+        smooth,
+        rng,
+        above=(above[0], above[1] - float(np.median(coarse[above[0]]))) if above[0].any() else None,
+        below=(below[0], below[1] - float(np.median(coarse[below[0]]))) if below[0].any() else None,
+    )
+    if grid is not None:  # clipped samples were rounded, too
         step, offset = grid
-        out = np.where(above[0] | below[0], offset + np.rint((out + coarse - offset) / step) * step - coarse, out)
+        out = np.where(
+            above[0] | below[0],
+            offset + np.rint((out + coarse - offset) / step) * step - coarse,
+            out,
+        )
     return np.where(bad & ~above[0] & ~below[0], whole, out)

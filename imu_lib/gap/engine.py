@@ -4,6 +4,7 @@ log L = exact Gaussian of the differenced block means + gamma likelihood of the 
 above their Nyquist frequency. Drifts are columns of a regression in the slow part, their
 amplitudes profiled out by generalised least squares.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
@@ -19,7 +20,9 @@ SCREEN = 4.0
 
 
 def measured(s, extra):
-    """A model's spectrum `s` with the density that the electronics add; coarse rounding may add less than nothing, but leaves a rest."""
+    """A model's spectrum `s` with the density that the electronics add; coarse rounding may add
+    less than nothing, but leaves a rest.
+    """
     return np.maximum(s + extra, 1e-3 * s)
 
 
@@ -33,12 +36,16 @@ class Data:
     white : float
         Variance that the electronics add to every sample (rounding), unit^2.
     extra : ndarray, optional
-        One-sided density that the electronics add in the bins of the spectrum, where it is not 2 white / fs.
+        One-sided density that the electronics add in the bins of the spectrum, where it is not 2
+        white / fs.
     blind : ndarray of bool, optional
-        Bins that tell nothing: the stop band of a filter, where samples that were filled in are stronger than the signal.
+        Bins that tell nothing: the stop band of a filter, where samples that were filled in are
+        stronger than the signal.
     """
 
-    def __init__(self, x, fs: float, *, white: float = 0.0, temperature=None, extra=None, blind=None):
+    def __init__(
+        self, x, fs: float, *, white: float = 0.0, temperature=None, extra=None, blind=None
+    ):
         self.x, self.fs, self.white, self.blind = x, float(fs), white, blind
         self.n = len(x)
         self.m = slow.block_length(self.n, fs)
@@ -51,7 +58,9 @@ class Data:
         self.block_time = (np.arange(self.k + 1) + 0.5) * self.m / fs
         self.duration = self.n / fs
         self.temperature = temperature
-        self.block_temperature = None if temperature is None else slow.block_means(temperature, self.m)
+        self.block_temperature = (
+            None if temperature is None else slow.block_means(temperature, self.m)
+        )
         self.extra = np.full(len(self.layout.f), 2.0 * white / fs) if extra is None else extra
         self._z = None
         self._p = None
@@ -72,7 +81,14 @@ class Data:
 
     def minus(self, signal) -> Data:
         """The channel without a deterministic signal."""
-        return Data(self.x - signal, self.fs, white=self.white, temperature=self.temperature, extra=self.extra, blind=self.blind)
+        return Data(
+            self.x - signal,
+            self.fs,
+            white=self.white,
+            temperature=self.temperature,
+            extra=self.extra,
+            blind=self.blind,
+        )
 
     def column(self, values_at_blocks) -> np.ndarray:
         """A drift given at the block means as a column of the regression."""
@@ -83,8 +99,10 @@ class Data:
 class Fit:
     """A maximum of the likelihood.
 
-    `terms` are all noise terms, `vector` and `cov` the free parameters (log scale) with their covariance, `beta` and
-    `beta_cov` the amplitudes of the regression columns, `evidence` the log marginal likelihood by Laplace's method.
+    `terms` are all noise terms, `vector` and `cov` the free parameters (log scale) with their
+    covariance, `beta` and
+    `beta_cov` the amplitudes of the regression columns, `evidence` the log marginal likelihood by
+    Laplace's method.
     """
 
     ll: float
@@ -100,7 +118,9 @@ class Fit:
 
 @dataclass(frozen=True)
 class Slot:
-    """A process some of whose parameters are free: `index` in the terms (-1: the low-pass filter), names, prior widths, bounds."""
+    """A process some of whose parameters are free: `index` in the terms (-1: the low-pass filter),
+    names, prior widths, bounds.
+    """
 
     index: int
     names: tuple
@@ -126,22 +146,37 @@ class Likelihood:
         self.data, self.terms, self.slots, self.low_pass = data, list(terms), tuple(slots), low_pass
         self.columns = None if columns is None or columns.shape[1] == 0 else columns
         self.power_full = data.power if power is None else power
-        self.power = self.power_full[data.layout.slow:]
-        self.nu = data.layout.nu[data.layout.slow:]
+        self.power = self.power_full[data.layout.slow :]
+        self.nu = data.layout.nu[data.layout.slow :]
         self.free_index = {s.index for s in self.slots}
         held = [t for i, t in enumerate(self.terms) if i not in self.free_index]
-        self.held_c = sum((slow.covariance(t, data.k, data.m, data.fs) for t in held), np.zeros(data.k))
+        self.held_c = sum(
+            (slow.covariance(t, data.k, data.m, data.fs) for t in held), np.zeros(data.k)
+        )
         self.filter_free = -1 in self.free_index
-        self.held_s = None if self.low_pass is not None else fast.spectrum(held, None, data.layout, data.fs)[data.layout.slow:]
+        self.held_s = (
+            None
+            if self.low_pass is not None
+            else fast.spectrum(held, None, data.layout, data.fs)[data.layout.slow :]
+        )
 
     def start(self):
-        return np.concatenate([[*s.read(self.low_pass if s.index == -1 else self.terms[s.index])] for s in self.slots]) if self.slots else np.zeros(0)
+        return (
+            np.concatenate(
+                [
+                    [*s.read(self.low_pass if s.index == -1 else self.terms[s.index])]
+                    for s in self.slots
+                ]
+            )
+            if self.slots
+            else np.zeros(0)
+        )
 
     def unpack(self, vector):
         """(terms, low_pass) at a vector of the free parameters."""
         terms, low_pass, at = list(self.terms), self.low_pass, 0
         for s in self.slots:
-            part = vector[at:at + len(s.names)]
+            part = vector[at : at + len(s.names)]
             at += len(s.names)
             if s.index == -1:
                 low_pass = s.write(low_pass, part)
@@ -162,16 +197,26 @@ class Likelihood:
         c[0] += 2 * v
         c[1:2] -= v
         if self.low_pass is not None:
-            s = fast.spectrum(terms, low_pass, data.layout, data.fs)[data.layout.slow:]
+            s = fast.spectrum(terms, low_pass, data.layout, data.fs)[data.layout.slow :]
         else:
-            s = self.held_s + fast.spectrum(free, None, data.layout, data.fs)[data.layout.slow:] if free else self.held_s
-        return measured(s, data.extra[data.layout.slow:]), c
+            s = (
+                self.held_s + fast.spectrum(free, None, data.layout, data.fs)[data.layout.slow :]
+                if free
+                else self.held_s
+            )
+        return measured(s, data.extra[data.layout.slow :]), c
 
     def value(self, vector, shapes=None):
-        """log L up to a constant of the data, with the regression profiled out: (ll, beta, beta_cov)."""
+        """log L up to a constant of the data, with the regression profiled out: (ll, beta,
+        beta_cov).
+        """
         s, c = self.shapes(vector) if shapes is None else shapes
         ll = -0.5 * float(np.sum(self.nu * (np.log(s) + self.power / s)))
-        y = self.data.d[:, None] if self.columns is None else np.column_stack([self.data.d, self.columns])
+        y = (
+            self.data.d[:, None]
+            if self.columns is None
+            else np.column_stack([self.data.d, self.columns])
+        )
         logdet, e = slow.whiten(c, y)
         if not np.isfinite(logdet):
             return -np.inf, np.zeros(0), np.zeros((0, 0))
@@ -186,7 +231,10 @@ class Likelihood:
 
     def bounds(self):
         """The least and the most that each free parameter may be, logarithms, shapes (k,)."""
-        return (np.concatenate([np.asarray(s.low, float) for s in self.slots]), np.concatenate([np.asarray(s.high, float) for s in self.slots]))
+        return (
+            np.concatenate([np.asarray(s.low, float) for s in self.slots]),
+            np.concatenate([np.asarray(s.high, float) for s in self.slots]),
+        )
 
     def maximise(self, start=None, *, iterations: int = 14, tolerance: float = 0.02) -> Fit:
         """Fisher scoring with a damped step, from `start` or the slots' own values."""
@@ -205,12 +253,21 @@ class Likelihood:
                 gradient, information = self._derivatives(x, shapes)
                 moved = False
                 for _ in range(6):
-                    step = np.linalg.solve(information + damping * np.diag(np.diag(information) + 1e-6), gradient)
+                    step = np.linalg.solve(
+                        information + damping * np.diag(np.diag(information) + 1e-6), gradient
+                    )
                     trial = np.clip(x + np.clip(step, -1.0, 1.0), low, high)
                     new_shapes = self.shapes(trial)
                     value, b, bc = self.value(trial, new_shapes)
                     if value > best:
-                        gain, x, best, beta, beta_cov, shapes = value - best, trial, value, b, bc, new_shapes
+                        gain, x, best, beta, beta_cov, shapes = (
+                            value - best,
+                            trial,
+                            value,
+                            b,
+                            bc,
+                            new_shapes,
+                        )
                         damping, moved = max(damping / 10, 1e-6), True
                         break
                     damping = max(10 * damping, 1e-2)
@@ -219,14 +276,31 @@ class Likelihood:
             _, information = self._derivatives(x, shapes, gradient=False)
         cov = np.linalg.pinv(information) if k else np.zeros((0, 0))
         terms, low_pass = self.unpack(x)
-        return Fit(best, tuple(terms), low_pass, x, cov, beta, beta_cov, best + self._occam(information, beta, beta_cov), self.slots)
+        return Fit(
+            best,
+            tuple(terms),
+            low_pass,
+            x,
+            cov,
+            beta,
+            beta_cov,
+            best + self._occam(information, beta, beta_cov),
+            self.slots,
+        )
 
     def _occam(self, information, beta, beta_cov):
         out = 0.0
         if self.slots:
             widths = np.concatenate([np.asarray(s.widths, float) for s in self.slots])
             sd = 1.0 / np.sqrt(np.maximum(np.linalg.eigvalsh(information), 1e-12))
-            out += float(np.sum(np.minimum(np.log(np.maximum(sd, 1e-6) * np.sqrt(2 * np.pi)), np.log(widths.max()))) - np.sum(np.log(widths)))
+            out += float(
+                np.sum(
+                    np.minimum(
+                        np.log(np.maximum(sd, 1e-6) * np.sqrt(2 * np.pi)), np.log(widths.max())
+                    )
+                )
+                - np.sum(np.log(widths))
+            )
         for b, v in zip(beta, np.diag(beta_cov) if len(beta) else ()):
             out += amplitude_occam(abs(b) / np.sqrt(max(v, 1e-300)))
         return out
@@ -237,7 +311,8 @@ class Likelihood:
         return g, 0.5 * (a * self.nu) @ a.T + 0.5 * b @ b.T
 
     def directions(self, x, shapes=None, *, gradient: bool = False):
-        """Relative change of the spectrum in the fast bins and of the slow spectrum by each free parameter, shapes
+        """Relative change of the spectrum in the fast bins and of the slow spectrum by each free
+        parameter, shapes
         (parameters, bins) and (parameters, blocks), and the gradient."""
         shapes = self.shapes(x) if shapes is None else shapes
         k, h = len(x), 2e-3
@@ -251,12 +326,16 @@ class Likelihood:
             su, sd = self.shapes(up), self.shapes(down)
             if gradient:
                 rise = (self.value(up, su)[0] - self.value(down, sd)[0]) / (2 * h)
-                g[i] = np.clip(np.nan_to_num(rise), -1e12, 1e12)           # at the edge of what is a covariance at all
+                g[i] = np.clip(
+                    np.nan_to_num(rise), -1e12, 1e12
+                )  # at the edge of what is a covariance at all
             fast_d.append((su[0] - sd[0]) / (2 * h) / shapes[0])
             slow_d.append(slow.spectrum_difference(su[1] - sd[1]) / (2 * h) / two_sided)
         return np.array(fast_d), np.array(slow_d), g
 
 
 def amplitude_occam(snr: float) -> float:
-    """Log ratio of posterior to prior width of an amplitude of either sign, uniform in its logarithm over three decades."""
+    """Log ratio of posterior to prior width of an amplitude of either sign, uniform in its
+    logarithm over three decades.
+    """
     return float(np.log(np.sqrt(2 * np.pi) / (2 * AMPLITUDE_WIDTH * max(snr, 1.0))))

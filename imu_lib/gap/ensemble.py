@@ -3,6 +3,7 @@
 All channels and all models of a step share the draws of a simulation, so that before and after
 differ by the model and not by luck; within one model's ensemble the simulations are independent.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,16 +18,20 @@ from imu_lib.processes import Constant, Resolution, Saturation, Sum, WhiteNoise
 
 #: Simulations in an ensemble.
 SIZE = 100
-#: Processes of long memory, which are drawn before a filter, and the correlation time, s, from which on one counts to them.
+#: Processes of long memory, which are drawn before a filter, and the correlation time, s, from
+#: which on one counts to them.
 LONG, PASSES = ("random_walk", "flicker", "telegraph"), 10.0
-#: Scatter that a statistic is given which is the same in all simulations, such as the share of frozen samples.
+#: Scatter that a statistic is given which is the same in all simulations, such as the share of
+#: frozen samples.
 ALIKE = 0.02
 
 
 class Draws:
-    """The realisations of one simulation: each process is drawn once at amplitude 1 and serves every model that has it.
+    """The realisations of one simulation: each process is drawn once at amplitude 1 and serves
+    every model that has it.
 
-    The second process of a kind in a model has a draw of its own; a process of that kind with another time constant is made
+    The second process of a kind in a model has a draw of its own; a process of that kind with
+    another time constant is made
     of the same normal numbers.
     """
 
@@ -43,7 +48,7 @@ class Draws:
         slow, quick, seen = np.zeros(self.n), np.zeros(self.n), {}
         for term in terms:
             count = seen[term.name] = seen.get(term.name, -1) + 1
-            if getattr(term, "rounded", None):             # the sum rounds its integral
+            if getattr(term, "rounded", None):  # the sum rounds its integral
                 continue
             if term.deterministic:
                 slow += term.mean(np.arange(self.n) / self.fs, self.temperature)
@@ -55,7 +60,9 @@ class Draws:
         return slow, quick
 
     def unit(self, process, count: int, low_pass, name: str | None = None) -> np.ndarray:
-        """A process of amplitude 1, the one that is drawn as number `count` of its `name`, behind the filter, shape (n,)."""
+        """A process of amplitude 1, the one that is drawn as number `count` of its `name`, behind
+        the filter, shape (n,).
+        """
         key = (process, count, low_pass, name)
         if key not in self._made:
             rng = self.rng(name or process.name, count)
@@ -70,9 +77,11 @@ class Draws:
 
 
 def through(x, low_pass, fs: float) -> np.ndarray:
-    """Noise whose power lies far below the rate at which the filter runs, behind the filter but for its delay, shape (n,)."""
+    """Noise whose power lies far below the rate at which the filter runs, behind the filter but
+    for its delay, shape (n,).
+    """
     n = len(x)
-    line = np.linspace(x[0], x[-1], n)                     # the ends meet without a jump
+    line = np.linspace(x[0], x[-1], n)  # the ends meet without a jump
     size = next_fast_len(n, real=True)
     z = rfft(x - line, size)
     return irfft(z * np.sqrt(low_pass.gain(np.arange(len(z)) * fs / size, fs)), size)[:n] + line
@@ -80,13 +89,17 @@ def through(x, low_pass, fs: float) -> np.ndarray:
 
 @lru_cache(maxsize=32)
 def _amplitudes(unit, low_pass, size: int, fs: float) -> np.ndarray:
-    """Root of the folded spectrum of a process behind a filter at the ordinates of `size` samples, times the root of size / 4 fs."""
+    """Root of the folded spectrum of a process behind a filter at the ordinates of `size` samples,
+    times the root of size / 4 fs.
+    """
     f = np.maximum(np.arange(size // 2 + 1), 1) * fs / size
     return np.sqrt(Sum((unit,), (low_pass,)).psd(f, fs) * fs * size / 4)
 
 
 def behind(unit, low_pass, n: int, fs: float, rng) -> np.ndarray:
-    """A stationary process of short memory behind a filter that runs at its own rate, from the folded spectrum, shape (n,)."""
+    """A stationary process of short memory behind a filter that runs at its own rate, from the
+    folded spectrum, shape (n,).
+    """
     size = next_fast_len(n + 4096, real=True)
     size += size % 2
     z = rng.standard_normal(size + 2).view(complex) * _amplitudes(unit, low_pass, size, fs)
@@ -101,21 +114,34 @@ def _moving(model: Sum) -> Sum:
 
 
 def centred(model: Sum, level: float, t, temperature) -> Sum:
-    """The model with the constant that gives its simulations the record's mean before the electronics."""
+    """The model with the constant that gives its simulations the record's mean before the
+    electronics.
+    """
     offset = level - float(np.mean(_moving(model).mean(t, temperature)))
-    return Sum(tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),), model.stages)
+    return Sum(
+        tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),),
+        model.stages,
+    )
 
 
-def behind_mean(model: Sum, mean: float, n: int, fs: float, temperature=None, shared: float = 0.0) -> float:
-    """The level before the electronics of a record whose output has this mean: they differ where it is clipped or coarsely rounded."""
-    chain = sorted((s for s in model.stages if isinstance(s, (Saturation, Resolution))), key=lambda s: s.place)
+def behind_mean(
+    model: Sum, mean: float, n: int, fs: float, temperature=None, shared: float = 0.0
+) -> float:
+    """The level before the electronics of a record whose output has this mean: they differ where
+    it is clipped or coarsely rounded.
+    """
+    chain = sorted(
+        (s for s in model.stages if isinstance(s, (Saturation, Resolution))), key=lambda s: s.place
+    )
     if not chain:
         return mean
     f = np.geomspace(fs / n, fs / 2, 4001)
     power = Sum(model.noise.terms, tuple(s for s in model.stages if s is model.low_pass)).psd(f, fs)
     sd = np.sqrt(np.trapezoid(power, f) + shared**2 * fs)
     moving, change = _moving(model), model.find("noise_level_change")
-    t = np.linspace(0, n - 1, 50 if moving.terms or change else 1).astype(int)     # one instant where nothing moves
+    t = np.linspace(0, n - 1, 50 if moving.terms or change else 1).astype(
+        int
+    )  # one instant where nothing moves
     drift = moving.mean(t / fs, None if temperature is None else temperature[t])
     sd = sd * (np.ones(len(t)) if change is None else change.factor(n, fs)[t])
     u = np.linspace(-6, 6, 6001)
@@ -126,6 +152,7 @@ def behind_mean(model: Sum, mean: float, n: int, fs: float, temperature=None, sh
         for stage in chain:
             x = stage.apply(x, fs, None)
         return float(np.mean(x @ weight)) - mean
+
     reach = max([3 * sd.max(), *(s.lsb for s in chain if s.name == "resolution")])
     if excess(mean - reach) > 0 or excess(mean + reach) < 0:
         return mean
@@ -138,10 +165,14 @@ def draw(model: Sum, draws: Draws, *, common=None):
     return model.behind(slow, quick, draws.fs, draws.rng("electronics"), common=common)
 
 
-def simulate(jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool = False) -> list[list[dict]]:
-    """Batteries of simulations: for each job (models, start, stop in samples, shared N or 0, lost mask or None) one list over the seeds.
+def simulate(
+    jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool = False
+) -> list[list[dict]]:
+    """Batteries of simulations: for each job (models, start, stop in samples, shared N or 0, lost
+    mask or None) one list over the seeds.
 
-    A job has one model, or several that stand for what is uncertain in it: they take turns, by the last number of the seed.
+    A job has one model, or several that stand for what is uncertain in it: they take turns, by the
+    last number of the seed.
     `filtered`: the shared noise enters before the low-pass filter.
     """
     t = np.arange(n) / fs
@@ -157,13 +188,19 @@ def simulate(jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool
                     ready[id(model)] = centred(model, level, t, temperature)
                 model = ready[id(model)]
                 before = model.low_pass if filtered else None
-                common = None if not shared else shared * draws.unit(WhiteNoise(N=1.0), 0, before, "common")
+                common = (
+                    None
+                    if not shared
+                    else shared * draws.unit(WhiteNoise(N=1.0), 0, before, "common")
+                )
                 made = {key: draw(model, draws, common=common)}
             x = made[key]
             if lost is not None:
                 x = filled(np.where(lost, np.nan, x))
             part = x[start:stop]
-            out[k].append(battery(part, fs, None if temperature is None else temperature[start:stop]))
+            out[k].append(
+                battery(part, fs, None if temperature is None else temperature[start:stop])
+            )
     return out
 
 
@@ -186,10 +223,13 @@ class Index:
 
 
 def index(measured: dict, rows: list[dict]) -> Index:
-    """Distance of the measurement from the ensemble over the median distance of one simulation from the others.
+    """Distance of the measurement from the ensemble over the median distance of one simulation
+    from the others.
 
-    Either is standardised by simulations that it is not itself one of. The distance is the root mean square over all
-    statistics, some 190, in which those that move together count as one; a record's index scatters by 0.06 about 1 where the
+    Either is standardised by simulations that it is not itself one of. The distance is the root
+    mean square over all
+    statistics, some 190, in which those that move together count as one; a record's index scatters
+    by 0.06 about 1 where the
     model is right (0.09 with spikes), a domain's own index, of a few statistics, by more.
     """
     many = stack(rows)
@@ -202,16 +242,21 @@ def index(measured: dict, rows: list[dict]) -> Index:
     def ratio(which):
         total = sum(own[d].sum() for d in which)
         each = np.sqrt(sum(squares[d][0] @ own[d] for d in which) / total)
-        median = float(np.median(each)) or 1.0             # 0 where all simulations agree
-        return float(np.sqrt(sum(squares[d][1] @ own[d] for d in which) / total) / median), float(np.quantile(each, 0.95) / median)
+        median = float(np.median(each)) or 1.0  # 0 where all simulations agree
+        return float(np.sqrt(sum(squares[d][1] @ own[d] for d in which) / total) / median), float(
+            np.quantile(each, 0.95) / median
+        )
+
     value, spread = ratio(domains)
     return Index(value, {d: ratio([d])[0] for d in domains}, spread)
 
 
 def _weights(s) -> np.ndarray:
-    """What each statistic counts, shape (statistics,), from simulations of shape (simulations, statistics).
+    """What each statistic counts, shape (statistics,), from simulations of shape (simulations,
+    statistics).
 
-    The mean of correlated squares scatters the least, nearly, where each has the weight 1 / sum of its squared correlations
+    The mean of correlated squares scatters the least, nearly, where each has the weight 1 / sum of
+    its squared correlations
     with all; those that chance allows (1 %) are left out.
     """
     moves = s.std(axis=0) > 1e-6 * (1 + np.abs(s.mean(axis=0)))
@@ -223,13 +268,21 @@ def _weights(s) -> np.ndarray:
 
 
 def _squares(s, measured):
-    """Squared deviations of each simulation from the others, shape of `s` (simulations, statistics), and of the measurement from all."""
+    """Squared deviations of each simulation from the others, shape of `s` (simulations,
+    statistics), and of the measurement from all.
+    """
     count = len(s)
     mean, var = s.mean(axis=0), s.var(axis=0, ddof=1)
     own = s - mean
     # mean and variance of the others, from those of all
     others = np.maximum(((count - 1) * var - own**2 * count / (count - 1)) / (count - 2), 0.0)
     alike = np.sqrt(var) <= 1e-6 * (1 + np.abs(mean))
-    near = np.where(alike, 0.0, (own * count / (count - 1)) ** 2 / np.where(others > 0, others, 1.0) / (1 + 1 / (count - 1)))
+    near = np.where(
+        alike,
+        0.0,
+        (own * count / (count - 1)) ** 2
+        / np.where(others > 0, others, 1.0)
+        / (1 + 1 / (count - 1)),
+    )
     far = (measured - mean) ** 2 / np.where(alike, ALIKE**2, var) / (1 + 1 / count)
     return np.minimum(near, 1e6), np.minimum(far, 1e6)

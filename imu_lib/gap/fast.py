@@ -4,6 +4,7 @@ Above the Nyquist frequency of the block means the ordinates of the periodogram 
 chi-squares with two degrees of freedom around the spectrum; averaging them over bins 3.5 % wide
 loses nothing that a smooth spectrum could show.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -19,8 +20,11 @@ _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """Bins of the periodogram of `n` samples: `edge` (k + 1,) ordinate numbers, `f` (k,) centres Hz, `nu` (k,) degrees of
-    freedom, `nodes` (k, 3) Hz where a spectrum is evaluated; `slow` of them lie below the Nyquist frequency of the blocks."""
+    """Bins of the periodogram of `n` samples: `edge` (k + 1,) ordinate numbers, `f` (k,) centres
+    Hz, `nu` (k,) degrees of
+    freedom, `nodes` (k, 3) Hz where a spectrum is evaluated; `slow` of them lie below the Nyquist
+    frequency of the blocks.
+    """
 
     edge: np.ndarray
     f: np.ndarray
@@ -55,7 +59,9 @@ def bins(n: int, fs: float, m: int) -> Bins:
     left, right = (edge[:-1] - 0.5) * fs / size, (edge[1:] - 0.5) * fs / size
     middle, half = (left + right) / 2, (right - left) / 2
     nodes = middle[:, None] + half[:, None] * _NODES
-    return Bins(edge, middle, 2.0 * np.diff(edge) * efficiency, nodes, int(np.searchsorted(edge, cut)))
+    return Bins(
+        edge, middle, 2.0 * np.diff(edge) * efficiency, nodes, int(np.searchsorted(edge, cut))
+    )
 
 
 @lru_cache(maxsize=32)
@@ -66,7 +72,9 @@ def padded(n: int) -> int:
 
 
 def transform(x) -> np.ndarray:
-    """Transform of the tapered record whose mean square modulus is the one-sided density in unit^2/Hz times fs."""
+    """Transform of the tapered record whose mean square modulus is the one-sided density in
+    unit^2/Hz times fs.
+    """
     n = len(x)
     return rfft(taper(n) * (x - _bridge(x)), padded(n)) * np.sqrt(2.0 / n)
 
@@ -82,7 +90,7 @@ def _bridge(x):
 
 def average(power, layout: Bins) -> np.ndarray:
     """Means of the ordinates in the bins."""
-    return np.add.reduceat(power[:layout.edge[-1]], layout.edge[:-1]) / np.diff(layout.edge)
+    return np.add.reduceat(power[: layout.edge[-1]], layout.edge[:-1]) / np.diff(layout.edge)
 
 
 def spectrum(terms, low_pass, layout: Bins, fs: float) -> np.ndarray:
@@ -90,6 +98,7 @@ def spectrum(terms, low_pass, layout: Bins, fs: float) -> np.ndarray:
     f = layout.nodes
     if low_pass is not None:
         from imu_lib.processes import Sum
+
         # what channels have in common may be added behind their filters
         behind = [t for t in terms if t.name == "common_mode" and not t.filtered]
         s = Sum(tuple(t for t in terms if t not in behind), (low_pass,)).psd(f, fs)

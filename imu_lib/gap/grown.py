@@ -1,4 +1,7 @@
-"""Models that the workflow makes of a base and of what was found: the grown one, those on the way, and refits to a part."""
+"""Models that the workflow makes of a base and of what was found: the grown one, those on the way,
+and refits to a part.
+"""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -16,19 +19,23 @@ REFITS = 100
 
 
 def grown(base, state, findings, n_base, shared, *, fit=None):
-    """The base with what was found: changed parameters, added processes, drifts with their amplitudes, stages.
+    """The base with what was found: changed parameters, added processes, drifts with their
+    amplitudes, stages.
 
-    `shared` terms after the base's own stand for noise that the record accounts for; they are left out. `fit` takes the
+    `shared` terms after the base's own stand for noise that the record accounts for; they are left
+    out. `fit` takes the
     place of the state's own.
     """
     fit = state.fit if fit is None else fit
     terms = [t for t in base.terms]
     noise = [i for i, t in enumerate(terms) if not t.deterministic]
     fitted = list(fit.terms)
-    own = fitted[shared:n_base + shared] if not base.terms or state.base_slots else fitted[:n_base]
+    own = (
+        fitted[shared : n_base + shared] if not base.terms or state.base_slots else fitted[:n_base]
+    )
     for place, index in enumerate(noise):
         terms[index] = own[place]
-    terms += fitted[n_base + shared:]
+    terms += fitted[n_base + shared :]
     stages = {s.name: s for s in base.stages}
     for b, item in zip(fit.beta, state.column_items):
         amplitude = item.effect.amplitude
@@ -52,7 +59,7 @@ def between(base, findings, state):
     out = []
     for k in range(1, count):
         few = findings[:k]
-        items = list(state.items[:max(0, k - len(findings))])
+        items = list(state.items[: max(0, k - len(findings))])
         part = state.with_items(items)
         held = len(state.fit.terms) - len(state.noise_items)
         noise = [t for t in base.terms if not t.deterministic]
@@ -61,22 +68,39 @@ def between(base, findings, state):
 
 
 def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
-    """Grown models whose free parameters are drawn from their distribution given the first part of the record alone.
+    """Grown models whose free parameters are drawn from their distribution given the first part of
+    the record alone.
 
-    The distribution is normal about the fit, in logarithms but for the amplitudes of drifts: what is predicted from the first
-    part scatters by the noise and by what the first part leaves open. Empty where an effect happens only in the rest.
+    The distribution is normal about the fit, in logarithms but for the amplitudes of drifts: what
+    is predicted from the first
+    part scatters by the noise and by what the first part leaves open. Empty where an effect
+    happens only in the rest.
     """
     data = state.data
     n = int(FITTED * data.n)
     late = [i for i in state.items if i.name == "step" and i.process.time > 0.95 * n / data.fs]
-    late += [f for f in findings if f.process.name == "noise_level_change" and f.process.time > 0.95 * n / data.fs]
+    late += [
+        f
+        for f in findings
+        if f.process.name == "noise_level_change" and f.process.time > 0.95 * n / data.fs
+    ]
     if late:
         return []
     x = data.x
-    first = Data(x[:n], data.fs, white=data.white, temperature=None if data.temperature is None else data.temperature[:n])
+    first = Data(
+        x[:n],
+        data.fs,
+        white=data.white,
+        temperature=None if data.temperature is None else data.temperature[:n],
+    )
     if data.blind is not None:
-        first = Data(first.x, data.fs, white=data.white, temperature=first.temperature,
-                     blind=np.interp(first.layout.f, data.layout.f, data.blind.astype(float)) > 0)
+        first = Data(
+            first.x,
+            data.fs,
+            white=data.white,
+            temperature=first.temperature,
+            blind=np.interp(first.layout.f, data.layout.f, data.blind.astype(float)) > 0,
+        )
     items = []
     for item in state.items:
         if item.column is not None:
@@ -88,13 +112,20 @@ def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
             items.append(replace(item, signal=item.signal[:n]))
         else:
             items.append(item)
-    again = State(first, state.base, items, low_pass=state.base_low_pass, base_slots=state.base_slots)
+    again = State(
+        first, state.base, items, low_pass=state.base_low_pass, base_slots=state.base_slots
+    )
     free = len(again.fit.vector) + len(again.fit.beta) > 0
-    return [grown(base, again, findings, n_base, shared, fit=fit) for fit in _drawn(again, rng, REFITS if free else 1)]
+    return [
+        grown(base, again, findings, n_base, shared, fit=fit)
+        for fit in _drawn(again, rng, REFITS if free else 1)
+    ]
 
 
 def _drawn(state, rng, count):
-    """Fits whose parameters are drawn from the normal distribution about the state's own, within the bounds of each."""
+    """Fits whose parameters are drawn from the normal distribution about the state's own, within
+    the bounds of each.
+    """
     fit, likelihood = state.fit, state.likelihood
     vectors, betas = np.zeros((count, 0)), np.zeros((count, 0))
     if len(fit.vector):

@@ -1,4 +1,7 @@
-"""Samples drawn anew given the others, under the spectrum of the record: missing ones, and those that are known to lie beyond a limit."""
+"""Samples drawn anew given the others, under the spectrum of the record: missing ones, and those
+that are known to lie beyond a limit.
+"""
+
 from __future__ import annotations
 
 import numpy as np
@@ -8,14 +11,17 @@ from scipy.special import ndtr, ndtri
 from imu_lib.gap import fast
 from imu_lib.gap.innovations import Smooth, padded_size
 
-#: Samples that one which is thrown off makes surprising from which on clipped ones are drawn together, and how often.
+#: Samples that one which is thrown off makes surprising from which on clipped ones are drawn
+#: together, and how often.
 COUPLED, SWEEPS = 1.5, 24
 #: Samples of the longest run that is.
 LONGEST = 40
 
 
 def first_fill(x, bad) -> np.ndarray:
-    """Bad samples replaced by the straight line between good ones plus what good samples deviate from it elsewhere."""
+    """Bad samples replaced by the straight line between good ones plus what good samples deviate
+    from it elsewhere.
+    """
     out = np.array(x, float)
     good = np.flatnonzero(~bad)
     wrong = np.flatnonzero(bad)
@@ -28,20 +34,25 @@ def first_fill(x, bad) -> np.ndarray:
 
 
 def _level(x, bad):
-    """The level from the good samples of each of some 2000 blocks, straight lines across blocks that have too few of them."""
+    """The level from the good samples of each of some 2000 blocks, straight lines across blocks
+    that have too few of them.
+    """
     m = max(8, len(x) // 2000)
     k = len(x) // m
-    ok = ~bad[:k * m].reshape(k, m)
+    ok = ~bad[: k * m].reshape(k, m)
     count = ok.sum(axis=1)
-    total = np.where(ok, np.where(bad, 0.0, x)[:k * m].reshape(k, m), 0.0).sum(axis=1)
+    total = np.where(ok, np.where(bad, 0.0, x)[: k * m].reshape(k, m), 0.0).sum(axis=1)
     full = count >= max(1, m // 4)
     if not full.any():
         full = count > 0
     return np.interp(np.arange(len(x)), (np.arange(k) + 0.5)[full] * m, total[full] / count[full])
 
 
-def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 40) -> np.ndarray:
-    """Bad samples drawn from their distribution given the good ones under the spectrum (conditional simulation).
+def impute(
+    x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 40
+) -> np.ndarray:
+    """Bad samples drawn from their distribution given the good ones under the spectrum
+    (conditional simulation).
 
     `above` and `below` are (mask, limit): samples known only to lie beyond a limit.
     """
@@ -58,7 +69,7 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
     size = padded_size(len(x))
     density = smooth.slow_too(size) * smooth.fs / 2
     inverse = 1.0 / density
-    draw = irfft(rfft(rng.standard_normal(size)) * np.sqrt(density), size)[:len(x)]
+    draw = irfft(rfft(rng.standard_normal(size)) * np.sqrt(density), size)[: len(x)]
     residual = out - base - draw
     residual[wrong] = 0.0
 
@@ -66,6 +77,7 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
         full = np.zeros(len(x))
         full[wrong] = v
         return _pull(full, inverse)[wrong]
+
     b = -_pull(residual, inverse)[wrong]
     # gradients find the mean of a long gap last: start from the level around it
     v = _level(residual, bad)[wrong]
@@ -82,7 +94,11 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
         new = r @ r
         p, rr = r + new / rr * p, new
     out[wrong] = base[wrong] + draw[wrong] + v
-    sides = [(side, sign) for side, sign in ((above, 1.0), (below, -1.0)) if side is not None and side[0].any()]
+    sides = [
+        (side, sign)
+        for side, sign in ((above, 1.0), (below, -1.0))
+        if side is not None and side[0].any()
+    ]
     short = np.zeros(len(x), bool)
     for side, sign in sides:
         short |= side[0] & (sign * (out - side[1]) < 0)
@@ -93,7 +109,16 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
         runs = [_runs(side[0]) for side, _ in sides]
         for k in range(SWEEPS):
             for (side, sign), (first, length) in zip(sides, runs):
-                _redraw(out, _pull(out - base, inverse), precision, first[k % 2::2], length[k % 2::2], side[1], sign, rng)
+                _redraw(
+                    out,
+                    _pull(out - base, inverse),
+                    precision,
+                    first[k % 2 :: 2],
+                    length[k % 2 :: 2],
+                    side[1],
+                    sign,
+                    rng,
+                )
         return out
     sd = np.sqrt(smooth.conditional_variance)
     for side, sign in sides:
@@ -105,8 +130,10 @@ def impute(x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: i
 
 
 def _pull(x, inverse):
-    """A series times the inverse covariance of noise whose inverse spectrum is given at the ordinates of a longer transform, shape of `x`."""
-    return irfft(rfft(x, 2 * (len(inverse) - 1)) * inverse)[:len(x)]
+    """A series times the inverse covariance of noise whose inverse spectrum is given at the
+    ordinates of a longer transform, shape of `x`.
+    """
+    return irfft(rfft(x, 2 * (len(inverse) - 1)) * inverse)[: len(x)]
 
 
 def _runs(mask):
@@ -116,13 +143,14 @@ def _runs(mask):
 
 
 def _redraw(out, pull, precision, first, length, limit, sign, rng, *, draws: int = 64):
-    """Runs of clipped samples drawn together, in place, given all samples outside of each and that it lies beyond the limit.
+    """Runs of clipped samples drawn together, in place, given all samples outside of each and that
+    it lies beyond the limit.
 
     `pull` is what the inverse covariance, of which `precision` is the first row, makes of `out`.
     """
     for size in np.unique(length):
         at = first[length == size][:, None] + np.arange(size)
-        if size > len(precision):                          # a level of its own
+        if size > len(precision):  # a level of its own
             out[at] = np.where(sign * (out[at] - limit) < 0, limit, out[at])
             continue
         own = precision[np.abs(np.subtract.outer(np.arange(size), np.arange(size)))]
@@ -130,10 +158,10 @@ def _redraw(out, pull, precision, first, length, limit, sign, rng, *, draws: int
         middle = out[at] - pull[at] @ cov
         root = np.linalg.cholesky(0.5 * (cov + cov.T))
         trial = middle + rng.standard_normal((draws, *at.shape)) @ root.T
-        over = np.min(sign * (trial - limit), axis=2)      # shape (draws, runs)
+        over = np.min(sign * (trial - limit), axis=2)  # shape (draws, runs)
         new = trial[np.argmax(over >= 0, axis=0), np.arange(len(at))]
         none = ~(over >= 0).any(axis=0)
-        if none.any():                                     # one sample after the other, many times
+        if none.any():  # one sample after the other, many times
             part = np.where(sign * (new[none] - limit) < 0, limit, new[none])
             for _ in range(60):
                 for j in range(size):
@@ -144,7 +172,9 @@ def _redraw(out, pull, precision, first, length, limit, sign, rng, *, draws: int
 
 
 def _beyond(middle, sd, limit, sign, rng):
-    """Normal numbers about `middle`, shape (n,), of standard deviation `sd`, that lie beyond the limit."""
+    """Normal numbers about `middle`, shape (n,), of standard deviation `sd`, that lie beyond the
+    limit.
+    """
     a = sign * (limit - middle) / sd
     tail = ndtr(-a)
     z = np.where(tail > 1e-12, -ndtri(np.maximum(rng.random(len(middle)) * tail, 1e-300)), a)

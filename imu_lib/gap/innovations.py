@@ -1,4 +1,7 @@
-"""What a smooth spectrum does not foresee: whitening, and how far a sample is from what its neighbours foretell."""
+"""What a smooth spectrum does not foresee: whitening, and how far a sample is from what its
+neighbours foretell.
+"""
+
 from __future__ import annotations
 
 import numpy as np
@@ -16,9 +19,11 @@ def trend(x, m: int) -> np.ndarray:
     centre = (np.arange(len(means)) + 0.5) * m - 0.5
     t = np.arange(len(x))
     out = np.interp(t, centre, means)
-    if len(means) > 1:                                    # beyond the outer centres the line goes on
+    if len(means) > 1:  # beyond the outer centres the line goes on
         for part, i, j in ((t < centre[0], 0, 1), (t > centre[-1], -1, -2)):
-            out[part] = means[i] + (means[i] - means[j]) / (centre[i] - centre[j]) * (t[part] - centre[i])
+            out[part] = means[i] + (means[i] - means[j]) / (centre[i] - centre[j]) * (
+                t[part] - centre[i]
+            )
     return out
 
 
@@ -35,48 +40,74 @@ class Smooth:
         self.layout = fast.bins(self.n, fs, m)
         power = np.abs(fast.transform(x)) ** 2 / fs
         mean = fast.average(power, self.layout)
-        # a line lifts a few ordinates of its bin: cap the ordinates at what their bin's quiet mean allows
+        # a line lifts a few ordinates of its bin: cap the ordinates at what their bin's quiet mean
+        # allows
         size = np.diff(self.layout.edge)
         cap = np.repeat(12.0 * np.minimum(mean, _neighbours(mean)), size)
-        mean = fast.average(np.minimum(power[:self.layout.edge[-1]][self.layout.edge[0]:], cap), _shifted(self.layout))
+        mean = fast.average(
+            np.minimum(power[: self.layout.edge[-1]][self.layout.edge[0] :], cap),
+            _shifted(self.layout),
+        )
         k = self.layout.slow
-        quiet = np.median(mean[k:k + 10]) if len(mean) > k + 10 else mean[k:].mean()
+        quiet = np.median(mean[k : k + 10]) if len(mean) > k + 10 else mean[k:].mean()
         self.level = np.concatenate([np.full(k, quiet), mean[k:]]) + floor
         # with the slow end as it is, falling with frequency, for filling gaps in
-        slow_end = np.convolve(np.pad(mean[:k], 1, mode="edge"), np.ones(3) / 3, "valid") if k > 2 else mean[:k]
-        self.full = np.concatenate([np.maximum.accumulate(np.maximum(slow_end, quiet)[::-1])[::-1], mean[k:]]) + floor
+        slow_end = (
+            np.convolve(np.pad(mean[:k], 1, mode="edge"), np.ones(3) / 3, "valid")
+            if k > 2
+            else mean[:k]
+        )
+        self.full = (
+            np.concatenate(
+                [np.maximum.accumulate(np.maximum(slow_end, quiet)[::-1])[::-1], mean[k:]]
+            )
+            + floor
+        )
         self._cache = {}
 
     def slow_too(self, size: int) -> np.ndarray:
-        """As `on`, with the slow end of the record's own spectrum and further down into a stop band: what is drawn must not fill it."""
+        """As `on`, with the slow end of the record's own spectrum and further down into a stop
+        band: what is drawn must not fill it.
+        """
         return np.maximum(self.between(self.full, size), DEPTH * np.mean(self.on(size)))
 
     def on(self, size: int) -> np.ndarray:
         """The spectrum, unit^2/Hz, at the ordinates of a real transform of `size` points."""
         if size not in self._cache:
             s = self.between(self.level, size)
-            # below a thousandth of the mean there is nothing but the arithmetic of a filter's stop band
+            # below a thousandth of the mean there is nothing but the arithmetic of a filter's stop
+            # band
             self._cache[size] = np.maximum(s, 1e-3 * np.mean(s))
         return self._cache[size]
 
     def between(self, values, size: int) -> np.ndarray:
         """`values` in the bins at the ordinates of a real transform of `size` points."""
         f = np.arange(size // 2 + 1) * self.fs / size
-        return np.exp(np.interp(np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(values)))
+        return np.exp(
+            np.interp(
+                np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(values)
+            )
+        )
 
     def stop_band(self, size: int) -> np.ndarray:
-        """Share of its power that whitening leaves at each ordinate: 1, and less in a filter's stop band."""
+        """Share of its power that whitening leaves at each ordinate: 1, and less in a filter's
+        stop band.
+        """
         return self.between(self.level, size) / self.on(size)
 
     @property
     def independent(self) -> float:
-        """Independent samples of the whitened record per sample: fewer than one where a filter's stop band is left out."""
+        """Independent samples of the whitened record per sample: fewer than one where a filter's
+        stop band is left out.
+        """
         left = self.stop_band(2048)
         return float(np.mean(left) ** 2 / np.mean(left**2))
 
     @property
     def traces(self) -> float:
-        """Samples that one which is thrown off makes surprising: the sum of the squares of the surprises' autocorrelation."""
+        """Samples that one which is thrown off makes surprising: the sum of the squares of the
+        surprises' autocorrelation.
+        """
         inverse = 1.0 / self.on(4096)
         return float(np.mean(inverse**2) / np.mean(inverse) ** 2)
 
@@ -98,11 +129,14 @@ def _neighbours(mean):
 
 def _shifted(layout):
     from dataclasses import replace
+
     return replace(layout, edge=layout.edge - layout.edge[0])
 
 
 def padded_size(n):
-    """Length of the transforms of `n` samples: even, quick, and long enough that the ends do not meet."""
+    """Length of the transforms of `n` samples: even, quick, and long enough that the ends do not
+    meet.
+    """
     size = next_fast_len(n + min(n, 4096), real=True)
     while size % 2:
         size = next_fast_len(size + 1, real=True)
@@ -111,7 +145,9 @@ def padded_size(n):
 
 def _filter(x, gain, size):
     n = len(x)
-    tail = np.linspace(x[-1], x[0], size - n + 2)[1:-1]      # a bridge back to the start instead of a jump
+    tail = np.linspace(x[-1], x[0], size - n + 2)[
+        1:-1
+    ]  # a bridge back to the start instead of a jump
     return irfft(rfft(np.concatenate([x, tail])) * gain, size)[:n]
 
 

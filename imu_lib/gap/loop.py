@@ -1,4 +1,5 @@
 """The workflow on a record: every channel, then what acts on all, then the gap before and after."""
+
 from __future__ import annotations
 
 import os
@@ -16,7 +17,8 @@ from imu_lib.gap.steps import Step
 from imu_lib.model import Model
 from imu_lib.record import Record
 
-#: Gap index after the last step beyond which something is left that has no name; that of a right model scatters by 0.06 about 1.
+#: Gap index after the last step beyond which something is left that has no name; that of a right
+#: model scatters by 0.06 about 1.
 FAR = 1.35
 
 
@@ -34,16 +36,29 @@ class ChannelReport:
         r = self.result
         by_domain = {}
         if self.before is not None:
-            by_domain = {d: {"before": round(v, 3), "after": round(self.after.domains[d], 3)} for d, v in self.before.domains.items()}
-        before, after = (None if index is None else round(index.value, 4) for index in (self.before, self.after))
-        return {"gap_before": before, "gap_after": after,
-                "gap_held_out": self.held_out, "gap_by_domain": by_domain, "steps": [s.to_json() for s in r.steps], "absorbed": list(r.absorbed),
-                "unexplained": r.unexplained}
+            by_domain = {
+                d: {"before": round(v, 3), "after": round(self.after.domains[d], 3)}
+                for d, v in self.before.domains.items()
+            }
+        before, after = (
+            None if index is None else round(index.value, 4) for index in (self.before, self.after)
+        )
+        return {
+            "gap_before": before,
+            "gap_after": after,
+            "gap_held_out": self.held_out,
+            "gap_by_domain": by_domain,
+            "steps": [s.to_json() for s in r.steps],
+            "absorbed": list(r.absorbed),
+            "unexplained": r.unexplained,
+        }
 
 
 @dataclass
 class Report:
-    """What the workflow found: a report for each channel, the record's own steps, the model it started from and the grown one."""
+    """What the workflow found: a report for each channel, the record's own steps, the model it
+    started from and the grown one.
+    """
 
     channels: dict[str, ChannelReport]
     record_steps: list[Step]
@@ -56,19 +71,35 @@ class Report:
 
     def to_json(self) -> dict:
         """The contract's object."""
-        return {"channels": {name: c.to_json() for name, c in self.channels.items()},
-                "record": {"steps": [s.to_json() for s in self.record_steps], "unexplained": self.record_unexplained},
-                "seconds": round(self.seconds, 2)}
+        return {
+            "channels": {name: c.to_json() for name, c in self.channels.items()},
+            "record": {
+                "steps": [s.to_json() for s in self.record_steps],
+                "unexplained": self.record_unexplained,
+            },
+            "seconds": round(self.seconds, 2),
+        }
 
     @property
     def steps(self) -> list[tuple[str, Step]]:
         """(channel or "record", step) of everything found."""
-        return [(name, s) for name, c in self.channels.items() for s in c.result.steps] + [("record", s) for s in self.record_steps]
+        return [(name, s) for name, c in self.channels.items() for s in c.result.steps] + [
+            ("record", s) for s in self.record_steps
+        ]
 
 
-def close(record: Record, model: Model | None = None, *, channels=None, seed: int = 0, simulations: int = ensemble.SIZE,
-          jobs: int | None = None, progress=None) -> Report:
-    """Find where simulations of `model` and `record` disagree, name what is missing, add it, and measure the gap again.
+def close(
+    record: Record,
+    model: Model | None = None,
+    *,
+    channels=None,
+    seed: int = 0,
+    simulations: int = ensemble.SIZE,
+    jobs: int | None = None,
+    progress=None,
+) -> Report:
+    """Find where simulations of `model` and `record` disagree, name what is missing, add it, and
+    measure the gap again.
 
     Parameters
     ----------
@@ -77,7 +108,8 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
     model : Model, optional
         What the record is compared with, its parameters held. None: a model is fitted first.
     channels : sequence of str, optional
-        Which channels; all of the record where not given. One that the model does not have is started from a fit of its own.
+        Which channels; all of the record where not given. One that the model does not have is
+        started from a fit of its own.
     seed : int
     simulations : int
         Size of the ensembles; 0 leaves the gap index out.
@@ -89,7 +121,8 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
     Raises
     ------
     ValueError
-        If `channels` names one that the record lacks or that does not move, or the record is shorter than 2000 samples.
+        If `channels` names one that the record lacks or that does not move, or the record is
+        shorter than 2000 samples.
     """
     started = time.perf_counter()
     names = list(record.channel_names if channels is None else channels)
@@ -97,7 +130,9 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
         if name not in record:
             raise ValueError(f"`channels` has {name!r}, which the record lacks")
         if not np.nanstd(record.channels[name]) > 0:
-            raise ValueError(f"`record` does not move in {name}; leave the channel out with `channels`")
+            raise ValueError(
+                f"`record` does not move in {name}; leave the channel out with `channels`"
+            )
     if record.n < 2000:
         raise ValueError(f"`record` has {record.n} samples; the workflow needs 2000 or more")
     jobs = jobs or min(2, os.cpu_count() or 1)
@@ -111,17 +146,31 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
         temperature = ensemble.filled(temperature)
     total = len(names) + 1 + (4 if simulations else 0)
     held = tuple(p for p in model.record if p.name == "common_mode") if model is not None else ()
-    shared, note, coherence_left = record_level.shared_noise(raw, fs, held, None if model is None else model.channels)
+    shared, note, coherence_left = record_level.shared_noise(
+        raw, fs, held, None if model is None else model.channels
+    )
     tell(1, total, "coherence")
     noise = {name: 0.0 for name in names}
     for process in (*held, *([shared] if shared is not None else [])):
         for name in process.channels:
             if name in noise:
                 noise[name] = float(np.hypot(noise[name], process.N))
-    # -- the channels ------------------------------------------------------------------------------------------
+    # -- the channels
+    # ------------------------------------------------------------------------------------------
     filtered = any(p.filtered for p in (*held, *([shared] if shared is not None else [])))
-    work = [(name, raw[name], fs, model[name] if model is not None and name in model else None, temperature, seed, noise[name], filtered)
-            for name in names]
+    work = [
+        (
+            name,
+            raw[name],
+            fs,
+            model[name] if model is not None and name in model else None,
+            temperature,
+            seed,
+            noise[name],
+            filtered,
+        )
+        for name in names
+    ]
     results, done = {}, 1
     for name, result in _each(_channel, work, jobs):
         results[name] = result
@@ -129,7 +178,11 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
         found = ", ".join(s.effect for s in result.steps) or "nothing"
         tell(done, total, f"{name}: {found}")
     results = {name: results[name] for name in names}
-    base = Model(channels={n: r.base for n, r in results.items()}, record=model.record if model is not None else (), rate=fs)
+    base = Model(
+        channels={n: r.base for n, r in results.items()},
+        record=model.record if model is not None else (),
+        rate=fs,
+    )
     record_steps = list(timing)
     extra = []
     if shared is not None:
@@ -137,17 +190,46 @@ def close(record: Record, model: Model | None = None, *, channels=None, seed: in
         extra.append(shared)
     for s in timing:
         from imu_lib.processes import OF_RECORD
+
         extra.append(OF_RECORD[s.effect](**s.parameters))
-    grown = Model(channels={n: r.model for n, r in results.items()}, record=base.record + tuple(extra), rate=fs,
-                  name=(model.name if model is not None else "") or record.name, source="imu-lib gap")
+    grown = Model(
+        channels={n: r.model for n, r in results.items()},
+        record=base.record + tuple(extra),
+        rate=fs,
+        name=(model.name if model is not None else "") or record.name,
+        source="imu-lib gap",
+    )
     reports = {name: ChannelReport(r) for name, r in results.items()}
     if simulations:
-        _measure(reports, raw, fs, temperature, noise, held, filtered, simulations, seed, jobs, lambda i: tell(done + i, total, "simulations"))
-    return Report(reports, record_steps, time_left or coherence_left, base, grown, record, time.perf_counter() - started, model is not None)
+        _measure(
+            reports,
+            raw,
+            fs,
+            temperature,
+            noise,
+            held,
+            filtered,
+            simulations,
+            seed,
+            jobs,
+            lambda i: tell(done + i, total, "simulations"),
+        )
+    return Report(
+        reports,
+        record_steps,
+        time_left or coherence_left,
+        base,
+        grown,
+        record,
+        time.perf_counter() - started,
+        model is not None,
+    )
 
 
 def _channel(name, x, fs, base, temperature, seed, shared, filtered):
-    return name, analyse(name, x, fs, base, temperature=temperature, seed=seed, shared=shared, filtered=filtered)
+    return name, analyse(
+        name, x, fs, base, temperature=temperature, seed=seed, shared=shared, filtered=filtered
+    )
 
 
 def _each(function, work, jobs):
@@ -155,7 +237,9 @@ def _each(function, work, jobs):
         for args in work:
             yield function(*args)
         return
-    yield from Parallel(n_jobs=jobs, return_as="generator_unordered", max_nbytes="2M")(delayed(function)(*args) for args in work)
+    yield from Parallel(n_jobs=jobs, return_as="generator_unordered", max_nbytes="2M")(
+        delayed(function)(*args) for args in work
+    )
 
 
 def _ensemble(these, *args):
@@ -195,14 +279,28 @@ def _measure(reports, raw, fs, temperature, noise, held, filtered, simulations, 
             if r.refit:
                 work.append((r.refit, cut, n, noise[name], lost))
                 keys.append((name, "held after"))
-                levels.append(ensemble.behind_mean(r.refit[0], r.mean, n, fs, temperature, noise[name]))
+                levels.append(
+                    ensemble.behind_mean(r.refit[0], r.mean, n, fs, temperature, noise[name])
+                )
     seeds = [[seed, 7919, i] for i in range(simulations)]
     share = max(1, simulations // (2 * jobs))
     rows, tasks = {k: [] for k in keys}, []
     for i in range(0, simulations, share):
-        # a quarter of an ensemble for the models on the way to the last: they are shown, and nothing hangs on them
+        # a quarter of an ensemble for the models on the way to the last: they are shown, and
+        # nothing hangs on them
         these = [k for k, key in enumerate(keys) if key not in passing or i < simulations / 4]
-        tasks.append((these, [work[k] for k in these], n, fs, seeds[i:i + share], temperature, [levels[k] for k in these], filtered))
+        tasks.append(
+            (
+                these,
+                [work[k] for k in these],
+                n,
+                fs,
+                seeds[i : i + share],
+                temperature,
+                [levels[k] for k in these],
+                filtered,
+            )
+        )
     for i, (these, made) in enumerate(_each(_ensemble, tasks, jobs)):
         for k, batteries in zip(these, made):
             rows[keys[k]] += batteries
@@ -210,18 +308,34 @@ def _measure(reports, raw, fs, temperature, noise, held, filtered, simulations, 
     for name, report in reports.items():
         x = ensemble.filled(raw[name])
         whole = battery(x, fs, temperature)
-        chain = [ensemble.index(whole, rows[key]) for key in keys if key[0] == name and not isinstance(key[1], str)]
+        chain = [
+            ensemble.index(whole, rows[key])
+            for key in keys
+            if key[0] == name and not isinstance(key[1], str)
+        ]
         report.before, report.after = chain[0], chain[-1]
-        report.batteries = {"measured": whole, "before": rows[(name, 0)], "after": rows[[k for k in keys if k[0] == name and not isinstance(k[1], str)][-1]]}
+        report.batteries = {
+            "measured": whole,
+            "before": rows[(name, 0)],
+            "after": rows[[k for k in keys if k[0] == name and not isinstance(k[1], str)][-1]],
+        }
         r = report.result
         if r.unexplained is None and report.after.value > FAR:
             domain = max(report.after.domains, key=report.after.domains.get)
-            r.unexplained = (f"simulations of the grown model: gap index {report.after.value:.2f}, most in the domain {domain} "
-                             f"({report.after.domains[domain]:.2f})")
+            r.unexplained = (
+                f"simulations of the grown model: gap index {report.after.value:.2f}, most in the domain {domain} "
+                f"({report.after.domains[domain]:.2f})"
+            )
         if r.steps:
             values = [c.value for c in chain]
-            values = values[len(values) - len(r.steps) - 1:]
-            r.steps = [replace(s, gap_before=a, gap_after=b) for s, a, b in zip(r.steps, values[:-1], values[1:])]
+            values = values[len(values) - len(r.steps) - 1 :]
+            r.steps = [
+                replace(s, gap_before=a, gap_after=b)
+                for s, a, b in zip(r.steps, values[:-1], values[1:])
+            ]
         if (name, "held after") in rows:
             part = battery(x[cut:], fs, None if temperature is None else temperature[cut:])
-            report.held_out = {when: round(ensemble.index(part, rows[(name, f"held {when}")]).value, 4) for when in ("before", "after")}
+            report.held_out = {
+                when: round(ensemble.index(part, rows[(name, f"held {when}")]).value, 4)
+                for when in ("before", "after")
+            }

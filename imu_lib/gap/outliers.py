@@ -1,4 +1,7 @@
-"""Samples that are thrown off in coloured noise: which they are, where the surprises of their neighbours are of their making."""
+"""Samples that are thrown off in coloured noise: which they are, where the surprises of their
+neighbours are of their making.
+"""
+
 from __future__ import annotations
 
 import numpy as np
@@ -11,22 +14,29 @@ from imu_lib.gap.innovations import Smooth
 
 #: Samples thrown off so near each other are looked at together.
 CLOSE = 6
-#: Share of the least squared height by which one sample must explain more than another to be the one that is off.
+#: Share of the least squared height by which one sample must explain more than another to be the
+#: one that is off.
 ALIKE = 0.36
 
 
-def deconvolved(y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, rounds: int = 10) -> tuple[np.ndarray, np.ndarray]:
-    """Surprises of which each stands for its own sample alone, shape (n,), and the samples that may be off in place of
+def deconvolved(
+    y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, rounds: int = 10
+) -> tuple[np.ndarray, np.ndarray]:
+    """Surprises of which each stands for its own sample alone, shape (n,), and the samples that
+    may be off in place of
     another, mask (n,).
 
-    In coloured noise a sample that is thrown off makes its neighbours surprising, too, as the correlation of the surprises
-    says. The heights of those beyond `least` are estimated together, the strongest first, and the rest is freed of them.
+    In coloured noise a sample that is thrown off makes its neighbours surprising, too, as the
+    correlation of the surprises
+    says. The heights of those beyond `least` are estimated together, the strongest first, and the
+    rest is freed of them.
     """
     size = 4096
-    response = irfft(1.0 / smooth.on(size), size)[:reach + 1]
+    response = irfft(1.0 / smooth.on(size), size)[: reach + 1]
     response = response / response[0]
     both = np.concatenate([response[:0:-1], response])
-    # in a stop band that the spectrum's floor hides the surprises are smaller than they were thought
+    # in a stop band that the spectrum's floor hides the surprises are smaller than they were
+    # thought
     least = least * min(1.0, loudest(y))
     padded, rest, at = np.pad(y, reach), np.array(y, float), np.zeros(0, int)
     heights, near = np.zeros(0), np.zeros(0, int)
@@ -38,13 +48,13 @@ def deconvolved(y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, roun
         if len(new) == 0:
             break
         at = np.sort(np.concatenate([at, new]))
-        if len(at) > len(y) // 20:                         # another distribution, not a few samples
+        if len(at) > len(y) // 20:  # another distribution, not a few samples
             return y, np.zeros(len(y), bool)
         at, near = _settled(y, at, new, near, response, least)
         heights = _heights(y, at, response)
         left = padded.copy()
         for i, h in zip(at, heights):
-            left[i:i + 2 * reach + 1] -= h * both
+            left[i : i + 2 * reach + 1] -= h * both
         rest = left[reach:-reach]
     rest[at] = heights
     instead = np.zeros(len(y), bool)
@@ -53,12 +63,15 @@ def deconvolved(y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, roun
 
 
 def loudest(y, parts: int = 16) -> float:
-    """Standard deviation of the surprises, without their outliers, in the part of the record where it is largest."""
+    """Standard deviation of the surprises, without their outliers, in the part of the record where
+    it is largest.
+    """
     return max(1.4826 * float(np.median(np.abs(part[::5]))) for part in np.array_split(y, parts))
 
 
 def _settled(y, at, new, near, response, least):
-    """The samples `at`, those about the `new` ones moved to where they explain the most beside their neighbours, without those
+    """The samples `at`, those about the `new` ones moved to where they explain the most beside
+    their neighbours, without those
     that are then too weak; and `near`, the samples that explain nearly as much as one of them."""
     heights = np.zeros(len(y))
     heights[at] = _heights(y, at, response)
@@ -69,7 +82,11 @@ def _settled(y, at, new, near, response, least):
             continue
         # what the group has to explain: its surroundings without the spikes further off
         here = np.arange(max(0, group[0] - CLOSE), min(len(y), group[-1] + CLOSE + 1))
-        beyond = at[np.searchsorted(at, group[0] - len(response) // 2):np.searchsorted(at, group[-1] + len(response) // 2)]
+        beyond = at[
+            np.searchsorted(at, group[0] - len(response) // 2) : np.searchsorted(
+                at, group[-1] + len(response) // 2
+            )
+        ]
         beyond = beyond[(beyond < group[0]) | (beyond > group[-1])]
         want = y[here] - response[np.abs(np.subtract.outer(here, beyond))] @ heights[beyond]
         r = response[np.abs(np.subtract.outer(here, here))]
@@ -96,7 +113,9 @@ def _settled(y, at, new, near, response, least):
 
 
 def _gains(want, r, others):
-    """Squared surprise of each sample in its standard deviations, given that the `others` are off, too."""
+    """Squared surprise of each sample in its standard deviations, given that the `others` are off,
+    too.
+    """
     if not others:
         return want**2
     part = r[np.ix_(others, others)]
@@ -111,9 +130,18 @@ def _heights(y, at, response):
     """What the samples `at` are off, given all others, in standard deviations of one alone."""
     reach = len(response) - 1
     first = np.searchsorted(at, at - reach)
-    columns = np.concatenate([np.arange(a, i + 1) for i, a in enumerate(first)]) if len(at) else np.zeros(0, int)
+    columns = (
+        np.concatenate([np.arange(a, i + 1) for i, a in enumerate(first)])
+        if len(at)
+        else np.zeros(0, int)
+    )
     rows = np.repeat(np.arange(len(at)), np.arange(len(at)) - first + 1)
     values = response[at[rows] - at[columns]]
     off = rows != columns
-    matrix = csc_matrix((np.concatenate([values, values[off]]), (np.concatenate([rows, columns[off]]), np.concatenate([columns, rows[off]]))))
+    matrix = csc_matrix(
+        (
+            np.concatenate([values, values[off]]),
+            (np.concatenate([rows, columns[off]]), np.concatenate([columns, rows[off]])),
+        )
+    )
     return np.atleast_1d(spsolve(matrix, y[at])) if len(at) else np.zeros(0)

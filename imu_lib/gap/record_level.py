@@ -1,4 +1,7 @@
-"""What acts on the whole record: noise that channels share, missing samples, jitter of the time stamps."""
+"""What acts on the whole record: noise that channels share, missing samples, jitter of the time
+stamps.
+"""
+
 from __future__ import annotations
 
 from functools import partial
@@ -21,7 +24,8 @@ from imu_lib.processes import Sum, WhiteNoise
 
 #: Gain in log-likelihood that noise in common has to bring.
 COMMON_GAIN = 16.0
-#: Ordinates in a band at the least, and bands at the most: within a band the spectra have to be level.
+#: Ordinates in a band at the least, and bands at the most: within a band the spectra have to be
+#: level.
 ORDINATES, MOST = 500, 192
 #: Log-likelihood by which noise that enters before the filters has to be better than behind them.
 FILTERED = 8.0
@@ -38,15 +42,27 @@ def timing(record, model) -> tuple[list[Step], str | None]:
             continue
         found = effect.detect(record)
         if found is not None:
-            steps.append(Step(effect.name, {k: v for k, v in found.process.to_json().items() if k != "process"}, found.intervals, found.where,
-                              0.5 if found.doubt else 0.999, {"effect": "none", "confidence": 0.0}, [], gain=found.gain, cause=effect.cause))
+            steps.append(
+                Step(
+                    effect.name,
+                    {k: v for k, v in found.process.to_json().items() if k != "process"},
+                    found.intervals,
+                    found.where,
+                    0.5 if found.doubt else 0.999,
+                    {"effect": "none", "confidence": 0.0},
+                    [],
+                    gain=found.gain,
+                    cause=effect.cause,
+                )
+            )
             if found.doubt:
                 return steps, found.doubt
     return steps, None
 
 
 def cross_spectra(channels: dict, fs: float, *, segments: int = 512):
-    """Averaged cross-spectra between channels in the fast band: (names, matrix (bands, k, k) complex, ordinates per band, Hz).
+    """Averaged cross-spectra between channels in the fast band: (names, matrix (bands, k, k)
+    complex, ordinates per band, Hz).
 
     Ordinates at which any channel has a line are left out.
     """
@@ -85,8 +101,11 @@ def _loss(gain, members, log_density) -> float:
     return min(-gain(members, np.exp(log_density)), 1e12)
 
 
-def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[SharedNoise | None, dict, str | None]:
-    """Noise in common: the process or None, what was found on the way, and a sentence where another coherence is left.
+def shared_noise(
+    channels: dict, fs: float, held=(), bases=None
+) -> tuple[SharedNoise | None, dict, str | None]:
+    """Noise in common: the process or None, what was found on the way, and a sentence where
+    another coherence is left.
 
     `held` are the base model's own processes in common, `bases` its channels (name -> `Sum`).
     """
@@ -97,11 +116,24 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
     filters = [bases[name].low_pass if bases and name in bases else None for name in names]
     passed = np.column_stack([_passed(low_pass, f, fs) for low_pass in filters])
     for process in held:
-        matrix = _without(matrix, 2 * process.N**2, [c in process.channels for c in names], np.sqrt(passed) if process.filtered else None)
+        matrix = _without(
+            matrix,
+            2 * process.N**2,
+            [c in process.channels for c in names],
+            np.sqrt(passed) if process.filtered else None,
+        )
     level = np.einsum("bii->bi", matrix).real
     norm = np.sqrt(level[:, :, None] * level[:, None, :])
     # before the filters, where each turns the phase by its own amount
-    turn = np.exp(1j * np.column_stack([np.zeros(len(f)) if low_pass is None else low_pass.phase(f, fs) for low_pass in filters]))
+    turn = np.exp(
+        1j
+        * np.column_stack(
+            [
+                np.zeros(len(f)) if low_pass is None else low_pass.phase(f, fs)
+                for low_pass in filters
+            ]
+        )
+    )
     straight = matrix * turn[:, :, None].conj() * turn[:, None, :]
     best = None
     total = count.sum()
@@ -109,8 +141,9 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
     mean = np.einsum("b,bij->ij", weight, matrix).real
     sd = np.sqrt(np.diag(mean))
 
-    # noise that enters before the channels' filters keeps its share of their noise where they fall off
-    before = np.array(np.broadcast_to(np.median(level[:len(f) // 4], axis=0), level.shape))
+    # noise that enters before the channels' filters keeps its share of their noise where they fall
+    # off
+    before = np.array(np.broadcast_to(np.median(level[: len(f) // 4], axis=0), level.shape))
     for i, low_pass in enumerate(filters):
         if low_pass is not None:
             before[:, i] = level[:, i] / passed[:, i]
@@ -126,7 +159,12 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         if np.any(sign <= 0):
             return -np.inf
         r = coherence[np.ix_(range(len(level)), members, members)]
-        return float(-np.sum(count * (logdet + np.einsum("bii->b", np.linalg.solve(model, r)) - len(members))))
+        return float(
+            -np.sum(
+                count * (logdet + np.einsum("bii->b", np.linalg.solve(model, r)) - len(members))
+            )
+        )
+
     r = mean / np.outer(sd, sd)
     both = np.maximum(r, np.einsum("b,bij->ij", weight, straight).real / np.outer(sd, sd))
     strength = both * np.sqrt(2 * total)
@@ -135,12 +173,20 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
         for members in combinations(linked, size):
             members = list(members)
             # beyond all of the noise of a member there is nothing to share
-            for place, handicap, part in ((behind_them, 0.0, mean), (before_them, FILTERED, np.mean(straight[:len(f) // 4], axis=0).real)):
+            for place, handicap, part in (
+                (behind_them, 0.0, mean),
+                (before_them, FILTERED, np.mean(straight[: len(f) // 4], axis=0).real),
+            ):
                 guess = np.median([part[i, j] for i, j in combinations(members, 2)])
                 if guess <= 0:
                     continue
                 loss = partial(_loss, partial(gain, level=place[0], coherence=place[1]), members)
-                fit = minimize_scalar(loss, bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5), method="bounded", options={"xatol": 1e-4})
+                fit = minimize_scalar(
+                    loss,
+                    bounds=(np.log(guess) - 1.5, np.log(guess) + 1.5),
+                    method="bounded",
+                    options={"xatol": 1e-4},
+                )
                 if best is None or -fit.fun - handicap > best[0]:
                     best = (-fit.fun - handicap, members, float(np.exp(fit.x)), place)
     found, note = None, {}
@@ -148,26 +194,60 @@ def shared_noise(channels: dict, fs: float, held=(), bases=None) -> tuple[Shared
     if best is not None and best[0] > COMMON_GAIN:
         value, members, density, place = best
         h = 1e-2
-        curve = -sum(c * gain(members, density * np.exp(d), *place) for c, d in ((1, h), (-2, 0.0), (1, -h))) / h**2
+        curve = (
+            -sum(
+                c * gain(members, density * np.exp(d), *place)
+                for c, d in ((1, h), (-2, 0.0), (1, -h))
+            )
+            / h**2
+        )
         spread = 0.5 / np.sqrt(max(curve, 1e-9))
         if place is behind_them:
-            density, spread = _with_levels(density, spread, [names[i] for i in members], matrix[:, members][:, :, members], count, f, fs, bases or {})
+            density, spread = _with_levels(
+                density,
+                spread,
+                [names[i] for i in members],
+                matrix[:, members][:, :, members],
+                count,
+                f,
+                fs,
+                bases or {},
+            )
         N = np.sqrt(density / 2)
-        found = SharedNoise(N=float(N), channels=tuple(names[i] for i in members), filtered=None if place is behind_them else 1)
-        note = {"gain": value, "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
-                "coherence": float(np.mean([r[i, j] ** 2 for i, j in combinations(members, 2)])), "z_before": _size(matrix, count)}
-        rest = _without(matrix, density, [i in members for i in range(k)], None if place is behind_them else np.sqrt(level / before))
+        found = SharedNoise(
+            N=float(N),
+            channels=tuple(names[i] for i in members),
+            filtered=None if place is behind_them else 1,
+        )
+        note = {
+            "gain": value,
+            "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
+            "coherence": float(np.mean([r[i, j] ** 2 for i, j in combinations(members, 2)])),
+            "z_before": _size(matrix, count),
+        }
+        rest = _without(
+            matrix,
+            density,
+            [i in members for i in range(k)],
+            None if place is behind_them else np.sqrt(level / before),
+        )
         note["z_after"] = _size(rest, count)
     return found, note, _left(names, rest, matrix, count, f)
 
 
 def _passed(low_pass, f, fs):
     """Share of white noise that the low-pass filter of a channel lets through, shape of `f`."""
-    return np.ones(len(f)) if low_pass is None else Sum((WhiteNoise(N=np.sqrt(0.5)),), (low_pass,)).psd(f, fs)
+    return (
+        np.ones(len(f))
+        if low_pass is None
+        else Sum((WhiteNoise(N=np.sqrt(0.5)),), (low_pass,)).psd(f, fs)
+    )
 
 
 def _without(matrix, density, member, fall=None):
-    """The cross-spectra less a `density` that the members share; behind filters of amplitude `fall`, which may turn its phase."""
+    """The cross-spectra less a `density` that the members share; behind filters of amplitude
+    `fall`, which may turn its phase.
+    """
     off = np.outer(member, member) & ~np.eye(len(member), dtype=bool)
     if fall is None:
         return matrix - density * off
@@ -176,7 +256,9 @@ def _without(matrix, density, member, fall=None):
 
 
 def _with_levels(density, spread, names, matrix, count, f, fs, bases):
-    """(density, sd of the logarithm of N) sharpened by the levels of the channels, where the bases foretell these and agree."""
+    """(density, sd of the logarithm of N) sharpened by the levels of the channels, where the bases
+    foretell these and agree.
+    """
     try:
         own = np.column_stack([bases[name].noise.psd(f, fs) for name in names])
     except (KeyError, UndefinedFormError):
@@ -185,10 +267,21 @@ def _with_levels(density, spread, names, matrix, count, f, fs, bases):
     def loss(log_density):
         model = np.exp(log_density) * np.ones((len(f), len(names), len(names)))
         model[:, range(len(names)), range(len(names))] += own
-        return float(np.sum(count * (np.linalg.slogdet(model)[1] + np.einsum("bii->b", np.linalg.solve(model, matrix)).real)))
+        return float(
+            np.sum(
+                count
+                * (
+                    np.linalg.slogdet(model)[1]
+                    + np.einsum("bii->b", np.linalg.solve(model, matrix)).real
+                )
+            )
+        )
+
     at, reach, h = np.log(density), max(6 * spread, 0.06), 1e-2
-    best = minimize_scalar(loss, bounds=(at - 2 * reach, at + 2 * reach), method="bounded", options={"xatol": 1e-5}).x
-    if abs(best - at) > reach:                             # another noise in a channel: its level says nothing of this one
+    best = minimize_scalar(
+        loss, bounds=(at - 2 * reach, at + 2 * reach), method="bounded", options={"xatol": 1e-5}
+    ).x
+    if abs(best - at) > reach:  # another noise in a channel: its level says nothing of this one
         return density, spread
     curve = (loss(best + h) - 2 * loss(best) + loss(best - h)) / h**2
     return float(np.exp(best)), float(0.5 / np.sqrt(max(curve, 1e-9)))
@@ -198,7 +291,9 @@ def _size(matrix, count):
     k = matrix.shape[1]
     d = np.sqrt(np.einsum("bii->bi", matrix).real)
     z = [m / np.outer(e, e) * np.sqrt(c) for m, e, c in zip(matrix, d, count)]
-    return float(np.sqrt(np.mean([np.abs(a[i, j]) ** 2 for a in z for i, j in combinations(range(k), 2)])))
+    return float(
+        np.sqrt(np.mean([np.abs(a[i, j]) ** 2 for a in z for i, j in combinations(range(k), 2)]))
+    )
 
 
 def _left(names, rest, matrix, count, f):
@@ -207,9 +302,21 @@ def _left(names, rest, matrix, count, f):
     for i, j in pairs:
         g = np.abs(rest[:, i, j]) ** 2 / (matrix[:, i, i].real * matrix[:, j, j].real) * count * 2
         # the fitted density takes no more than its own accuracy; allow a percent of the coherence
-        for value, dof, text in ((g.sum(), 2 * len(g), f"coherence between {names[i]} and {names[j]} over the whole band"),
-                                 (g.max(), 2, f"coherence between {names[i]} and {names[j]} near {f[int(np.argmax(g))]:.3g} Hz")):
-            p = chi2.logsf(value, dof) / np.log(10) + np.log10(len(pairs) * (len(g) if dof == 2 else 1))
+        for value, dof, text in (
+            (
+                g.sum(),
+                2 * len(g),
+                f"coherence between {names[i]} and {names[j]} over the whole band",
+            ),
+            (
+                g.max(),
+                2,
+                f"coherence between {names[i]} and {names[j]} near {f[int(np.argmax(g))]:.3g} Hz",
+            ),
+        ):
+            p = chi2.logsf(value, dof) / np.log(10) + np.log10(
+                len(pairs) * (len(g) if dof == 2 else 1)
+            )
             if p < worst[0]:
                 worst = (p, text)
     return worst[1] if worst[0] < LEFT else None
@@ -219,7 +326,16 @@ def common_step(process, note) -> Step:
     """Noise in common as a step of the record."""
     names = ", ".join(process.channels)
     parameters = {name: v for name, v in process.to_json().items() if name != "process"}
-    return Step("common_mode", parameters, {"N": note["interval"]},
-                f"coherence between {names}: {note['coherence']:.2g} where independent channels have none",
-                float(1 / (1 + np.exp(-(min(note["gain"], 300) - 12)))),
-                {"effect": "none", "confidence": 0.0}, [], gain=note["gain"], gap_before=note["z_before"], gap_after=note["z_after"], cause=CommonMode.cause)
+    return Step(
+        "common_mode",
+        parameters,
+        {"N": note["interval"]},
+        f"coherence between {names}: {note['coherence']:.2g} where independent channels have none",
+        float(1 / (1 + np.exp(-(min(note["gain"], 300) - 12)))),
+        {"effect": "none", "confidence": 0.0},
+        [],
+        gain=note["gain"],
+        gap_before=note["z_before"],
+        gap_after=note["z_after"],
+        cause=CommonMode.cause,
+    )

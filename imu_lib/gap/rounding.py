@@ -1,4 +1,7 @@
-"""What lies behind samples that are rounded to a step as wide as their noise, and what the rounding does to their spectrum."""
+"""What lies behind samples that are rounded to a step as wide as their noise, and what the
+rounding does to their spectrum.
+"""
+
 from __future__ import annotations
 
 from functools import cached_property
@@ -10,16 +13,19 @@ from scipy.special import ndtr
 from imu_lib.gap import fast
 from imu_lib.gap.innovations import trend
 
-#: Steps in standard deviations of the rounded noise from which on rounding is more than white noise of step^2 / 12.
+#: Steps in standard deviations of the rounded noise from which on rounding is more than white
+#: noise of step^2 / 12.
 COARSE = 0.9
 
 
 def moments(sd: float, points: int = 129):
-    """Mean and variance of round(mu + sd z), z standard normal, for mu over half a step either side of a level: (mu, mean, variance)."""
+    """Mean and variance of round(mu + sd z), z standard normal, for mu over half a step either
+    side of a level: (mu, mean, variance).
+    """
     mu = np.linspace(-0.5, 0.5, points)
     top = int(np.ceil(6 * sd)) + 1
     edge = np.arange(-top, top) + 0.5
-    beyond = ndtr((mu[:, None] - edge) / sd)              # share above each edge between two levels
+    beyond = ndtr((mu[:, None] - edge) / sd)  # share above each edge between two levels
     mean = -top + beyond.sum(axis=1)
     square = top**2 + beyond @ (2 * edge)
     return mu, mean, square - mean**2
@@ -28,8 +34,10 @@ def moments(sd: float, points: int = 129):
 class Rounding:
     """Rounded samples `x`, shape (n,), of fast noise `smooth` on a `grid` (step, offset).
 
-    `base` (n,) is the slow part before the rounding and `variance` that of the fast noise before it, both in steps;
-    `slope` is how much faster the variance after it grows, `swing` (n,) how the noise after it rises and falls as the slow
+    `base` (n,) is the slow part before the rounding and `variance` that of the fast noise before
+    it, both in steps;
+    `slope` is how much faster the variance after it grows, `swing` (n,) how the noise after it
+    rises and falls as the slow
     part moves between two levels (1 where that is less than a per cent).
     """
 
@@ -44,18 +52,21 @@ class Rounding:
 
     def _before(self, level, variance):
         whole = np.rint(level)
-        few = (level - whole)[::max(1, len(level) // 4000)]
+        few = (level - whole)[:: max(1, len(level) // 4000)]
 
         def after(sd, part=few):
             mu, mean, spread = moments(sd)
             before = np.interp(part, mean, mu)
             return before, np.interp(before, mu, spread)
+
         low, high = 0.05, max(2.0, 2 * np.sqrt(variance))
         excess = lambda sd: float(np.mean(after(sd)[1])) - variance  # noqa: E731
         sd = low if excess(low) >= 0 else brentq(excess, low, high, xtol=1e-5)
         part, spread = after(sd, level - whole)
         self.base, self.variance = whole + part, sd**2
-        self.slope = max((excess(1.02 * sd) - excess(0.98 * sd)) / (sd**2 * (1.02**2 - 0.98**2)), 1.0)
+        self.slope = max(
+            (excess(1.02 * sd) - excess(0.98 * sd)) / (sd**2 * (1.02**2 - 0.98**2)), 1.0
+        )
         swing = np.sqrt(spread / np.mean(spread))
         self.swing = swing if np.std(swing) > 0.01 else 1.0
 
@@ -65,37 +76,62 @@ class Rounding:
         return smooth.level * self.variance * self.step**2 / smooth.sample_variance
 
     def _drawn(self, level, rng):
-        """The signal before the rounding with noise of the spectrum `level` in the bins, and after it."""
+        """The signal before the rounding with noise of the spectrum `level` in the bins, and after
+        it.
+        """
         size = self.n + self.n % 2
-        noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * np.sqrt(self.smooth.between(level, size) * self.smooth.fs / 2), size)[:self.n]
+        noise = np.fft.irfft(
+            np.fft.rfft(rng.standard_normal(size))
+            * np.sqrt(self.smooth.between(level, size) * self.smooth.fs / 2),
+            size,
+        )[: self.n]
         before = self.base * self.step + noise
         return before, np.rint(before / self.step)
 
     def twin(self, rng, of_integral=None) -> np.ndarray:
-        """A simulation of the rounded samples, in steps, shape (n,); increments of a rounded integral where its quantization is given."""
+        """A simulation of the rounded samples, in steps, shape (n,); increments of a rounded
+        integral where its quantization is given.
+        """
         level, fs = self.smooth.level, self.smooth.fs
         if of_integral is None:
-            before = self._unrounded(rng)[0] if self.coarse else np.maximum(level - self.step**2 / (6 * fs), 0.02 * level)
+            before = (
+                self._unrounded(rng)[0]
+                if self.coarse
+                else np.maximum(level - self.step**2 / (6 * fs), 0.02 * level)
+            )
             return self._drawn(before, rng)[1]
         noise = of_integral.psd(self.smooth.layout.f, fs)
         before, _ = self._drawn(np.maximum(level - noise, 0.02 * level), rng)
         return np.rint(of_integral.round(before, fs, rng) / self.step)
 
     def extra(self, rng) -> np.ndarray:
-        """Density that the rounding adds in the bins, by simulation: it is neither white nor independent of the signal."""
+        """Density that the rounding adds in the bins, by simulation: it is neither white nor
+        independent of the signal.
+        """
         return self._unrounded(rng)[1]
 
     def _unrounded(self, rng):
         """Spectrum before the rounding and what the rounding adds to it, in the bins."""
         smooth, k = self.smooth, self.smooth.layout.slow
         level, kernel = self._before_level, np.ones(15) / 15
-        for draws in (2, 3, 8):                            # the last is kept
+        for draws in (2, 3, 8):  # the last is kept
             extra = np.zeros_like(level)
             for _ in range(draws):
                 before, after = self._drawn(level, rng)
-                extra += fast.average(np.abs(fast.transform(after * self.step)) ** 2 - np.abs(fast.transform(before)) ** 2, smooth.layout) / smooth.fs / draws
-            # rounding changes a spectrum smoothly: average over neighbours, leave the slow end to its own level
+                extra += (
+                    fast.average(
+                        np.abs(fast.transform(after * self.step)) ** 2
+                        - np.abs(fast.transform(before)) ** 2,
+                        smooth.layout,
+                    )
+                    / smooth.fs
+                    / draws
+                )
+            # rounding changes a spectrum smoothly: average over neighbours, leave the slow end to
+            # its own level
             extra = np.convolve(np.pad(extra, 7, mode="edge"), kernel, "valid")
-            extra[:k] = np.mean(extra[k:k + 12])
-            level = np.maximum(level + (smooth.level - level - extra) / self.slope, 0.02 * smooth.level)
+            extra[:k] = np.mean(extra[k : k + 12])
+            level = np.maximum(
+                level + (smooth.level - level - extra) / self.slope, 0.02 * smooth.level
+            )
         return level, extra

@@ -5,6 +5,7 @@ stationary series even where the signal itself walks, and the turn-on bias drops
 Their covariance is Toeplitz and known in closed form for every process, so the Durbin-Levinson
 recursion whitens them, and any drift with them, exactly in O(n^2).
 """
+
 from __future__ import annotations
 
 import numpy as np
@@ -51,7 +52,9 @@ def _levinson(c, y):
 
 
 def whiten(covariance, y):
-    """Log-determinant and whitened columns of `y`, shape (n, q), under the Toeplitz covariance (n,)."""
+    """Log-determinant and whitened columns of `y`, shape (n, q), under the Toeplitz covariance
+    (n,).
+    """
     y = np.ascontiguousarray(y, dtype=float)
     if y.ndim == 1:
         y = y[:, None]
@@ -81,7 +84,9 @@ def whitening_matrix(covariance) -> np.ndarray:
 
 
 def block_length(n: int, fs: float, *, most: int = 640, shortest: float = 4.0) -> int:
-    """Samples in a block: at least 4 s, and at most 640 blocks to a record; short records get at least 48 blocks."""
+    """Samples in a block: at least 4 s, and at most 640 blocks to a record; short records get at
+    least 48 blocks.
+    """
     samples = max(shortest * fs, n / most)
     return int(max(1, min(round(samples), n // 48)))
 
@@ -89,7 +94,7 @@ def block_length(n: int, fs: float, *, most: int = 640, shortest: float = 4.0) -
 def block_means(x, m: int) -> np.ndarray:
     """Means of consecutive blocks of `m` samples; the tail that fills no block is left out."""
     k = len(x) // m
-    return x[:k * m].reshape(k, m).mean(axis=1)
+    return x[: k * m].reshape(k, m).mean(axis=1)
 
 
 def covariance(process, n: int, m: int, fs: float) -> np.ndarray:
@@ -118,18 +123,20 @@ def covariance(process, n: int, m: int, fs: float) -> np.ndarray:
     elif name == "gauss_markov_2":
         u = process.beta * T * np.arange(len(c) + 2)
         g = process.sigma**2 / (process.beta * T) ** 2 * (3 + u) * np.exp(-u)
-        r = g[2:] - 2 * g[1:-1] + g[:-2]                # r[j - 1]: covariance of block means j apart
+        r = g[2:] - 2 * g[1:-1] + g[:-2]  # r[j - 1]: covariance of block means j apart
         c[1] = r[0] - r[1] - half
-        c[2:] = (2 * r[1:] - r[:-1] - np.append(r[2:], 0.0))[:len(c) - 2]
+        c[2:] = (2 * r[1:] - r[:-1] - np.append(r[2:], 0.0))[: len(c) - 2]
         c[-1] = 0.0 if len(c) > 3 else c[-1]
-    else:                                               # white noise and anything white over blocks
+    else:  # white noise and anything white over blocks
         c[1] = -half
     c[0] = 2 * half
     return c[:n]
 
 
 def spectrum(c) -> np.ndarray:
-    """Spectrum of the differenced means on n frequencies up to half their rate, positive, shape (n,)."""
+    """Spectrum of the differenced means on n frequencies up to half their rate, positive, shape
+    (n,).
+    """
     s = spectrum_difference(c)
     return np.maximum(s, 1e-3 * np.median(np.abs(s)) + 1e-300)
 

@@ -1,4 +1,5 @@
 """A found effect as the report gives it."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
@@ -13,7 +14,9 @@ Z95 = 1.959963984540054
 
 @dataclass(frozen=True)
 class Step:
-    """One effect: name, parameters, 95 % intervals, where it showed, how sure the name is, and who came second."""
+    """One effect: name, parameters, 95 % intervals, where it showed, how sure the name is, and who
+    came second.
+    """
 
     effect: str
     parameters: dict
@@ -33,10 +36,19 @@ class Step:
         return replace(self, confidence=min(self.confidence, most))
 
     def to_json(self) -> dict:
-        out = {"effect": self.effect, "parameters": _plain(self.parameters), "intervals": _plain(self.intervals), "where": self.where,
-               "confidence": round(float(self.confidence), 4), "runner_up": _plain(self.runner_up), "indistinguishable": list(self.indistinguishable),
-               "gain": None if not np.isfinite(self.gain) else round(float(self.gain), 2), "cause": self.cause,
-               "gap_before": _plain(self.gap_before), "gap_after": _plain(self.gap_after)}
+        out = {
+            "effect": self.effect,
+            "parameters": _plain(self.parameters),
+            "intervals": _plain(self.intervals),
+            "where": self.where,
+            "confidence": round(float(self.confidence), 4),
+            "runner_up": _plain(self.runner_up),
+            "indistinguishable": list(self.indistinguishable),
+            "gain": None if not np.isfinite(self.gain) else round(float(self.gain), 2),
+            "cause": self.cause,
+            "gap_before": _plain(self.gap_before),
+            "gap_after": _plain(self.gap_after),
+        }
         return out
 
 
@@ -64,8 +76,19 @@ def steps_of_findings(findings, fs) -> list[Step]:
     for f in findings:
         sure = 1.0 / (1.0 + np.exp(-(min(f.gain, 500.0) - 9.0)))
         rival = {"effect": "none", "confidence": float(1 - sure)}
-        out.append(Step(f.process.name, _parameters(f.process), f.intervals, f.where, 0.5 if f.doubt else float(sure), rival,
-                        [], gain=float(f.gain), cause=f.effect.cause))
+        out.append(
+            Step(
+                f.process.name,
+                _parameters(f.process),
+                f.intervals,
+                f.where,
+                0.5 if f.doubt else float(sure),
+                rival,
+                [],
+                gain=float(f.gain),
+                cause=f.effect.cause,
+            )
+        )
     return out
 
 
@@ -102,13 +125,18 @@ def steps_of_items(state, rivals, n_base) -> list[Step]:
             parameters = _parameters(process)
             if item.slot is not None:
                 sd = sds[place[(-1, "cutoff")]]
-                intervals["cutoff"] = [process.cutoff * np.exp(-Z95 * sd), process.cutoff * np.exp(Z95 * sd)]
+                intervals["cutoff"] = [
+                    process.cutoff * np.exp(-Z95 * sd),
+                    process.cutoff * np.exp(Z95 * sd),
+                ]
         elif item.signal is not None:
             process = item.process
             parameters = _parameters(process)
             sd, spread = item.note["sd"], Z95 / np.sqrt(max(item.note["flips"], 1))
-            intervals = {"amplitude": [process.amplitude - Z95 * sd, process.amplitude + Z95 * sd],
-                         "rate": [process.rate * np.exp(-spread), process.rate * np.exp(spread)]}
+            intervals = {
+                "amplitude": [process.amplitude - Z95 * sd, process.amplitude + Z95 * sd],
+                "rate": [process.rate * np.exp(-spread), process.rate * np.exp(spread)],
+            }
         else:
             process = fit.terms[index]
             parameters = _parameters(process)
@@ -123,15 +151,37 @@ def steps_of_items(state, rivals, n_base) -> list[Step]:
         sure, weights = rounds.confidence(others) if others else (1.0, {})
         by_name = {}
         for key, w in weights.items():
-            by_name[key.split(":")[0] or "none"] = max(by_name.get(key.split(":")[0] or "none", 0.0), w)
+            by_name[key.split(":")[0] or "none"] = max(
+                by_name.get(key.split(":")[0] or "none", 0.0), w
+            )
         if rounds.explains_as_telegraph(state, item):
             by_name["telegraph"] = max(by_name.get("telegraph", 0.0), 0.5)
             sure *= 0.5
         second = max(by_name, key=by_name.get) if by_name else "none"
-        near = sorted((n for n, w in by_name.items() if n != "none" and w > 0.05 * max(sure, 1e-9)), key=lambda n: -by_name[n])
-        cause = item.effect.cause if item.effect is not None else "A parameter of the given model does not hold for this unit, this day or this environment."
-        out.append(Step(item.name, parameters, intervals, where(state, item), sure, {"effect": second, "confidence": by_name.get(second, 0.0)}, near,
-                        gain=float(state.ll - state.with_items([i for i in state.items if i is not item]).ll), cause=cause))
+        near = sorted(
+            (n for n, w in by_name.items() if n != "none" and w > 0.05 * max(sure, 1e-9)),
+            key=lambda n: -by_name[n],
+        )
+        cause = (
+            item.effect.cause
+            if item.effect is not None
+            else "A parameter of the given model does not hold for this unit, this day or this environment."
+        )
+        out.append(
+            Step(
+                item.name,
+                parameters,
+                intervals,
+                where(state, item),
+                sure,
+                {"effect": second, "confidence": by_name.get(second, 0.0)},
+                near,
+                gain=float(
+                    state.ll - state.with_items([i for i in state.items if i is not item]).ll
+                ),
+                cause=cause,
+            )
+        )
     return out
 
 
@@ -146,13 +196,20 @@ def where(state, item) -> str:
         if item.name == "telegraph":
             return f"distribution of the bias: two levels, about {item.note['flips']:.0f} flips in {data.duration:.0f} s"
         if item.name == "sinusoid":
-            return f"mean of the signal: it swings with a period of {1 / item.process.frequency:.4g} s"
+            return (
+                f"mean of the signal: it swings with a period of {1 / item.process.frequency:.4g} s"
+            )
         if item.name == "ramp":
             return f"mean of the signal: a drift over the {data.duration:.0f} s of the record"
-        return f"mean of the signal: a transient over the first {3 * item.process.time_constant:.0f} s"
+        return (
+            f"mean of the signal: a transient over the first {3 * item.process.time_constant:.0f} s"
+        )
     without = state.with_items([i for i in state.items if i is not item])
     layout, fs = state.data.layout, state.data.fs
-    a, b = (measured(fast.spectrum(s.fit.terms, s.fit.low_pass, layout, fs), state.data.extra) for s in (state, without))
+    a, b = (
+        measured(fast.spectrum(s.fit.terms, s.fit.low_pass, layout, fs), state.data.extra)
+        for s in (state, without)
+    )
     decibel = 10 * np.log10(np.maximum(a, 1e-300) / np.maximum(b, 1e-300))
     weight = np.abs(decibel)
     on = weight > 0.5 * weight.max()

@@ -1,18 +1,29 @@
 """The result as text for the terminal, in datasheet units where there are any."""
+
 from __future__ import annotations
 
 from textwrap import wrap
 
 from imu_lib import units
 
-#: Parameters that say which kind of effect it is, in words, and effects whose rate is that of their samples.
-KINDS, SAMPLED = {"rounded": "by rounding of the integral", "smoothing": "exponential smoothing"}, ("low_pass", "autoregressive")
+#: Parameters that say which kind of effect it is, in words, and effects whose rate is that of
+#: their samples.
+KINDS, SAMPLED = (
+    {"rounded": "by rounding of the integral", "smoothing": "exponential smoothing"},
+    ("low_pass", "autoregressive"),
+)
 #: Columns of a terminal, or of a page of the book.
 WIDTH = 110
 
 
 def _folded(indent: int, text: str) -> list[str]:
-    return wrap(text, WIDTH, initial_indent=" " * indent, subsequent_indent=" " * (indent + 2), break_long_words=False)
+    return wrap(
+        text,
+        WIDTH,
+        initial_indent=" " * indent,
+        subsequent_indent=" " * (indent + 2),
+        break_long_words=False,
+    )
 
 
 def value(symbol: str, x, channel: str) -> str:
@@ -26,26 +37,49 @@ def value(symbol: str, x, channel: str) -> str:
         return f"{x / factor:.4g} {unit}"
     except (KeyError, ValueError):
         pass
-    second = {"correlation_time": "s", "time_constant": "s", "time": "s", "frequency": "Hz", "cutoff": "Hz", "rate": "/s", "sd": "s"}
+    second = {
+        "correlation_time": "s",
+        "time_constant": "s",
+        "time": "s",
+        "frequency": "Hz",
+        "cutoff": "Hz",
+        "rate": "/s",
+        "sd": "s",
+    }
     if symbol in second:
         return f"{x:.5g} {second[symbol]}"
     signal = "rad/s" if channel.startswith("gyro") else "m/s^2"
-    own = {"amplitude": signal, "limit": signal, "low": signal, "lsb": signal, "scale": signal, "slope": f"{signal}/degC"}
+    own = {
+        "amplitude": signal,
+        "limit": signal,
+        "low": signal,
+        "lsb": signal,
+        "scale": signal,
+        "slope": f"{signal}/degC",
+    }
     return f"{x:.4g}{' ' + own[symbol] if symbol in own and channel != 'record' else ''}"
 
 
 def describe(step, channel: str) -> str:
     """Name and parameters of a step."""
     p = step.parameters
-    if channel == "record" and p.get("channels"):  # the noise's unit is that of the channels that share it
+    if channel == "record" and p.get(
+        "channels"
+    ):  # the noise's unit is that of the channels that share it
         kinds = {c.split("_")[0] for c in p["channels"]}
         unit = p["channels"][0] if len(kinds) == 1 else ""
-        return f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}" \
-               + (", before their filters" if p.get("filtered") else "")
+        return (
+            f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}"
+            + (", before their filters" if p.get("filtered") else "")
+        )
     if step.effect == "parameter_change":
         return f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> {value(p['name'], p['to'], channel)}"
-    shown = [KINDS.get(k) or f"{k} {_hertz(v) if k == 'rate' and step.effect in SAMPLED else value(k, v, channel)}"
-             for k, v in p.items() if v is not None and k != "phase"]
+    shown = [
+        KINDS.get(k)
+        or f"{k} {_hertz(v) if k == 'rate' and step.effect in SAMPLED else value(k, v, channel)}"
+        for k, v in p.items()
+        if v is not None and k != "phase"
+    ]
     return step.effect + "  " + ", ".join(shown)
 
 
@@ -61,10 +95,15 @@ def table(found) -> str:
         before = "" if c.before is None else f"{c.before.value:.2f}"
         after = "" if c.after is None else f"{c.after.value:.2f}"
         held = "" if not c.held_out else f"{c.held_out['before']:.2f} -> {c.held_out['after']:.2f}"
-        lines.append(f"{name:<9}{before:>11}{after:>7}{held:>15}  {'' if r.steps or r.unexplained else 'nothing: simulation and measurement agree'}")
+        lines.append(
+            f"{name:<9}{before:>11}{after:>7}{held:>15}  {'' if r.steps or r.unexplained else 'nothing: simulation and measurement agree'}"
+        )
         lines += _steps(r.steps, name)
         if r.absorbed:
-            lines += _folded(11, f"fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: {', '.join(r.absorbed)}")
+            lines += _folded(
+                11,
+                f"fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: {', '.join(r.absorbed)}",
+            )
         if r.unexplained:
             lines += _folded(11, f"UNEXPLAINED: {r.unexplained}")
     if found.record_steps or found.record_unexplained:
@@ -72,7 +111,9 @@ def table(found) -> str:
         lines += _steps(found.record_steps, "record")
         if found.record_unexplained:
             lines += _folded(11, f"UNEXPLAINED: {found.record_unexplained}")
-    lines.append(f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from simulations as they do among themselves.")
+    lines.append(
+        f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from simulations as they do among themselves."
+    )
     return "\n".join(lines)
 
 

@@ -1,7 +1,10 @@
-"""Which sum of processes? Candidates compared by an information criterion, the winner held to a goodness-of-fit test.
+"""Which sum of processes? Candidates compared by an information criterion, the winner held to a
+goodness-of-fit test.
 
-BIC = k log(b) - 2 log L with b the number of statistics: the samples of one flat spectrum say nothing about the slow
-end, so counting them would ask for too much. The winner of a comparison is the best of what was offered, no more: its
+BIC = k log(b) - 2 log L with b the number of statistics: the samples of one flat spectrum say
+nothing about the slow
+end, so counting them would ask for too much. The winner of a comparison is the best of what was
+offered, no more: its
 p-value says whether the record could have come from it.
 """
 
@@ -9,7 +12,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from imu_lib.processes import Flicker, GaussMarkov, LowPass, Quantization, RandomWalk, Sum, WhiteNoise
+from imu_lib.processes import (
+    Flicker,
+    GaussMarkov,
+    LowPass,
+    Quantization,
+    RandomWalk,
+    Sum,
+    WhiteNoise,
+)
 
 from .fit import Fit, fit
 from .statistics import Statistics
@@ -26,7 +37,8 @@ CANDIDATES = {
     "white + 2 Gauss-Markov": WhiteNoise() + GaussMarkov() + GaussMarkov(),
     "white + 2 Gauss-Markov + walk": WhiteNoise() + GaussMarkov() + GaussMarkov() + RandomWalk(),
 }
-#: Twice the log-likelihood below which a filter or a quantization is not worth its parameter at the fast end.
+#: Twice the log-likelihood below which a filter or a quantization is not worth its parameter at
+#: the fast end.
 EARNS = 10.0
 #: A filter is looked for above this share of the rate.
 FAST = 1 / 60
@@ -62,11 +74,24 @@ class Choice:
     def rows(self):
         """(name, parameters, BIC - best, AIC - best, p-value) of each candidate, best first."""
         least = min(f.bic for f in self.fits.values()), min(f.aic for f in self.fits.values())
-        rows = [(name, f.free, f.bic - least[0], f.aic - least[1], f.p_value) for name, f in self.fits.items()]
+        rows = [
+            (name, f.free, f.bic - least[0], f.aic - least[1], f.p_value)
+            for name, f in self.fits.items()
+        ]
         return sorted(rows, key=lambda row: row[2])
 
 
-def choose(x, fs, *, candidates=None, stages=(), extra=(), criterion="bic", temperature=None, estimates=True):
+def choose(
+    x,
+    fs,
+    *,
+    candidates=None,
+    stages=(),
+    extra=(),
+    criterion="bic",
+    temperature=None,
+    estimates=True,
+):
     """Fit every candidate and take the best.
 
     Parameters
@@ -77,14 +102,21 @@ def choose(x, fs, *, candidates=None, stages=(), extra=(), criterion="bic", temp
     candidates : dict of str to Sum, optional
         Default `CANDIDATES`.
     stages, extra : sequence of processes
-        Added to each candidate: output stages (a low-pass filter), further terms (quantization, a ramp).
+        Added to each candidate: output stages (a low-pass filter), further terms (quantization, a
+        ramp).
     criterion : "bic" or "aic"
     """
     if criterion not in ("bic", "aic"):
         raise ValueError(f"`criterion` must be 'bic' or 'aic', got {criterion!r}")
     stats = x if isinstance(x, Statistics) else Statistics.of(x, fs)
-    sums = {name: Sum.of([*entry, *extra, *stages]) for name, entry in (candidates or CANDIDATES).items()}
-    fits = {name: fit(stats, None, entry, temperature=temperature, estimates=False) for name, entry in sums.items()}
+    sums = {
+        name: Sum.of([*entry, *extra, *stages])
+        for name, entry in (candidates or CANDIDATES).items()
+    }
+    fits = {
+        name: fit(stats, None, entry, temperature=temperature, estimates=False)
+        for name, entry in sums.items()
+    }
     score = np.array([getattr(f, criterion) for f in fits.values()])
     name = list(fits)[int(np.argmin(score))]
     weight = np.exp(-(score - score.min()) / 2)
@@ -92,16 +124,24 @@ def choose(x, fs, *, candidates=None, stages=(), extra=(), criterion="bic", temp
     if estimates:
         noise = best.model.noise
         complete = len(noise) == len(sums[name].noise)
-        best = fit(stats, None, sums[name], temperature=temperature, starts=[noise] if complete else (),
-                   grid=not complete)
+        best = fit(
+            stats,
+            None,
+            sums[name],
+            temperature=temperature,
+            starts=[noise] if complete else (),
+            grid=not complete,
+        )
     return Choice(name, best, fits, dict(zip(fits, (weight / weight.sum()).tolist())))
 
 
 @dataclass(frozen=True)
 class FastEnd:
-    """What the fast end of a record shows: stages and terms to add to every candidate, and how well they fit.
+    """What the fast end of a record shows: stages and terms to add to every candidate, and how
+    well they fit.
 
-    `top` is the frequency in Hz up to which that holds, `note` says it in words (empty where the spectrum is flat).
+    `top` is the frequency in Hz up to which that holds, `note` says it in words (empty where the
+    spectrum is flat).
     """
 
     stages: tuple
@@ -112,11 +152,15 @@ class FastEnd:
 
 
 def fast_end(x, fs):
-    """Look for a low-pass filter or quantization at the fast end, where nothing else bends the spectrum.
+    """Look for a low-pass filter or quantization at the fast end, where nothing else bends the
+    spectrum.
 
-    A moving average (its length found on a ten times finer grid than the sampling), Butterworth filters of orders
-    1 and 2 and quantization compete against a flat end; a slow slack (flicker and a walk) absorbs what is below.
-    Where none of them fits, the spectrum is used up to the frequency where it stops being explicable.
+    A moving average (its length found on a ten times finer grid than the sampling), Butterworth
+    filters of orders
+    1 and 2 and quantization compete against a flat end; a slow slack (flicker and a walk) absorbs
+    what is below.
+    Where none of them fits, the spectrum is used up to the frequency where it stops being
+    explicable.
     """
     stats = x if isinstance(x, Statistics) else Statistics.of(x, fs)
     fs = stats.rate
@@ -132,8 +176,15 @@ def fast_end(x, fs):
             options += _filters(part, fs, slack)
         best = min(options, key=lambda o: -2 * o[2].loglike + EARNS * (len(o[0]) + len(o[1])))
         if best[2].p_value > 1e-4:
-            return FastEnd(best[0], best[1], top, best[2].p_value, best[3] if share == 1.0 else
-                           f"the spectrum above {top:.3g} Hz is neither flat nor that of a known filter and is left out")
+            return FastEnd(
+                best[0],
+                best[1],
+                top,
+                best[2].p_value,
+                best[3]
+                if share == 1.0
+                else f"the spectrum above {top:.3g} Hz is neither flat nor that of a known filter and is left out",
+            )
         whole = whole or best
     # nothing is explained perfectly: keep the description of the whole, if it earns its place
     stages, extra, found, note = whole
@@ -144,17 +195,31 @@ def _filters(part, fs, slack):
     for order in (1, 2):
         found = fit(part, None, slack + LowPass(order=order), estimates=False)
         stage = found.model.low_pass
-        yield (stage,), (), found, f"the output is low-pass filtered (order {order}, -3 dB at {stage.cutoff:.3g} Hz)"
+        yield (
+            (stage,),
+            (),
+            found,
+            f"the output is low-pass filtered (order {order}, -3 dB at {stage.cutoff:.3g} Hz)",
+        )
     trial = {}
     for taps in np.unique(np.rint(np.geomspace(3, 80, 24)).astype(int)):
-        trial[taps] = fit(part, None, slack + LowPass(taps=int(taps), rate=10 * fs), estimates=False)
+        trial[taps] = fit(
+            part, None, slack + LowPass(taps=int(taps), rate=10 * fs), estimates=False
+        )
     middle = max(trial, key=lambda taps: trial[taps].loglike)
     for taps in range(max(2, middle - 3), middle + 4):
         if taps not in trial:
             trial[taps] = fit(part, None, slack + LowPass(taps=taps, rate=10 * fs), estimates=False)
     taps = max(trial, key=lambda taps: trial[taps].loglike)
-    yield ((LowPass(taps=int(taps), rate=10 * fs),), (), trial[taps],
-           f"the output is the moving average over {taps / (10 * fs):.3g} s")
-    yield (), (Quantization(),), fit(part, None, slack + Quantization(), estimates=False), \
-        "the spectrum rises as that of quantization does"
-
+    yield (
+        (LowPass(taps=int(taps), rate=10 * fs),),
+        (),
+        trial[taps],
+        f"the output is the moving average over {taps / (10 * fs):.3g} s",
+    )
+    yield (
+        (),
+        (Quantization(),),
+        fit(part, None, slack + Quantization(), estimates=False),
+        "the spectrum rises as that of quantization does",
+    )

@@ -1,4 +1,6 @@
-"""Deterministic terms in the fit: their amplitudes by generalised least squares, their times by search."""
+"""Deterministic terms in the fit: their amplitudes by generalised least squares, their times by
+search.
+"""
 
 from dataclasses import dataclass, field
 
@@ -15,7 +17,13 @@ from .statistics import Regressors, Statistics
 
 #: Unknown times and frequencies, searched; amplitudes are linear.
 SEARCHED = {"sinusoid": "frequency", "warm_up": "time_constant", "step": "time"}
-LINEAR = {"sinusoid": "amplitude", "warm_up": "amplitude", "step": "amplitude", "ramp": "R", "temperature": "slope"}
+LINEAR = {
+    "sinusoid": "amplitude",
+    "warm_up": "amplitude",
+    "step": "amplitude",
+    "ramp": "R",
+    "temperature": "slope",
+}
 
 
 def shape(term, t, temperature=None):
@@ -52,7 +60,7 @@ class Drifts:
         fitted, estimates, at = list(self.known), {}, 0
         for term, width, labels in zip(self.terms, self.widths, self.labels):
             name = LINEAR[term.name]
-            a, c = amplitude[at:at + width], covariance[at:at + width, at:at + width]
+            a, c = amplitude[at : at + width], covariance[at : at + width, at : at + width]
             at += width
             if width == 2:
                 size = float(np.hypot(*a))
@@ -68,7 +76,9 @@ class Drifts:
 
 
 def solve_drifts(stats, template, temperature, given):
-    """Find the times of the drifts under the noise that fits best, and set their amplitudes up for solving."""
+    """Find the times of the drifts under the noise that fits best, and set their amplitudes up for
+    solving.
+    """
     terms = [(i, term) for i, term in enumerate(template.terms) if term.deterministic]
     known = [term for _, term in terms if _known(term)]
     t = np.arange(stats.n) / stats.rate if terms else None
@@ -77,15 +87,22 @@ def solve_drifts(stats, template, temperature, given):
     unknown = [(i, term) for i, term in terms if not _known(term)]
     if not unknown:
         return Drifts(stats, None, known=known)
-    labels = [{name: label for label, index, name in template.labels() if index == i} for i, _ in unknown]
+    labels = [
+        {name: label for label, index, name in template.labels() if index == i} for i, _ in unknown
+    ]
     fixed = [_with_reference(term, temperature) for _, term in unknown]
     intervals = [{} for _ in fixed]
-    open_ones = [j for j, term in enumerate(fixed) if getattr(term, SEARCHED.get(term.name, "name")) is None]
+    open_ones = [
+        j for j, term in enumerate(fixed) if getattr(term, SEARCHED.get(term.name, "name")) is None
+    ]
     theta = []
     for turn in range(3 if open_ones else 0):
         for j in open_ones:
-            others = [shape(term, t, temperature) for i, term in enumerate(fixed)
-                      if i != j and (i not in open_ones or intervals[i])]
+            others = [
+                shape(term, t, temperature)
+                for i, term in enumerate(fixed)
+                if i != j and (i not in open_ones or intervals[i])
+            ]
             own = [shape(fixed[j], t, temperature)] if intervals[j] else []
             now = _best(stats, template.noise, others + own, [*given, *theta], grid=not theta)
             theta = [now[0]]
@@ -94,21 +111,43 @@ def solve_drifts(stats, template, temperature, given):
                 columns = np.hstack(others)
                 free = stats.subtract(columns @ stats.regressors(columns).solve(now[2])[0])
             name = SEARCHED[fixed[j].name]
-            # under the noise that fits, and (a drift not yet found hides in the slow noise) under a floor of it
-            levels = [now[2]] if turn else [now[2], np.full_like(now[2], np.min(now[2])), np.sqrt(now[2] * np.min(now[2]))]
+            # under the noise that fits, and (a drift not yet found hides in the slow noise) under
+            # a floor of it
+            levels = (
+                [now[2]]
+                if turn
+                else [
+                    now[2],
+                    np.full_like(now[2], np.min(now[2])),
+                    np.sqrt(now[2] * np.min(now[2])),
+                ]
+            )
             tried = []
             for level in levels:
                 value, interval = search(free, fixed[j], name, level, t)
                 term = fixed[j].with_(**{name: value})
-                refit = _best(stats, template.noise, [*others, shape(term, t, temperature)], [*given, *theta],
-                              grid=not turn)
+                refit = _best(
+                    stats,
+                    template.noise,
+                    [*others, shape(term, t, temperature)],
+                    [*given, *theta],
+                    grid=not turn,
+                )
                 tried.append((refit[1], term, interval, refit[0]))
             _, fixed[j], interval, best = max(tried, key=lambda trial: trial[0])
             intervals[j], theta = {name: interval}, [best]
     columns = [shape(term, t, temperature) for term in fixed]
     searched = {id(term): interval for term, interval in zip(fixed, intervals)}
-    return Drifts(stats, stats.regressors(np.hstack(columns)), theta, fixed, [c.shape[1] for c in columns], labels,
-                  known, searched)
+    return Drifts(
+        stats,
+        stats.regressors(np.hstack(columns)),
+        theta,
+        fixed,
+        [c.shape[1] for c in columns],
+        labels,
+        known,
+        searched,
+    )
 
 
 def _best(stats, noise, columns, given, grid):
@@ -140,12 +179,14 @@ def gain(stats, term, name, value, expected, t):
 
 
 def search(stats, term, name, expected, t):
-    """Best value of the searched parameter and its 95 % interval (where the gain has fallen by 1.92)."""
+    """Best value of the searched parameter and its 95 % interval (where the gain has fallen by
+    1.92).
+    """
     if name == "time":
         return step_time(stats, expected, t)
     if name == "frequency":
         first = stats.stretches[0]
-        level = np.repeat(expected[:len(first.edges) - 1], np.diff(first.edges))
+        level = np.repeat(expected[: len(first.edges) - 1], np.diff(first.edges))
         inside = slice(first.edges[0] - 1, first.edges[-1] - 1)
         p = first.edges[0] + np.argmax(first.coefficients[inside] ** 2 / level)
         grid = (p + np.arange(-1.5, 1.6, 0.5)) * stats.rate / (2 * first.n)
@@ -154,8 +195,12 @@ def search(stats, term, name, expected, t):
     gains = [gain(stats, term, name, g, expected, t) for g in grid]
     i = int(np.argmax(gains))
     low, high = grid[max(i - 1, 0)], grid[min(i + 1, len(grid) - 1)]
-    found = minimize_scalar(lambda v: -gain(stats, term, name, v, expected, t), bounds=(low, high), method="bounded",
-                            options={"xatol": 1e-5 * (high - low)})
+    found = minimize_scalar(
+        lambda v: -gain(stats, term, name, v, expected, t),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": 1e-5 * (high - low)},
+    )
     best, top = float(found.x), -found.fun
     width = (high - low) / 8
     drop = [top - gain(stats, term, name, v, expected, t) for v in (best - width, best + width)]
@@ -166,18 +211,27 @@ def search(stats, term, name, expected, t):
 def step_time(stats, expected, t):
     """Time of a step: one inverse transform gives the gain at every sample."""
     s = max(stats.stretches, key=lambda s: s.n)
-    at = sum(len(q.edges) - 1 for q in stats.stretches[:stats.stretches.index(s)]) if len(stats.stretches) > 1 else 0
-    level = np.repeat(expected[at:at + len(s.edges) - 1], np.diff(s.edges))
+    at = (
+        sum(len(q.edges) - 1 for q in stats.stretches[: stats.stretches.index(s)])
+        if len(stats.stretches) > 1
+        else 0
+    )
+    level = np.repeat(expected[at : at + len(s.edges) - 1], np.diff(s.edges))
     whitened = np.zeros(s.n)
     inside = slice(s.edges[0], s.edges[-1])
-    whitened[inside] = s.coefficients[s.edges[0] - 1:s.edges[-1] - 1] / level
+    whitened[inside] = s.coefficients[s.edges[0] - 1 : s.edges[-1] - 1] / level
     scale = np.sqrt(2 / stats.rate)
     score = np.cumsum(idct(whitened, norm="ortho")[::-1])[::-1] * scale
     probe = np.unique((s.n * (1 - np.cos(np.linspace(0.1, np.pi - 0.1, 41))) / 2).astype(int))
     p = np.arange(s.edges[0], s.edges[-1])
     norms = []
     for j in probe:  # coefficients of a unit step at sample j: a geometric sum of cosines
-        step = -np.sin(np.pi * p * j / s.n) / (2 * np.sin(np.pi * p / (2 * s.n))) * np.sqrt(2 / s.n) * scale
+        step = (
+            -np.sin(np.pi * p * j / s.n)
+            / (2 * np.sin(np.pi * p / (2 * s.n)))
+            * np.sqrt(2 / s.n)
+            * scale
+        )
         norms.append(np.sum(step**2 / level))
     norm = np.interp(np.arange(s.n), probe, norms)
     gains = 0.5 * score**2 / norm
@@ -186,5 +240,6 @@ def step_time(stats, expected, t):
     best = int(np.argmax(gains))
     close = np.flatnonzero(gains > gains[best] - 1.920729)
     offset = s.start
-    return float(t[best + offset]), Estimate(float(t[best + offset]), float(t[close[0] + offset]),
-                                             float(t[close[-1] + offset]))
+    return float(t[best + offset]), Estimate(
+        float(t[best + offset]), float(t[close[0] + offset]), float(t[close[-1] + offset])
+    )

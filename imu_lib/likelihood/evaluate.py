@@ -1,10 +1,12 @@
 """The likelihood of a model, given the statistics of a record, and how well the model fits.
 
-With P_b the summed ordinates of band b, m_b their number and S_b their expectation under the model,
+With P_b the summed ordinates of band b, m_b their number and S_b their expectation under the
+model,
 
     log L = -1/2 sum_b [ m_b log S_b + P_b / S_b ]
 
-up to a constant that no model changes: a Gaussian likelihood of single coefficients at the slow end, the gamma
+up to a constant that no model changes: a Gaussian likelihood of single coefficients at the slow
+end, the gamma
 likelihood of the frequency-averaged periodogram at the fast end, in one formula.
 """
 
@@ -19,19 +21,27 @@ from .statistics import Statistics
 
 def as_sum(model):
     """A process or a sum as a sum, without the constant (the mean is a nuisance)."""
-    model = model if isinstance(model, Sum) else Sum((model,)) if isinstance(model, Process) else model
+    model = (
+        model if isinstance(model, Sum) else Sum((model,)) if isinstance(model, Process) else model
+    )
     if not isinstance(model, Sum):
-        raise ValueError(f"`model` must be a process or a sum of processes, got {type(model).__name__}")
+        raise ValueError(
+            f"`model` must be a process or a sum of processes, got {type(model).__name__}"
+        )
     return Sum(tuple(t for t in model.terms if t.name != "constant"), model.stages)
 
 
 def density(stats, noise):
-    """Expected mean ordinate of each band, shape (b,), unit^2/Hz, of the random terms behind the filter."""
+    """Expected mean ordinate of each band, shape (b,), unit^2/Hz, of the random terms behind the
+    filter.
+    """
     return stats.collapse(noise.psd(stats.grid, stats.rate)) + quantization_ends(stats, noise)
 
 
 class Images:
-    """What a low-pass filter run above the sampling rate folds onto the grid: `Sum.psd`, with the gains kept."""
+    """What a low-pass filter run above the sampling rate folds onto the grid: `Sum.psd`, with the
+    gains kept.
+    """
 
     def __init__(self, low_pass, grid, fs):
         ratio = low_pass.ratio(fs)
@@ -44,25 +54,34 @@ class Images:
     def psd(self, term):
         """One-sided density of the term behind the filter, (g,).
 
-        The images of a process that is slow against the filter lie below a millionth of it and are left out.
+        The images of a process that is slow against the filter lie below a millionth of it and are
+        left out.
         """
-        if term.name in ("random_walk", "flicker") or getattr(term, "correlation_time", 0.0) * self.cutoff > 20:
+        if (
+            term.name in ("random_walk", "flicker")
+            or getattr(term, "correlation_time", 0.0) * self.cutoff > 20
+        ):
             return self.gain[0] * term.psd(self.at[0], self.rate)
         return np.einsum("kg,kg->g", self.gain, term.psd(self.at, self.rate))
 
 
 def quantization_ends(stats, noise):
-    """What the two ends of a finite record add to quantization: 8 Q^2 fs / n cos^2, which its f^2 leaves out.
+    """What the two ends of a finite record add to quantization: 8 Q^2 fs / n cos^2, which its f^2
+    leaves out.
 
-    Exact for the samples, so it stands in for what the kernel, made for red spectra, gives the first coefficients.
+    Exact for the samples, so it stands in for what the kernel, made for red spectra, gives the
+    first coefficients.
     """
     out = 0.0
     for term in noise.terms:
         if term.name == "quantization":
             n = np.concatenate([np.full(len(s.edges) - 1, s.n) for s in stats.stretches])
             psd = term.psd(stats.grid, stats.rate)
-            out = out + (8 * term.Q**2 * stats.rate / n * np.cos(np.pi * stats.frequency / stats.rate) ** 2
-                         + psd[:len(n)] - stats.collapse(psd, bands=False))
+            out = out + (
+                8 * term.Q**2 * stats.rate / n * np.cos(np.pi * stats.frequency / stats.rate) ** 2
+                + psd[: len(n)]
+                - stats.collapse(psd, bands=False)
+            )
     return out
 
 
@@ -73,7 +92,9 @@ def gaussian(stats, expected, power=None):
 
 
 def without_mean(stats, model, temperature=None):
-    """Statistics with the model's deterministic terms (ramp, sinusoid, warm-up, step, temperature) taken out."""
+    """Statistics with the model's deterministic terms (ramp, sinusoid, warm-up, step, temperature)
+    taken out.
+    """
     drifts = model.drifts
     if not drifts.terms:
         return stats
@@ -96,7 +117,8 @@ def log_likelihood(stats, model, *, temperature=None):
     ----------
     stats : Statistics
     model : Sum or Process
-        Every parameter has a value. Random terms enter by their spectrum (behind the low-pass filter, with the
+        Every parameter has a value. Random terms enter by their spectrum (behind the low-pass
+        filter, with the
         variance that spikes and rounding add), deterministic ones by their mean.
     temperature : ndarray, shape (n,), optional
         For a temperature term, degC.
@@ -111,7 +133,9 @@ def log_likelihood(stats, model, *, temperature=None):
 
 
 def residuals(stats, model, *, temperature=None):
-    """Standard normal score of each band under the model, shape (b,): positive where the record has more power."""
+    """Standard normal score of each band under the model, shape (b,): positive where the record
+    has more power.
+    """
     model = as_sum(model)
     return _scores(without_mean(stats, model, temperature), density(stats, model.noise))
 
@@ -125,7 +149,8 @@ def _scores(stats, expected, power=None):
 def goodness(stats, expected, parameters, power=None, *, per_decade=(2.5, 8)):
     """p-value of the hypothesis that the record has this spectrum.
 
-    Chi-square sums of normal scores over all bands and over `per_decade` bands a decade, where a smooth misfit adds
+    Chi-square sums of normal scores over all bands and over `per_decade` bands a decade, where a
+    smooth misfit adds
     up; the smallest of their p-values counts as the smallest of three (Sidak).
 
     Parameters
@@ -151,5 +176,14 @@ def _bands(stats, per_decade):
     return np.unique(group, return_inverse=True)[1]
 
 
-__all__ = ["Statistics", "as_sum", "density", "gaussian", "goodness", "log_likelihood", "quantization_ends",
-           "residuals", "without_mean"]
+__all__ = [
+    "Statistics",
+    "as_sum",
+    "density",
+    "gaussian",
+    "goodness",
+    "log_likelihood",
+    "quantization_ends",
+    "residuals",
+    "without_mean",
+]

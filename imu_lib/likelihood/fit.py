@@ -22,14 +22,17 @@ class Fit:
     Attributes
     ----------
     model : Sum
-        The maximum-likelihood model, every parameter with a value; a term whose amplitude is zero is left out.
+        The maximum-likelihood model, every parameter with a value; a term whose amplitude is zero
+        is left out.
     parameters : dict of str to Estimate
-        By the label of the template (`N`, `sigma`, `correlation_time`, `sigma_2`, ...), 95 % intervals by the profile
+        By the label of the template (`N`, `sigma`, `correlation_time`, `sigma_2`, ...), 95 %
+        intervals by the profile
         of the likelihood. `value` is None where the record does not show the term.
     labels, covariance : tuple of str, ndarray (k, k)
         Inverse Fisher information of the logarithms of the free parameters.
     loglike, aic, bic : float
-        Up to the same constant for every model of these statistics; BIC counts the statistics, not the samples.
+        Up to the same constant for every model of these statistics; BIC counts the statistics, not
+        the samples.
     p_value : float
         Goodness of fit.
     expected : ndarray, shape (b,)
@@ -96,8 +99,11 @@ def fit(x, fs, model, *, starts=(), temperature=None, estimates=True, grid=True)
     drifts = solve_drifts(stats, template, temperature, given)
     problem = Problem(drifts.stats, noise, drifts.regressors)
     theta, value, information = maximise(problem, [*given, *drifts.starts], grid=grid or not given)
-    found, theta, value, information = (intervals(problem, theta, value, information) if estimates
-                                        else (plain(problem, theta), theta, value, information))
+    found, theta, value, information = (
+        intervals(problem, theta, value, information)
+        if estimates
+        else (plain(problem, theta), theta, value, information)
+    )
     expected = problem.density(theta)
     power = problem._value(expected)[1]
     fitted, drift_estimates = drifts.finish(expected)
@@ -110,9 +116,21 @@ def fit(x, fs, model, *, starts=(), temperature=None, estimates=True, grid=True)
     best = Sum.of([*entries, *fitted])
     k = len(problem.free) + len(drift_estimates)
     count = len(stats.power)
-    return Fit(best, parameters, tuple(u.label for u in problem.free), np.linalg.pinv(information, hermitian=True),
-               float(value), float(2 * k - 2 * value), float(k * np.log(count) - 2 * value),
-               goodness(stats, expected, k, power), theta, expected, power, stats, template)
+    return Fit(
+        best,
+        parameters,
+        tuple(u.label for u in problem.free),
+        np.linalg.pinv(information, hermitian=True),
+        float(value),
+        float(2 * k - 2 * value),
+        float(k * np.log(count) - 2 * value),
+        goodness(stats, expected, k, power),
+        theta,
+        expected,
+        power,
+        stats,
+        template,
+    )
 
 
 def vector(noise, start):
@@ -123,7 +141,9 @@ def vector(noise, start):
     for label, index, name in noise.labels():
         process = list(noise)[index]
         parameter = next(p for p in process.parameters if p.name == name)
-        if getattr(process, name) is None and (not parameter.optional or (name == "cutoff" and process.tunable)):
+        if getattr(process, name) is None and (
+            not parameter.optional or (name == "cutoff" and process.tunable)
+        ):
             if not known.get(label):
                 raise ValueError(f"`starts`: the start model has no value for `{label}`")
             out.append(np.log(known[label]))

@@ -12,10 +12,13 @@ from .problem import Problem
 
 
 def flat_level(fit):
-    """Allan deviation of the fitted model where it is flat (0.664 B of a flicker): Estimate, interval by profile.
+    """Allan deviation of the fitted model where it is flat (0.664 B of a flicker): Estimate,
+    interval by profile.
 
-    The standard error of a flat level grows with the level, so that an interval from the fit's covariance would be too
-    short upwards. The profile holds the level and lets all parameters go along with it; drifts stay as they were
+    The standard error of a flat level grows with the level, so that an interval from the fit's
+    covariance would be too
+    short upwards. The profile holds the level and lets all parameters go along with it; drifts
+    stay as they were
     fitted.
     """
     stats, theta, noise = fit.statistics, fit.theta, fit.template.noise
@@ -24,19 +27,25 @@ def flat_level(fit):
     low, best = problem.floors(theta), problem.loglike(theta)
 
     def look(values, beside=None):
-        """Where the deviation is flat, s, and the logarithm of the level there (in continuous time)."""
+        """Where the deviation is flat, s, and the logarithm of the level there (in continuous
+        time).
+        """
         model = problem.model(values)
         place = allan.flat_time(model, *span, beside=beside)
         return place, 0.5 * np.log(model.avar(np.array([place]))[0])
 
     def drop(level, near):
-        """Most likely parameters with that level (and the place), and the root of twice the log-likelihood they lose."""
+        """Most likely parameters with that level (and the place), and the root of twice the
+        log-likelihood they lose.
+        """
         values, place = near[:-1], near[-1]
         slope = allan.flat_gradient(problem.model, values, place)
         for _ in range(15):
             _, score, information = problem.score(values)
             inverse = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
-            pull = (level - look(values, place)[1] - slope @ inverse @ score) / (slope @ inverse @ slope)
+            pull = (level - look(values, place)[1] - slope @ inverse @ score) / (
+                slope @ inverse @ slope
+            )
             step = np.clip(inverse @ (score + pull * slope), -0.2, 0.2)  # the place stays in sight
             values = np.clip(values + step, low, problem.high)
             place = look(values, place)[0]

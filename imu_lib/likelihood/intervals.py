@@ -1,4 +1,6 @@
-"""95 % intervals from the profile of the likelihood, and upper limits for what a record does not show."""
+"""95 % intervals from the profile of the likelihood, and upper limits for what a record does not
+show.
+"""
 
 import numpy as np
 
@@ -7,8 +9,10 @@ from imu_lib.estimate import Z95, Estimate
 from .maximise import climb
 
 ONE_SIDED = 1.6448536269514722
-#: Twice the log-likelihood that a term must gain to count as shown: 5 % on the boundary of the parameter space
-#: (half a chi-square of one degree of freedom), and for a term with a time of its own, which exists under the
+#: Twice the log-likelihood that a term must gain to count as shown: 5 % on the boundary of the
+#: parameter space
+#: (half a chi-square of one degree of freedom), and for a term with a time of its own, which
+#: exists under the
 #: alternative alone, chi-square of two degrees.
 SHOWN, SHOWN_WITH_TIME = 2.705543, 5.991465
 
@@ -28,7 +32,12 @@ def intervals(problem, theta, value, information, attempts=3):
     """
     for attempt in range(attempts):
         try:
-            return _intervals(problem, theta, value, information, attempt < attempts - 1), theta, value, information
+            return (
+                _intervals(problem, theta, value, information, attempt < attempts - 1),
+                theta,
+                value,
+                information,
+            )
         except _Better as better:
             theta, value, information = climb(problem, better.args[0])
             theta, value, information = climb(problem, theta)
@@ -52,8 +61,11 @@ def _intervals(problem, theta, value, information, watch):
         else:
             low, open_low = side.end(k, -1, Z95)
             high, open_high = side.end(k, +1, Z95)
-            out[u.label] = Estimate(float(np.exp(theta[k])), 0.0 if open_low else float(np.exp(low)),
-                                    np.inf if open_high and not u.amplitude else float(np.exp(high)))
+            out[u.label] = Estimate(
+                float(np.exp(theta[k])),
+                0.0 if open_low else float(np.exp(low)),
+                np.inf if open_high and not u.amplitude else float(np.exp(high)),
+            )
     return out
 
 
@@ -71,7 +83,13 @@ class _Side:
     """Where the profile of one unknown has fallen by target^2 / 2."""
 
     def __init__(self, problem, theta, value, information, floor, watch):
-        self.problem, self.theta, self.value, self.floor, self.watch = problem, theta, value, floor, watch
+        self.problem, self.theta, self.value, self.floor, self.watch = (
+            problem,
+            theta,
+            value,
+            floor,
+            watch,
+        )
         ridge = 1e-9 * (1 + np.diag(information).max()) * np.eye(len(theta))
         self.covariance = np.linalg.inv(information + ridge)
 
@@ -96,14 +114,17 @@ class _Side:
 
 
 def reach(drop, best, theta, sd, target, bound=None):
-    """Where, going from `best` by steps of about `sd` (its sign is the direction), a profile has fallen enough.
+    """Where, going from `best` by steps of about `sd` (its sign is the direction), a profile has
+    fallen enough.
 
-    `drop(t, near)` gives the parameters at t, climbed to from those at a nearer place, and the root of twice the fall.
+    `drop(t, near)` gives the parameters at t, climbed to from those at a nearer place, and the
+    root of twice the fall.
 
     Returns
     -------
     (t, open) : float, bool
-        `open` where the range of the unknown, to `bound`, ends before the profile has fallen to `target`.
+        `open` where the range of the unknown, to `bound`, ends before the profile has fallen to
+        `target`.
     """
     near, near_w, near_at = best, 0.0, theta
     far = far_w = None

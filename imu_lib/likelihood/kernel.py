@@ -1,13 +1,16 @@
 """What a spectrum makes of the first cosine coefficients of a finite record.
 
-The p-th cosine coefficient of a record of length T gathers the one-sided density S(f) with the weight
+The p-th cosine coefficient of a record of length T gathers the one-sided density S(f) with the
+weight
 |W_p(u)|^2, u = f T, of its window w_p(s) = sqrt(2) cos(pi p s), 0 <= s <= 1:
 
     |W_p(u)|^2 = 4 a^2 (1 - (-1)^p cos a) / (a^2 - pi^2 p^2)^2,   a = 2 pi u,
 
 so the expected square is the integral of S(u/T) |W_p(u)|^2 du from 0 to infinity. High up this is S at
-f = p/(2T); for the first coefficients of a process whose correlation time is a sizeable part of the record it
-is not (a Gauss-Markov process with Tc = T/4 has a third less power in p = 1). A walk and white noise give S exactly
+f = p/(2T); for the first coefficients of a process whose correlation time is a sizeable part of
+the record it
+is not (a Gauss-Markov process with Tc = T/4 has a third less power in p = 1). A walk and white
+noise give S exactly
 at every p. The weights depend on u alone: one matrix serves every record and every process.
 """
 
@@ -44,8 +47,13 @@ def weights(count):
     decades = np.log10(U_HIGH / U_LOW)
     u = np.geomspace(U_LOW, U_HIGH, int(round(decades * NODES_PER_DECADE)) + 1)
     top = count + 150.0
-    # a trapezoid on a uniform grid is exact for the band-limited window; below 0.5 a log grid follows 1/f^2 densities
-    edges = [np.geomspace(U_LOW, 0.5, 801), np.arange(0.5, top, 0.02), np.geomspace(top, U_HIGH, 401)]
+    # a trapezoid on a uniform grid is exact for the band-limited window; below 0.5 a log grid
+    # follows 1/f^2 densities
+    edges = [
+        np.geomspace(U_LOW, 0.5, 801),
+        np.arange(0.5, top, 0.02),
+        np.geomspace(top, U_HIGH, 401),
+    ]
     matrix = np.zeros((count, len(u)))
     for part, fine in enumerate(edges):
         step = np.gradient(fine)

@@ -21,7 +21,11 @@ def climb(problem, theta, *, held=(), floor=None, steps=80, tolerance=1e-7):
         if not move.any():
             break
         # at a bound and pushed outwards: held for this step
-        active = move & ~((theta <= low + 1e-12) & (gradient <= 0)) & ~((theta >= problem.high - 1e-12) & (gradient >= 0))
+        active = (
+            move
+            & ~((theta <= low + 1e-12) & (gradient <= 0))
+            & ~((theta >= problem.high - 1e-12) & (gradient >= 0))
+        )
         if not active.any():
             break
         part = information[np.ix_(active, active)]
@@ -49,7 +53,9 @@ def climb(problem, theta, *, held=(), floor=None, steps=80, tolerance=1e-7):
 
 
 def amplitudes(problem, theta, rounds=40):
-    """Best non-negative amplitudes for given times: the multiplicative (EM) update of a sum of known shapes."""
+    """Best non-negative amplitudes for given times: the multiplicative (EM) update of a sum of
+    known shapes.
+    """
     theta = np.array(theta, float)
     ks = [k for k, u in enumerate(problem.free) if u.amplitude]
     if not ks:
@@ -72,7 +78,9 @@ def amplitudes(problem, theta, rounds=40):
 
 
 def starts(problem, count=STARTS):
-    """Start vectors: every unknown time or frequency over its range in `count` places, amplitudes solved for."""
+    """Start vectors: every unknown time or frequency over its range in `count` places, amplitudes
+    solved for.
+    """
     free = problem.free
     shape = [k for k, u in enumerate(free) if not u.amplitude]
     base = np.zeros(len(free))

@@ -1,7 +1,9 @@
 """A template (a sum whose unknown parameters are None) as a function of a vector of logarithms.
 
-The expected density is linear in the squared amplitudes, one spectral shape per process, so the derivative by an
-amplitude is the shape itself; times and frequencies are differentiated numerically. Amplitudes may sink to a floor
+The expected density is linear in the squared amplitudes, one spectral shape per process, so the
+derivative by an
+amplitude is the shape itself; times and frequencies are differentiated numerically. Amplitudes may
+sink to a floor
 that no statistic notices: that is zero, and its logarithm stays finite.
 """
 
@@ -20,7 +22,9 @@ POSITIVE = ("amplitude", "time", "frequency", "rate", "ratio")
 
 @dataclass(frozen=True)
 class Free:
-    """One unknown: its label, the index of its process (terms, then stages), its name, its kind, log bounds."""
+    """One unknown: its label, the index of its process (terms, then stages), its name, its kind,
+    log bounds.
+    """
 
     label: str
     index: int
@@ -32,7 +36,9 @@ class Free:
 
 @dataclass
 class Problem:
-    """`stats` against `template`; `shift` (Regressors or None) holds mean shapes whose amplitudes are solved for."""
+    """`stats` against `template`; `shift` (Regressors or None) holds mean shapes whose amplitudes
+    are solved for.
+    """
 
     stats: object
     template: Sum
@@ -62,8 +68,10 @@ class Problem:
             if kind.optional:
                 continue
             if kind.kind not in POSITIVE:
-                raise ValueError(f"`model`: the parameter `{name}` of {process.name} can't be fitted by the "
-                                 "likelihood: give it a value")
+                raise ValueError(
+                    f"`model`: the parameter `{name}` of {process.name} can't be fitted by the "
+                    "likelihood: give it a value"
+                )
             if kind.kind == "amplitude":
                 yield Free(label, index, name, True, -80.0, 80.0)
             elif kind.kind == "time":
@@ -73,7 +81,9 @@ class Problem:
 
     def model(self, theta):
         """The template with its unknowns at exp(theta)."""
-        return self.template.with_values({u.label: float(np.exp(t)) for u, t in zip(self.free, theta)})
+        return self.template.with_values(
+            {u.label: float(np.exp(t)) for u, t in zip(self.free, theta)}
+        )
 
     def _term(self, index, values):
         """Expected density of one term behind the stages, (b,)."""
@@ -84,9 +94,14 @@ class Problem:
             changed = {u.label: v for u, v in zip(self._own(index), values)}
             whole = self.template.with_values(changed)
             term, low_pass = whole.terms[index], whole.low_pass
-            psd = (term.psd(self.stats.grid, self.stats.rate) if low_pass is None
-                   else self._images_of(low_pass).psd(term))
-            self._cache[key] = self.stats.collapse(psd) + quantization_ends(self.stats, Sum((term,)))
+            psd = (
+                term.psd(self.stats.grid, self.stats.rate)
+                if low_pass is None
+                else self._images_of(low_pass).psd(term)
+            )
+            self._cache[key] = self.stats.collapse(psd) + quantization_ends(
+                self.stats, Sum((term,))
+            )
         return self._cache[key]
 
     def _images_of(self, low_pass):
@@ -105,11 +120,15 @@ class Problem:
         """Expected density of each term, (terms, b), and of the rest (rounding, spikes)."""
         value = {u.label: float(np.exp(t)) for u, t in zip(self.free, theta)}
         rows = [self._scaled(i, value) for i in range(len(self.template.terms))]
-        added = sum(s.added_variance(self.stats.rate) for s in self.template.stages if s.name != "low_pass")
+        added = sum(
+            s.added_variance(self.stats.rate) for s in self.template.stages if s.name != "low_pass"
+        )
         return np.array(rows), 2 * added / self.stats.rate
 
     def _scaled(self, index, value):
-        """One term: amplitudes scale a cached shape, so that only times and cutoffs cost an evaluation."""
+        """One term: amplitudes scale a cached shape, so that only times and cutoffs cost an
+        evaluation.
+        """
         own = self._own(index)
         amplitude = next((u for u in own if u.amplitude), None)
         values = tuple(1.0 if u is amplitude else value[u.label] for u in own)
@@ -156,16 +175,24 @@ class Problem:
         expected, slopes = self.slopes(theta)
         value, power = self._value(expected)
         g = slopes / expected
-        return (value, 0.5 * g @ (power / expected - self.stats.count), 0.5 * (g * self.stats.count) @ g.T)
+        return (
+            value,
+            0.5 * g @ (power / expected - self.stats.count),
+            0.5 * (g * self.stats.count) @ g.T,
+        )
 
     def floors(self, theta):
-        """Log-amplitude of each unknown below which its process is zero, (k,); bounds for the others."""
+        """Log-amplitude of each unknown below which its process is zero, (k,); bounds for the
+        others.
+        """
         rows, rest = self.parts(theta)
         total = np.maximum(rows.sum(axis=0) + rest, 1e-300)
         low = self.low.copy()
         for k, u in enumerate(self.free):
             if u.amplitude:
-                row = self._scaled(u.index, {**{v.label: float(np.exp(t)) for v, t in zip(self.free, theta)},
-                                             u.label: 1.0})
+                row = self._scaled(
+                    u.index,
+                    {**{v.label: float(np.exp(t)) for v, t in zip(self.free, theta)}, u.label: 1.0},
+                )
                 low[k] = 0.5 * np.log(FLOOR / np.max(row / total))
         return low

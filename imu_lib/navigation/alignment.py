@@ -1,8 +1,10 @@
 """Initial alignment: roll and pitch from gravity, heading from the direction of motion.
 
-A car's heading cannot be felt by sensors of this class (Earth rate is below their bias), so it is taken from the GNSS
+A car's heading cannot be felt by sensors of this class (Earth rate is below their bias), so it is
+taken from the GNSS
 course once the car moves, and carried back to the start by the gyros.
 """
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +15,10 @@ from imu_lib.units import DEG
 from . import attitude, earth
 from .preparation import Fixes, Stretch
 
-STANDING = 0.3              # m/s: below this a fix says the car stands
-MOVING = 3.0                # m/s: above this the course is a heading
-TURNING = 0.1               # rad/s: below this turn rate
-SEVERAL = 20                # fixes in straight motion that the heading is taken from
+STANDING = 0.3  # m/s: below this a fix says the car stands
+MOVING = 3.0  # m/s: above this the course is a heading
+TURNING = 0.1  # rad/s: below this turn rate
+SEVERAL = 20  # fixes in straight motion that the heading is taken from
 
 
 @dataclass(frozen=True)
@@ -25,9 +27,11 @@ class Alignment:
 
     epoch : index into the stretch's `time`; position, velocity, attitude : (3,) each
     sd : (9,) position m, velocity m/s, attitude rad
-    gyro_offset : (3,) rad/s, mean rate at standstill (zeros without one); standstill : s used for it; used : s, time of the fix whose
+    gyro_offset : (3,) rad/s, mean rate at standstill (zeros without one); standstill : s used for
+    it; used : s, time of the fix whose
     position it took (the filter goes on with later ones)
     """
+
     epoch: int
     position: np.ndarray
     velocity: np.ndarray
@@ -39,12 +43,16 @@ class Alignment:
 
 
 def level(force):
-    """Roll and pitch (rad) of a body at rest that feels `force` (3,), m/s^2 (Groves 2013, Eq. 5.101)."""
+    """Roll and pitch (rad) of a body at rest that feels `force` (3,), m/s^2 (Groves 2013, Eq.
+    5.101).
+    """
     return np.arctan2(-force[1], -force[2]), np.arctan2(force[0], np.hypot(force[1], force[2]))
 
 
 def velocity_of(fixes: Fixes, *, span=1.0):
-    """NED velocity at each fix, (m, 3): as received, or from positions `span` s apart where there is none (NaN at the ends)."""
+    """NED velocity at each fix, (m, 3): as received, or from positions `span` s apart where there
+    is none (NaN at the ends).
+    """
     if (fixes.use & 2).any():
         return np.where((fixes.use & 2).astype(bool)[:, None], fixes.value[:, 3:], np.nan)
     out = np.full((fixes.time.size, 3), np.nan)
@@ -57,19 +65,27 @@ def velocity_of(fixes: Fixes, *, span=1.0):
     return out
 
 
-def align(stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=10.0 * DEG, tilt_sd=1.5 * DEG) -> Alignment:
+def align(
+    stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=10.0 * DEG, tilt_sd=1.5 * DEG
+) -> Alignment:
     """Align at the start of a stretch, or as soon after it as the fixes allow.
 
-    Standing at first: level over the standstill, heading from the first straight motion, carried back by the gyros. Moving from
-    the first moment: start at the first fix in straight motion, level with the acceleration that the fixes show.
+    Standing at first: level over the standstill, heading from the first straight motion, carried
+    back by the gyros. Moving from
+    the first moment: start at the first fix in straight motion, level with the acceleration that
+    the fixes show.
 
     heading : rad at the start, where it is known; heading_sd, tilt_sd : rad
     Raises InputError where no fix moves and no heading is given.
     """
-    inside = (fixes.time >= stretch.time[0]) & (fixes.time <= stretch.time[-1]) & ((fixes.use & 1) > 0)
+    inside = (
+        (fixes.time >= stretch.time[0]) & (fixes.time <= stretch.time[-1]) & ((fixes.use & 1) > 0)
+    )
     index = np.flatnonzero(inside)
     if not index.size:
-        raise InputError(f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to start the filter from")
+        raise InputError(
+            f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to start the filter from"
+        )
     velocity = velocity_of(fixes)[index]
     time = fixes.time[index]
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
@@ -83,12 +99,25 @@ def align(stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=10.0 * DEG
         quick = np.flatnonzero(speed > MOVING)
     begin = 0 if time[0] - stretch.time[0] < 2.0 else int(epochs[0])
     leaves = int(epochs[max(moved[0] - 1, 0)]) if moved.size else int(epochs[-1])
-    standstill = float(stretch.time[leaves] - stretch.time[begin]) if leaves > begin and not (moved.size and moved[0] <= first_known) else 0.0
-    straight = [int(i) for i in quick if np.abs(rate[max(epochs[i] - span, 0):epochs[i] + span, 2].mean()) < TURNING]
+    standstill = (
+        float(stretch.time[leaves] - stretch.time[begin])
+        if leaves > begin and not (moved.size and moved[0] <= first_known)
+        else 0.0
+    )
+    straight = [
+        int(i)
+        for i in quick
+        if np.abs(rate[max(epochs[i] - span, 0) : epochs[i] + span, 2].mean()) < TURNING
+    ]
     if heading is None and not straight:
-        raise InputError(f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s moves faster than "
-                         f"{MOVING:g} m/s on a straight; give the initial heading")
-    position_sd, velocity_sd = np.sqrt(fixes.variance[index[0], :3]), np.sqrt(fixes.variance[index[0], 3:])
+        raise InputError(
+            f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s moves faster than "
+            f"{MOVING:g} m/s on a straight; give the initial heading"
+        )
+    position_sd, velocity_sd = (
+        np.sqrt(fixes.variance[index[0], :3]),
+        np.sqrt(fixes.variance[index[0], 3:]),
+    )
     if standstill >= 2.0:
         still = slice(begin, leaves)
         mean = force[still].mean(axis=0)
@@ -97,25 +126,57 @@ def align(stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=10.0 * DEG
         angles = np.array([roll, pitch, 0.0 if heading is None else heading])
         if heading is None:
             some = straight[:SEVERAL]
-            turned = _yaw_since(angles, rate[begin:epochs[some[-1]] + 1] - offset, stretch.dt[begin:epochs[some[-1]] + 1], epochs[some] - begin)
+            turned = _yaw_since(
+                angles,
+                rate[begin : epochs[some[-1]] + 1] - offset,
+                stretch.dt[begin : epochs[some[-1]] + 1],
+                epochs[some] - begin,
+            )
             angles[2] = _common(np.arctan2(velocity[some, 1], velocity[some, 0]) - turned)
-        return Alignment(begin, fixes.value[index[0], :3].copy(), np.zeros(3), angles,
-                         np.concatenate([position_sd, np.full(3, 0.1), [tilt_sd, tilt_sd, heading_sd]]), offset, standstill, float(time[0]))
+        return Alignment(
+            begin,
+            fixes.value[index[0], :3].copy(),
+            np.zeros(3),
+            angles,
+            np.concatenate([position_sd, np.full(3, 0.1), [tilt_sd, tilt_sd, heading_sd]]),
+            offset,
+            standstill,
+            float(time[0]),
+        )
     k = straight[0] if straight else first_known
     e = int(epochs[k])
     now = velocity[k] if np.isfinite(velocity[k]).all() else np.zeros(3)
     yaw = np.arctan2(now[1], now[0]) if heading is None else heading
     near = [i for i in range(k - 1, k + 2) if 0 <= i < time.size and np.isfinite(velocity[i]).all()]
-    acceleration = (velocity[near[-1]] - velocity[near[0]]) / (time[near[-1]] - time[near[0]]) if len(near) > 1 else np.zeros(3)
-    around = force[max(e - span, 0):e + span].mean(axis=0)
-    ahead, aside = np.cos(yaw) * acceleration[0] + np.sin(yaw) * acceleration[1], -np.sin(yaw) * acceleration[0] + np.cos(yaw) * acceleration[1]
+    acceleration = (
+        (velocity[near[-1]] - velocity[near[0]]) / (time[near[-1]] - time[near[0]])
+        if len(near) > 1
+        else np.zeros(3)
+    )
+    around = force[max(e - span, 0) : e + span].mean(axis=0)
+    ahead, aside = (
+        np.cos(yaw) * acceleration[0] + np.sin(yaw) * acceleration[1],
+        -np.sin(yaw) * acceleration[0] + np.cos(yaw) * acceleration[1],
+    )
     roll, pitch = level(around - np.array([ahead, aside, acceleration[2]]))
-    return Alignment(e, fixes.value[index[k], :3].copy(), now, np.array([roll, pitch, yaw]),
-                     np.concatenate([position_sd, np.maximum(velocity_sd, 0.5), [2 * tilt_sd, 2 * tilt_sd, heading_sd]]), np.zeros(3), 0.0, float(time[k]))
+    return Alignment(
+        e,
+        fixes.value[index[k], :3].copy(),
+        now,
+        np.array([roll, pitch, yaw]),
+        np.concatenate(
+            [position_sd, np.maximum(velocity_sd, 0.5), [2 * tilt_sd, 2 * tilt_sd, heading_sd]]
+        ),
+        np.zeros(3),
+        0.0,
+        float(time[k]),
+    )
 
 
 def _yaw_since(angles, rate, dt, marks):
-    """Yaw that the gyros add between the start and each mark (indices), rad, from a start of yaw zero."""
+    """Yaw that the gyros add between the start and each mark (indices), rad, from a start of yaw
+    zero.
+    """
     q, out = attitude.quaternion(angles), []
     for k, turn in enumerate(rate * dt[:, None]):
         while len(out) < len(marks) and marks[len(out)] <= k:
@@ -125,6 +186,8 @@ def _yaw_since(angles, rate, dt, marks):
 
 
 def _common(headings):
-    """The heading that most of several agree on: a wild course, or one driven backwards, does not move it."""
+    """The heading that most of several agree on: a wild course, or one driven backwards, does not
+    move it.
+    """
     apart = np.abs(attitude.wrap(headings[:, None] - headings[None, :]))
     return float(attitude.wrap(headings[np.argmin(np.median(apart, axis=1))]))

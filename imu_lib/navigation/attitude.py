@@ -1,7 +1,10 @@
-"""Attitude: quaternions and direction cosines between body (forward-right-down) and north-east-down.
+"""Attitude: quaternions and direction cosines between body (forward-right-down) and
+north-east-down.
 
-`q` is scalar first and turns body vectors into the navigation frame, as does the matrix `c`; Euler angles are roll, pitch, yaw (rad, z-y-x).
+`q` is scalar first and turns body vectors into the navigation frame, as does the matrix `c`; Euler
+angles are roll, pitch, yaw (rad, z-y-x).
 """
+
 import math
 
 import numpy as np
@@ -10,10 +13,20 @@ from numba import njit
 
 @njit(cache=True)
 def rotate_body(q, rotation):
-    """In place: q becomes q times the small turn `rotation` (rotation vector in the body frame, rad)."""
+    """In place: q becomes q times the small turn `rotation` (rotation vector in the body frame,
+    rad).
+    """
     angle2 = rotation[0] ** 2 + rotation[1] ** 2 + rotation[2] ** 2
-    half = 0.5 - angle2 / 48.0 if angle2 < 1e-4 else math.sin(0.5 * math.sqrt(angle2)) / math.sqrt(angle2)
-    c = 1.0 - angle2 / 8.0 + angle2 * angle2 / 384.0 if angle2 < 1e-4 else math.cos(0.5 * math.sqrt(angle2))
+    half = (
+        0.5 - angle2 / 48.0
+        if angle2 < 1e-4
+        else math.sin(0.5 * math.sqrt(angle2)) / math.sqrt(angle2)
+    )
+    c = (
+        1.0 - angle2 / 8.0 + angle2 * angle2 / 384.0
+        if angle2 < 1e-4
+        else math.cos(0.5 * math.sqrt(angle2))
+    )
     x, y, z = half * rotation[0], half * rotation[1], half * rotation[2]
     a, b, d, e = q[0], q[1], q[2], q[3]
     q[0] = a * c - b * x - d * y - e * z
@@ -24,10 +37,20 @@ def rotate_body(q, rotation):
 
 @njit(cache=True)
 def rotate_frame(q, x, y, z):
-    """In place: q becomes the small turn (x, y, z), rad in the navigation frame, times q; then unit length again."""
+    """In place: q becomes the small turn (x, y, z), rad in the navigation frame, times q; then
+    unit length again.
+    """
     angle2 = x * x + y * y + z * z
-    half = 0.5 - angle2 / 48.0 if angle2 < 1e-4 else math.sin(0.5 * math.sqrt(angle2)) / math.sqrt(angle2)
-    c = 1.0 - angle2 / 8.0 + angle2 * angle2 / 384.0 if angle2 < 1e-4 else math.cos(0.5 * math.sqrt(angle2))
+    half = (
+        0.5 - angle2 / 48.0
+        if angle2 < 1e-4
+        else math.sin(0.5 * math.sqrt(angle2)) / math.sqrt(angle2)
+    )
+    c = (
+        1.0 - angle2 / 8.0 + angle2 * angle2 / 384.0
+        if angle2 < 1e-4
+        else math.cos(0.5 * math.sqrt(angle2))
+    )
     x, y, z = half * x, half * y, half * z
     a, b, d, e = q[0], q[1], q[2], q[3]
     q[0] = c * a - x * b - y * d - z * e
@@ -60,12 +83,21 @@ def quaternion(euler):
     """Quaternion of roll, pitch, yaw: ndarray, shape (..., 3) rad to shape (..., 4)."""
     half = 0.5 * np.asarray(euler, float)
     (cr, cp, cy), (sr, sp, sy) = np.moveaxis(np.cos(half), -1, 0), np.moveaxis(np.sin(half), -1, 0)
-    return np.stack([cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy,
-                     cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy], axis=-1)
+    return np.stack(
+        [
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        ],
+        axis=-1,
+    )
 
 
 def euler(q):
-    """Roll, pitch, yaw of quaternions: ndarray, shape (..., 4) to shape (..., 3), rad, yaw in (-pi, pi]."""
+    """Roll, pitch, yaw of quaternions: ndarray, shape (..., 4) to shape (..., 3), rad, yaw in
+    (-pi, pi].
+    """
     a, b, d, e = np.moveaxis(np.asarray(q, float), -1, 0)
     roll = np.arctan2(2.0 * (d * e + a * b), a * a - b * b - d * d + e * e)
     pitch = np.arcsin(np.clip(2.0 * (a * d - b * e), -1.0, 1.0))
@@ -74,11 +106,17 @@ def euler(q):
 
 
 def matrix(angles):
-    """Direction cosines, body to navigation, of roll, pitch, yaw (2013 paper, Eq. 25): shape (..., 3) to (..., 3, 3)."""
-    (cr, cp, cy), (sr, sp, sy) = (np.moveaxis(f(np.asarray(angles, float)), -1, 0) for f in (np.cos, np.sin))
-    rows = [[cp * cy, -cr * sy + sr * sp * cy, sr * sy + cr * sp * cy],
-            [cp * sy, cr * cy + sr * sp * sy, -sr * cy + cr * sp * sy],
-            [-sp, sr * cp, cr * cp]]
+    """Direction cosines, body to navigation, of roll, pitch, yaw (2013 paper, Eq. 25): shape (...,
+    3) to (..., 3, 3).
+    """
+    (cr, cp, cy), (sr, sp, sy) = (
+        np.moveaxis(f(np.asarray(angles, float)), -1, 0) for f in (np.cos, np.sin)
+    )
+    rows = [
+        [cp * cy, -cr * sy + sr * sp * cy, sr * sy + cr * sp * cy],
+        [cp * sy, cr * cy + sr * sp * sy, -sr * cy + cr * sp * sy],
+        [-sp, sr * cp, cr * cp],
+    ]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 

@@ -1,13 +1,20 @@
-"""Error dynamics of the navigation states and the propagation of the filter's covariance, compiled.
+"""Error dynamics of the navigation states and the propagation of the filter's covariance,
+compiled.
 
-Navigation errors x_n = (position m, velocity m/s, attitude rad), NED, estimate minus truth, with the estimated matrix
-C_hat = (I - [phi x]) C. Continuous model dx_n/dt = F x_n + G (H x_s + w), x_s the sensor states: psi-free phi-angle
-model of Shin 2005 (Eqs. 2.51-2.56) and Groves 2013 (section 14.2.4), with the position error in metres.
+Navigation errors x_n = (position m, velocity m/s, attitude rad), NED, estimate minus truth, with
+the estimated matrix
+C_hat = (I - [phi x]) C. Continuous model dx_n/dt = F x_n + G (H x_s + w), x_s the sensor states:
+psi-free phi-angle
+model of Shin 2005 (Eqs. 2.51-2.56) and Groves 2013 (section 14.2.4), with the position error in
+metres.
 
-The transition is A = I + F dt + (F dt)^2 / 2 on the navigation block, B = (I dt + F dt^2 / 2) G H into it from the
-sensor states, and the exact S (Van Loan, once per run) on the sensor block. The covariance is kept in three pieces,
+The transition is A = I + F dt + (F dt)^2 / 2 on the navigation block, B = (I dt + F dt^2 / 2) G H
+into it from the
+sensor states, and the exact S (Van Loan, once per run) on the sensor block. The covariance is kept
+in three pieces,
 nn (9, 9), ns (9, m), ss (m, m); S acts channel by channel, so that its zeros are never multiplied.
 """
+
 import numpy as np
 from numba import njit
 
@@ -35,7 +42,11 @@ def fill_dynamics(p, v, force, f):
     f[4, 0] = 2.0 * w * (vn * cos - vd * sin) / rm + vn * ve / (rm * rn * cos * cos)
     f[4, 2] = (ve * vd + vn * ve * tan) / (rn * rn)
     f[5, 0] = 2.0 * ve * ws / rm
-    f[5, 2] = -ve * ve / (rn * rn) - vn * vn / (rm * rm) + 2.0 * earth.gravity(latitude, height) / (np.sqrt(meridian * transverse) + height)
+    f[5, 2] = (
+        -ve * ve / (rn * rn)
+        - vn * vn / (rm * rm)
+        + 2.0 * earth.gravity(latitude, height) / (np.sqrt(meridian * transverse) + height)
+    )
     f[3, 3], f[3, 4], f[3, 5] = vd / rm, -2.0 * ws - 2.0 * ve * tan / rn, vn / rm
     f[4, 3], f[4, 4], f[4, 5] = 2.0 * ws + ve * tan / rn, (vd + vn * tan) / rn, 2.0 * wc + ve / rn
     f[5, 3], f[5, 4] = -2.0 * vn / rm, -2.0 * wc - 2.0 * ve / rn
@@ -46,7 +57,11 @@ def fill_dynamics(p, v, force, f):
     f[7, 2] = -vn / (rm * rm)
     f[8, 0], f[8, 2] = -wc / rm - ve / (rm * rn * cos * cos), -ve * tan / (rn * rn)
     f[6, 4], f[7, 3], f[8, 4] = 1.0 / rn, -1.0 / rm, -tan / rn
-    i0, i1, i2 = wc + ve / rn, -vn / rm, -ws - ve * tan / rn       # rate of the navigation frame, inertial
+    i0, i1, i2 = (
+        wc + ve / rn,
+        -vn / rm,
+        -ws - ve * tan / rn,
+    )  # rate of the navigation frame, inertial
     f[6, 7], f[6, 8] = i2, -i1
     f[7, 6], f[7, 8] = -i2, i0
     f[8, 6], f[8, 7] = i1, -i0
@@ -54,7 +69,9 @@ def fill_dynamics(p, v, force, f):
 
 @njit(cache=True)
 def fill_transition(f, c, dt, a, d, f2):
-    """A (9, 9) into a and (I dt + F dt^2 / 2) G (9, 6; columns gyro, accelerometer) into d; f2 (9, 9) is room to work in."""
+    """A (9, 9) into a and (I dt + F dt^2 / 2) G (9, 6; columns gyro, accelerometer) into d; f2 (9,
+    9) is room to work in.
+    """
     half = 0.5 * dt * dt
     for i in range(9):
         for j in range(9):
@@ -80,11 +97,21 @@ def fill_transition(f, c, dt, a, d, f2):
 
 @njit(cache=True)
 def add_white(nn, c, white, weight):
-    """Adds weight * G diag(white) G' to nn: white (6,), two-sided densities, gyro then accelerometer."""
+    """Adds weight * G diag(white) G' to nn: white (6,), two-sided densities, gyro then
+    accelerometer.
+    """
     for i in range(3):
         for j in range(i + 1):
-            g = (c[i, 0] * c[j, 0] * white[0] + c[i, 1] * c[j, 1] * white[1] + c[i, 2] * c[j, 2] * white[2]) * weight
-            a = (c[i, 0] * c[j, 0] * white[3] + c[i, 1] * c[j, 1] * white[4] + c[i, 2] * c[j, 2] * white[5]) * weight
+            g = (
+                c[i, 0] * c[j, 0] * white[0]
+                + c[i, 1] * c[j, 1] * white[1]
+                + c[i, 2] * c[j, 2] * white[2]
+            ) * weight
+            a = (
+                c[i, 0] * c[j, 0] * white[3]
+                + c[i, 1] * c[j, 1] * white[4]
+                + c[i, 2] * c[j, 2] * white[5]
+            ) * weight
             nn[6 + i, 6 + j] += g
             nn[3 + i, 3 + j] += a
             if i != j:
@@ -96,19 +123,21 @@ def add_white(nn, c, white, weight):
 def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
     """One interval, in place on the three pieces of the covariance.
 
-    h (m,) the states' weights in their channels' errors; first (7,) where each channel's states begin; s (m, m), q (m, m)
-    transition and noise of the sensor states, zero outside the channels' blocks. The rest is room to work in:
+    h (m,) the states' weights in their channels' errors; first (7,) where each channel's states
+    begin; s (m, m), q (m, m)
+    transition and noise of the sensor states, zero outside the channels' blocks. The rest is room
+    to work in:
     w9 (9, 9), vs (9, m), es (6, m), vh (9, 6), ts (m, m).
     """
     m = ns.shape[1]
-    for c in range(6):                                     # es = H ss
+    for c in range(6):  # es = H ss
         for j in range(m):
             es[c, j] = 0.0
         for k in range(first[c], first[c + 1]):
             x = h[k]
             for j in range(m):
                 es[c, j] += x * ss[k, j]
-    for i in range(9):                                     # vs = A ns + D es / 2
+    for i in range(9):  # vs = A ns + D es / 2
         for j in range(m):
             vs[i, j] = 0.0
         for k in range(9):
@@ -119,20 +148,20 @@ def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
             x = 0.5 * d[i, k]
             for j in range(m):
                 vs[i, j] += x * es[k, j]
-    for i in range(9):                                     # vh = vs H'
+    for i in range(9):  # vh = vs H'
         for c in range(6):
             x = 0.0
             for j in range(first[c], first[c + 1]):
                 x += vs[i, j] * h[j]
             vh[i, c] = x
-    for i in range(9):                                     # w9 = A nn
+    for i in range(9):  # w9 = A nn
         for j in range(9):
             w9[i, j] = 0.0
         for k in range(9):
             x = a[i, k]
             for j in range(9):
                 w9[i, j] += x * nn[k, j]
-    for i in range(9):                                     # nn = A nn A' + vh D' + D vh'
+    for i in range(9):  # nn = A nn A' + vh D' + D vh'
         for j in range(i + 1):
             x = 0.0
             for k in range(9):
@@ -141,12 +170,12 @@ def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
                 x += vh[i, k] * d[j, k] + d[i, k] * vh[j, k]
             nn[i, j] = x
             nn[j, i] = x
-    for i in range(9):                                     # vs = A ns + D es
+    for i in range(9):  # vs = A ns + D es
         for k in range(6):
             x = 0.5 * d[i, k]
             for j in range(m):
                 vs[i, j] += x * es[k, j]
-    for c in range(6):                                     # ns = vs S', ss = S ss S' + q, block by block
+    for c in range(6):  # ns = vs S', ss = S ss S' + q, block by block
         b0, b1 = first[c], first[c + 1]
         if b1 - b0 == 1:
             x = s[b0, b0]
@@ -185,7 +214,8 @@ def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
 
 @njit(cache=True)
 def update(nn, ns, ss, h, variance, k, ph):
-    """Joseph update with one measurement h x of the navigation states, in place; returns the innovation variance.
+    """Joseph update with one measurement h x of the navigation states, in place; returns the
+    innovation variance.
 
     h (9,); k (9 + m,) receives the gain, ph (9 + m,) is room to work in.
     """
@@ -204,7 +234,8 @@ def update(nn, ns, ss, h, variance, k, ph):
         s += h[i] * ph[i]
     for j in range(n):
         k[j] = ph[j] / s
-    # P - k (Ph)', then minus (what is left of Ph) k', then k variance k': the order in which rounding cannot make it negative
+    # P - k (Ph)', then minus (what is left of Ph) k', then k variance k': the order in which
+    # rounding cannot make it negative
     for i in range(9):
         left = ph[i] * (variance / s)
         for j in range(i + 1):

@@ -1,16 +1,23 @@
-"""The planar filters of the 2008 paper (Section 3.3, Eqs. 8 to 17): two accelerometers, one yaw gyroscope, positions.
+"""The planar filters of the 2008 paper (Section 3.3, Eqs. 8 to 17): two accelerometers, one yaw
+gyroscope, positions.
 
 On flat ground, with heading p from north and specific force u forward, v right,
 
     n' = vn,  e' = ve,  vn' = cos(p) u - sin(p) v,  ve' = sin(p) u + cos(p) v,  p' = w             (1)
 
-(its Eqs. 8, 9 and 11; the row of ve' in Eq. 8 is printed with a minus before cos(p) v, which Eqs. 9 and 11 do not
-have). The errors, estimate minus truth, obey its Eq. 12; what the sensors add is whatever the processes say:
-random constants give its 8-state filter (Eq. 15), fourth-order AR models of u and v its 14-state filter (Eq. 16).
+(its Eqs. 8, 9 and 11; the row of ve' in Eq. 8 is printed with a minus before cos(p) v, which Eqs.
+9 and 11 do not
+have). The errors, estimate minus truth, obey its Eq. 12; what the sensors add is whatever the
+processes say:
+random constants give its 8-state filter (Eq. 15), fourth-order AR models of u and v its 14-state
+filter (Eq. 16).
 
-What Eqs. 14 and 16 leave out, and `order=2` keeps: the half dt^2 that an acceleration error puts into position within
-one step. What Eq. 16 leaves out for good: any bias that lasts. Its AR states forget within seconds, and its yaw
-state is white (a zero row), so that neither can carry a zero-offset from one position fix to the next.
+What Eqs. 14 and 16 leave out, and `order=2` keeps: the half dt^2 that an acceleration error puts
+into position within
+one step. What Eq. 16 leaves out for good: any bias that lasts. Its AR states forget within
+seconds, and its yaw
+state is white (a zero row), so that neither can carry a zero-offset from one position fix to the
+next.
 """
 
 from __future__ import annotations
@@ -31,9 +38,11 @@ NAVIGATION = 5
 
 @dataclass(frozen=True)
 class PlanarSensors:
-    """Discrete sensor error states at one rate: b_{k+1} = D b_k + w, error of sensor s = output[s] b + white.
+    """Discrete sensor error states at one rate: b_{k+1} = D b_k + w, error of sensor s = output[s]
+    b + white.
 
-    `transition` D (k, k), `noise` (k, k) covariance of w, `output` (3, k), `start` (k, k) covariance of b at first,
+    `transition` D (k, k), `noise` (k, k) covariance of w, `output` (3, k), `start` (k, k)
+    covariance of b at first,
     `direct` (3,) two-sided densities of white noise without a state, `dt` s.
     """
 
@@ -58,7 +67,8 @@ def sensors(models: Mapping[str, Sum], dt: float, *, white_state: bool = False) 
     models : mapping of channel to process or Sum
     dt : float, s; an AR model must have the rate 1/dt
     white_state : bool
-        Give the yaw gyroscope's white noise a state of its own, as Eq. 16 of the paper does (its row is zero). It
+        Give the yaw gyroscope's white noise a state of its own, as Eq. 16 of the paper does (its
+        row is zero). It
         reaches the heading one step later, and costs a state.
     """
     blocks, direct = {s: [] for s in SENSORS}, np.zeros(3)
@@ -67,7 +77,9 @@ def sensors(models: Mapping[str, Sum], dt: float, *, white_state: bool = False) 
         for term in model.terms:
             if term.deterministic:  # a constant is a random constant of that size
                 size = float(np.abs(term.mean(np.zeros(1)))[0])
-                blocks[name].append((np.eye(1), np.zeros((1, 1)), np.ones(1), np.array([[size**2]])))
+                blocks[name].append(
+                    (np.eye(1), np.zeros((1, 1)), np.ones(1), np.array([[size**2]]))
+                )
                 continue
             space = term.state_space()
             direct[k] += space.direct
@@ -85,7 +97,9 @@ def sensors(models: Mapping[str, Sum], dt: float, *, white_state: bool = False) 
             output[k, at : at + len(block[2])] = block[2]
             at += len(block[2])
     if not flat:
-        return PlanarSensors(np.zeros((0, 0)), np.zeros((0, 0)), output, np.zeros((0, 0)), direct, dt)
+        return PlanarSensors(
+            np.zeros((0, 0)), np.zeros((0, 0)), output, np.zeros((0, 0)), direct, dt
+        )
     return PlanarSensors(
         block_diag(*(b[0] for b in flat)),
         block_diag(*(b[1] for b in flat)),
@@ -96,10 +110,14 @@ def sensors(models: Mapping[str, Sum], dt: float, *, white_state: bool = False) 
     )
 
 
-def transition(heading: float, force_ned: tuple[float, float], model: PlanarSensors, *, order: int = 2) -> np.ndarray:
-    """Transition matrix of the error states over one step, ndarray, shape (5 + k, 5 + k) (2008 Eqs. 12 to 16).
+def transition(
+    heading: float, force_ned: tuple[float, float], model: PlanarSensors, *, order: int = 2
+) -> np.ndarray:
+    """Transition matrix of the error states over one step, ndarray, shape (5 + k, 5 + k) (2008
+    Eqs. 12 to 16).
 
-    `force_ned`: north and east components of the specific force, m/s^2. `order` 1 is the paper's I + F dt.
+    `force_ned`: north and east components of the specific force, m/s^2. `order` 1 is the paper's I
+    + F dt.
     """
     dt, k = model.dt, len(model.transition)
     c, s = np.cos(heading), np.sin(heading)
@@ -119,7 +137,8 @@ def transition(heading: float, force_ned: tuple[float, float], model: PlanarSens
 
 @njit(cache=True)
 def mechanize(state, forward, right, rate, dt):
-    """One step of Eq. (1), in place: `state` (n, e, vn, ve, heading); heading at the middle of the step.
+    """One step of Eq. (1), in place: `state` (n, e, vn, ve, heading); heading at the middle of the
+    step.
 
     Returns the north and east specific force.
     """
@@ -136,7 +155,9 @@ def mechanize(state, forward, right, rate, dt):
 
 @njit(cache=True, fastmath=True)
 def _apply(p, c, s, an, ae, dt, half, output, block, sensor, work):
-    """work = Phi p with what is zero in Phi left out; `output` and `block` are (rows, columns, values), `sensor` (3, n) scratch."""
+    """work = Phi p with what is zero in Phi left out; `output` and `block` are (rows, columns,
+    values), `sensor` (3, n) scratch.
+    """
     n = p.shape[0]
     sensor[:] = 0.0
     for m in range(len(output[0])):
@@ -238,7 +259,8 @@ def _sparse(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True)
 class PlanarRun:
-    """Positions (r, n, 2) m and their predicted standard deviations (r, n, 2) m, after each step; `nees` (r, n) of the
+    """Positions (r, n, 2) m and their predicted standard deviations (r, n, 2) m, after each step;
+    `nees` (r, n) of the
     two positions where the truth was given (expected value 2)."""
 
     position: np.ndarray
@@ -263,7 +285,8 @@ def run(
     Parameters
     ----------
     readings : ndarray, shape (r, n, 3)
-        Forward, right specific force m/s^2 and yaw rate rad/s; each sample is the mean over its step.
+        Forward, right specific force m/s^2 and yaw rate rad/s; each sample is the mean over its
+        step.
     fixes : ndarray, shape (r, m, 2)
         North and east of the fix at the end of every `every`-th step, m.
     model : PlanarSensors

@@ -1,7 +1,9 @@
-"""A drive made ready for the filter: stretches without holes, increments, fixes put to epochs, de-noised where asked.
+"""A drive made ready for the filter: stretches without holes, increments, fixes put to epochs,
+de-noised where asked.
 
 Nothing is repaired in silence: what was bridged, left out or cut is said in `notes`.
 """
+
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,15 +15,20 @@ from imu_lib.wavelet import denoise
 
 from . import earth, kernel
 
-LONGEST_BRIDGE = 1.0        # s: up to here a hole in the IMU data is bridged by straight lines
-BRIDGE_NOISE = 100.0        # white noise densities are multiplied by this over a bridged hole
-VELOCITY_TRUST = 1.0        # m/s: velocities further from the motion of their own positions than this, in the median, are not used
-SHORTEST_STRETCH = 5.0      # s: a stretch between holes shorter than this is left out
+LONGEST_BRIDGE = 1.0  # s: up to here a hole in the IMU data is bridged by straight lines
+BRIDGE_NOISE = 100.0  # white noise densities are multiplied by this over a bridged hole
+# m/s: velocities further from the motion of their own positions than this, in the median, are not
+# used
+VELOCITY_TRUST = 1.0
+SHORTEST_STRETCH = 5.0  # s: a stretch between holes shorter than this is left out
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """IMU data without a hole. time (n+1,) s: epochs, the first sample being the start; dt (n,), dtheta, dvel (n, 3): the intervals."""
+    """IMU data without a hole. time (n+1,) s: epochs, the first sample being the start; dt (n,),
+    dtheta, dvel (n, 3): the intervals.
+    """
+
     time: np.ndarray
     dt: np.ndarray
     dtheta: np.ndarray
@@ -31,7 +38,10 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Fixes:
-    """GNSS fixes of a drive: time (m,), value (m, 6) position and NED velocity, variance (m, 6) m^2 and (m/s)^2, use (m,) bits of the kernel."""
+    """GNSS fixes of a drive: time (m,), value (m, 6) position and NED velocity, variance (m, 6)
+    m^2 and (m/s)^2, use (m,) bits of the kernel.
+    """
+
     time: np.ndarray
     value: np.ndarray
     variance: np.ndarray
@@ -43,12 +53,16 @@ class Gnss:
     """How fixes are taken.
 
     position_sd : m (north, east, down), where the drive gives none; velocity_sd : m/s, likewise
-    position_floor, velocity_floor : least standard deviation believed (receivers flatter themselves, lever arms are rarely surveyed)
-    latency : s, added to the fixes' time tags; correlation_time : s, of the fixes' errors: fixes that follow each other faster
+    position_floor, velocity_floor : least standard deviation believed (receivers flatter
+    themselves, lever arms are rarely surveyed)
+    latency : s, added to the fixes' time tags; correlation_time : s, of the fixes' errors: fixes
+    that follow each other faster
         are given the variance that makes so many of them worth one
-    gate : probability with which a true fix passes the innovation test; patience : s of rejected fixes before the filter widens its covariance
+    gate : probability with which a true fix passes the innovation test; patience : s of rejected
+    fixes before the filter widens its covariance
     velocity : use the velocity where there is one; accept : fix codes to take (None: all)
     """
+
     position_sd: tuple = (2.5, 2.5, 5.0)
     velocity_sd: tuple = (0.1, 0.1, 0.2)
     position_floor: float = 0.5
@@ -64,6 +78,7 @@ class Gnss:
 @dataclass(frozen=True)
 class Prepared:
     """Stretches, fixes, rate (Hz) and notes of a drive."""
+
     stretches: tuple
     fixes: Fixes
     rate: float
@@ -75,12 +90,30 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     notes = []
     time = np.asarray(drive.gnss_time, float) + gnss.latency
     position = np.asarray(drive.gnss_position, float)
-    velocity = np.full_like(position, np.nan) if drive.gnss_velocity is None or not gnss.velocity else np.asarray(drive.gnss_velocity, float)
-    sd = np.column_stack([np.broadcast_to(gnss.position_sd if drive.gnss_position_sd is None else drive.gnss_position_sd, position.shape),
-                          np.broadcast_to(gnss.velocity_sd if drive.gnss_velocity_sd is None else drive.gnss_velocity_sd, position.shape)])
+    velocity = (
+        np.full_like(position, np.nan)
+        if drive.gnss_velocity is None or not gnss.velocity
+        else np.asarray(drive.gnss_velocity, float)
+    )
+    sd = np.column_stack(
+        [
+            np.broadcast_to(
+                gnss.position_sd if drive.gnss_position_sd is None else drive.gnss_position_sd,
+                position.shape,
+            ),
+            np.broadcast_to(
+                gnss.velocity_sd if drive.gnss_velocity_sd is None else drive.gnss_velocity_sd,
+                position.shape,
+            ),
+        ]
+    )
     floor = np.repeat([gnss.position_floor, gnss.velocity_floor], 3)
     with np.errstate(invalid="ignore"):
-        sd = np.where(np.isfinite(sd) & (sd > 0.0), np.maximum(sd, floor), np.concatenate([gnss.position_sd, gnss.velocity_sd]))
+        sd = np.where(
+            np.isfinite(sd) & (sd > 0.0),
+            np.maximum(sd, floor),
+            np.concatenate([gnss.position_sd, gnss.velocity_sd]),
+        )
     has_position = np.isfinite(position).all(axis=1) & (np.abs(position[:, 0]) < np.pi / 2)
     has_velocity = np.isfinite(velocity).all(axis=1)
     keep = np.isfinite(time) & (has_position | has_velocity)
@@ -90,10 +123,14 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     index = np.flatnonzero(keep)[order]
     index = index[np.concatenate([[True], np.diff(time[index]) > 1e-6])] if index.size else index
     if index.size < time.size:
-        notes.append(f"{time.size - index.size} of {time.size} fixes left out: without a number, repeated, or of a code not accepted.")
+        notes.append(
+            f"{time.size - index.size} of {time.size} fixes left out: without a number, repeated, or of a code not accepted."
+        )
     if index.size < 2:
-        raise InputError(f"{drive.name or 'the drive'} has {index.size} usable GNSS fixes; the filter needs at least two "
-                         "(look at gnss_position for NaN and at the accepted fix codes)")
+        raise InputError(
+            f"{drive.name or 'the drive'} has {index.size} usable GNSS fixes; the filter needs at least two "
+            "(look at gnss_position for NaN and at the accepted fix codes)"
+        )
     use = has_position[index] * kernel.POSITION + has_velocity[index] * kernel.VELOCITY
     codes = np.zeros(index.size) if drive.gnss_fix is None else np.asarray(drive.gnss_fix)[index]
     for code in np.unique(codes[has_velocity[index]]):
@@ -101,16 +138,22 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
         apart = _disagreement(time[index][of], position[index][of], velocity[index][of])
         if apart > VELOCITY_TRUST:
             use[codes == code] &= ~kernel.VELOCITY
-            notes.append(f"The velocities of fix code {code:g} disagree with their own positions by {apart:.1f} m/s and are not used.")
+            notes.append(
+                f"The velocities of fix code {code:g} disagree with their own positions by {apart:.1f} m/s and are not used."
+            )
     variance = sd[index] ** 2
     if gnss.correlation_time > 0.0:
-        variance = variance * max(1.0, 2.0 * gnss.correlation_time / float(np.median(np.diff(time[index]))))
+        variance = variance * max(
+            1.0, 2.0 * gnss.correlation_time / float(np.median(np.diff(time[index])))
+        )
     value = np.nan_to_num(np.column_stack([position, velocity])[index])
     return Fixes(time[index], value, variance, use.astype(np.int64)), notes
 
 
 def _disagreement(time, position, velocity):
-    """Median distance, m/s, between received velocities and those of the positions about 2 s apart; 0 where the positions are too few."""
+    """Median distance, m/s, between received velocities and those of the positions about 2 s
+    apart; 0 where the positions are too few.
+    """
     after = np.searchsorted(time, time + 1.0)
     before = np.searchsorted(time, time - 1.0, side="right") - 1
     good = np.flatnonzero((after < time.size) & (before >= 0))
@@ -122,12 +165,15 @@ def _disagreement(time, position, velocity):
     return float(np.median(np.linalg.norm(moved[:, :2] - velocity[good, :2], axis=1)))
 
 
-def prepare(drive: Drive, *, levels=None, causal=False, gnss: Gnss = Gnss(), sampling="average") -> Prepared:
+def prepare(
+    drive: Drive, *, levels=None, causal=False, gnss: Gnss = Gnss(), sampling="average"
+) -> Prepared:
     """Make a drive ready.
 
     levels : mapping of channel to wavelet levels (missing: 0), or one number for all six
     causal : passed to `imu_lib.wavelet.denoise`; False uses the future, as the 2013 paper does
-    sampling : "average" where a reading is the mean over the interval that it ends, "point" where it is the value at its time
+    sampling : "average" where a reading is the mean over the interval that it ends, "point" where
+    it is the value at its time
     """
     if sampling not in ("average", "point"):
         raise ValueError(f"`sampling` must be 'average' or 'point', not {sampling!r}")
@@ -135,14 +181,26 @@ def prepare(drive: Drive, *, levels=None, causal=False, gnss: Gnss = Gnss(), sam
     notes = []
     step = np.diff(time)
     edges = np.concatenate([[0], np.flatnonzero(step > LONGEST_BRIDGE) + 1, [time.size]])
-    parts = [(a, b) for a, b in zip(edges[:-1], edges[1:]) if b > a + 1 and time[b - 1] - time[a] >= SHORTEST_STRETCH]
+    parts = [
+        (a, b)
+        for a, b in zip(edges[:-1], edges[1:])
+        if b > a + 1 and time[b - 1] - time[a] >= SHORTEST_STRETCH
+    ]
     if not parts:
-        raise InputError(f"{drive.name or 'the drive'} has no stretch of {SHORTEST_STRETCH:g} s of IMU data without a hole of {LONGEST_BRIDGE:g} s")
+        raise InputError(
+            f"{drive.name or 'the drive'} has no stretch of {SHORTEST_STRETCH:g} s of IMU data without a hole of {LONGEST_BRIDGE:g} s"
+        )
     if edges.size > 2:
         holes = step[step > LONGEST_BRIDGE]
-        notes.append(f"The IMU data have {holes.size} holes of {holes.min():.1f} to {holes.max():.1f} s: the filter starts anew after each, "
-                     "sensor states kept.")
-    levels = {c: levels for c in CHANNELS} if isinstance(levels, (int, np.integer)) else dict(levels or {})
+        notes.append(
+            f"The IMU data have {holes.size} holes of {holes.min():.1f} to {holes.max():.1f} s: the filter starts anew after each, "
+            "sensor states kept."
+        )
+    levels = (
+        {c: levels for c in CHANNELS}
+        if isinstance(levels, (int, np.integer))
+        else dict(levels or {})
+    )
     unknown = sorted(set(levels) - set(CHANNELS))
     if unknown:
         raise ValueError(f"`levels` names {unknown[0]!r}; channels are {', '.join(CHANNELS)}")
@@ -156,9 +214,17 @@ def prepare(drive: Drive, *, levels=None, causal=False, gnss: Gnss = Gnss(), sam
         missing[np.diff(t) < 1.5 / rate] = 0
         if missing.any():
             bridged += int(missing.sum())
-            whole = np.concatenate([np.linspace(t[i], t[i + 1], missing[i] + 1, endpoint=False) for i in range(t.size - 1)] + [[t[-1]]])
+            whole = np.concatenate(
+                [
+                    np.linspace(t[i], t[i + 1], missing[i] + 1, endpoint=False)
+                    for i in range(t.size - 1)
+                ]
+                + [[t[-1]]]
+            )
             held = np.interp(np.arange(t.size - 1), np.arange(t.size - 1), missing)
-            noise = np.concatenate([np.repeat(np.where(held > 0, BRIDGE_NOISE, 1.0), missing + 1), [1.0]])
+            noise = np.concatenate(
+                [np.repeat(np.where(held > 0, BRIDGE_NOISE, 1.0), missing + 1), [1.0]]
+            )
             readings = np.column_stack([np.interp(whole, t, column) for column in readings.T])
             t = whole
         for i, channel in enumerate(CHANNELS):
@@ -167,8 +233,18 @@ def prepare(drive: Drive, *, levels=None, causal=False, gnss: Gnss = Gnss(), sam
         dt = np.diff(t)
         mean = readings[1:] if sampling == "average" else 0.5 * (readings[1:] + readings[:-1])
         increments = mean * dt[:, None]
-        stretches.append(Stretch(t, dt, np.ascontiguousarray(increments[:, :3]), np.ascontiguousarray(increments[:, 3:]), noise[1:]))
+        stretches.append(
+            Stretch(
+                t,
+                dt,
+                np.ascontiguousarray(increments[:, :3]),
+                np.ascontiguousarray(increments[:, 3:]),
+                noise[1:],
+            )
+        )
     if bridged:
-        notes.append(f"{bridged} missing IMU samples bridged by straight lines, with {BRIDGE_NOISE:g} times the noise density.")
+        notes.append(
+            f"{bridged} missing IMU samples bridged by straight lines, with {BRIDGE_NOISE:g} times the noise density."
+        )
     fixes, more = fixes_of(drive, gnss)
     return Prepared(tuple(stretches), fixes, rate, tuple(notes + more))

@@ -1,9 +1,14 @@
-"""Rauch-Tung-Striebel smoothing of a closed-loop filter: the best that the same model and fixes can give, past and future.
+"""Rauch-Tung-Striebel smoothing of a closed-loop filter: the best that the same model and fixes
+can give, past and future.
 
-The filter keeps, at every fix and every second, its covariance before and after, the transition since the last and the correction
-it made. Backwards, the smoothed error relative to the filter's own solution is s_k = C_k (s_{k+1} + dx_{k+1}) with
-C_k = P_k Phi' (P-_{k+1})^-1 (Gelb 1974, Eqs. 5.2-13 to 5.2-17, written for errors that are taken out as they are found).
+The filter keeps, at every fix and every second, its covariance before and after, the transition
+since the last and the correction
+it made. Backwards, the smoothed error relative to the filter's own solution is s_k = C_k (s_{k+1}
++ dx_{k+1}) with
+C_k = P_k Phi' (P-_{k+1})^-1 (Gelb 1974, Eqs. 5.2-13 to 5.2-17, written for errors that are taken
+out as they are found).
 """
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +22,10 @@ from .filter import LooselyCoupled
 class Smoothed:
     """A smoothed solution at the stored moments.
 
-    time (k,) s; position (k, 3); velocity (k, 3); attitude (k, 3); sd (k, 9); x (k, m) sensor states; p (k, 9 + m, 9 + m) where asked for
+    time (k,) s; position (k, 3); velocity (k, 3); attitude (k, 3); sd (k, 9); x (k, m) sensor
+    states; p (k, 9 + m, 9 + m) where asked for
     """
+
     time: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
@@ -31,7 +38,8 @@ class Smoothed:
 def smooth(engine: LooselyCoupled, *, withhold=(), covariances=False) -> Smoothed:
     """Run the filter forwards and the smoother backwards.
 
-    engine : LooselyCoupled; withhold : windows (start s, duration s) without fixes: what interpolation over an outage would give, the
+    engine : LooselyCoupled; withhold : windows (start s, duration s) without fixes: what
+    interpolation over an outage would give, the
     bound that no causal filter reaches; covariances : keep the whole matrices
     """
     solution = engine.solve(withhold=withhold, smooth=True)
@@ -48,10 +56,14 @@ def _stretch(moments, covariances):
     for k in range(count - 1, -1, -1):
         if k < count - 1:
             prior = moments.prior[k + 1]
-            # scaled to unit diagonal before the factorisation: metres and rad/s side by side would cost the digits
+            # scaled to unit diagonal before the factorisation: metres and rad/s side by side would
+            # cost the digits
             size = np.sqrt(np.maximum(np.diag(prior), 1e-300))
             factor = cho_factor(prior / np.outer(size, size) + 1e-12 * np.eye(n))
-            gain = (cho_solve(factor, (moments.phi[k + 1] @ moments.p[k]) / size[:, None]) / size[:, None]).T
+            gain = (
+                cho_solve(factor, (moments.phi[k + 1] @ moments.p[k]) / size[:, None])
+                / size[:, None]
+            ).T
             s = gain @ (s + moments.dx[k + 1])
             p = moments.p[k] + gain @ (p - prior) @ gain.T
         correction[k] = s
@@ -63,5 +75,12 @@ def _stretch(moments, covariances):
     quaternions = nav[:, 6:10].copy()
     for q, turn in zip(quaternions, correction[:, 6:9]):
         attitude.rotate_frame(q, turn[0], turn[1], turn[2])
-    out = (moments.time, position, nav[:, 3:6] - correction[:, 3:6], attitude.euler(quaternions), sd, moments.x + correction[:, 9:])
+    out = (
+        moments.time,
+        position,
+        nav[:, 3:6] - correction[:, 3:6],
+        attitude.euler(quaternions),
+        sd,
+        moments.x + correction[:, 9:],
+    )
     return (*out, kept)

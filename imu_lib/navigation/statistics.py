@@ -1,4 +1,7 @@
-"""Which model wins: improvements by both definitions, and paired comparisons with confidence intervals."""
+"""Which model wins: improvements by both definitions, and paired comparisons with confidence
+intervals.
+"""
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +15,8 @@ def improvement(better, worse, *, how):
     """Improvement of `better` over `worse`, per cent.
 
     better, worse : ndarray, shape (n,), errors of the same outages, m
-    how : "mean_of_ratios" (every outage counts alike; the 2013 paper's 50.95 %) or "ratio_of_sums" (the largest outages decide; its 4.3 %)
+    how : "mean_of_ratios" (every outage counts alike; the 2013 paper's 50.95 %) or "ratio_of_sums"
+    (the largest outages decide; its 4.3 %)
     """
     better, worse = np.asarray(better, float), np.asarray(worse, float)
     if how == "mean_of_ratios":
@@ -29,11 +33,15 @@ def improvements(better, worse):
 
 @dataclass(frozen=True)
 class Paired:
-    """Comparison of two models on the same outages: geometric mean of error ratios with its 95 % interval.
+    """Comparison of two models on the same outages: geometric mean of error ratios with its 95 %
+    interval.
 
-    better, than : names; ratio below 1 means `better` has the smaller errors; wins : share of outages in which it has;
-    p : of Wilcoxon's signed-rank test on the log ratios (two-sided); outages, clusters : how many, and in how many independent groups
+    better, than : names; ratio below 1 means `better` has the smaller errors; wins : share of
+    outages in which it has;
+    p : of Wilcoxon's signed-rank test on the log ratios (two-sided); outages, clusters : how many,
+    and in how many independent groups
     """
+
     better: str
     than: str
     ratio: float
@@ -45,8 +53,10 @@ class Paired:
     clusters: int
 
     def __str__(self):
-        return (f"{self.better} over {self.than}, {self.ratio:.2f} [{self.low:.2f}, {self.high:.2f}], "
-                f"ahead in {100 * self.wins:.0f} % of the outages")
+        return (
+            f"{self.better} over {self.than}, {self.ratio:.2f} [{self.low:.2f}, {self.high:.2f}], "
+            f"ahead in {100 * self.wins:.0f} % of the outages"
+        )
 
     @property
     def decided(self):
@@ -54,8 +64,17 @@ class Paired:
         return self.high < 1.0 or self.low > 1.0
 
     def to_json(self):
-        return {"better": self.better, "than": self.than, "ratio": self.ratio, "low": self.low, "high": self.high, "wins": self.wins,
-                "p": self.p, "outages": self.outages, "clusters": self.clusters}
+        return {
+            "better": self.better,
+            "than": self.than,
+            "ratio": self.ratio,
+            "low": self.low,
+            "high": self.high,
+            "wins": self.wins,
+            "p": self.p,
+            "outages": self.outages,
+            "clusters": self.clusters,
+        }
 
 
 class Pairs:
@@ -78,14 +97,22 @@ class Pairs:
 def paired(first, second, names=("first", "second"), *, clusters=None) -> Paired:
     """Compare errors of the same outages.
 
-    first, second : ndarray, shape (n,), m; clusters : (n,) labels of what is not independent (a drive): logs of ratios are then
-    averaged within each first, and the interval is Student's over the clusters. The model with the smaller mean log error is named `better`.
+    first, second : ndarray, shape (n,), m; clusters : (n,) labels of what is not independent (a
+    drive): logs of ratios are then
+    averaged within each first, and the interval is Student's over the clusters. The model with the
+    smaller mean log error is named `better`.
     """
-    log = np.log(np.maximum(np.asarray(first, float), 1e-3) / np.maximum(np.asarray(second, float), 1e-3))
+    log = np.log(
+        np.maximum(np.asarray(first, float), 1e-3) / np.maximum(np.asarray(second, float), 1e-3)
+    )
     names = tuple(names)
     if log.mean() > 0.0:
         log, names = -log, names[::-1]
-    values = log if clusters is None else np.array([log[np.asarray(clusters) == c].mean() for c in np.unique(clusters)])
+    values = (
+        log
+        if clusters is None
+        else np.array([log[np.asarray(clusters) == c].mean() for c in np.unique(clusters)])
+    )
     n, mean = values.size, float(values.mean())
     half = float(stats.t.ppf(0.975, n - 1) * values.std(ddof=1) / np.sqrt(n)) if n > 1 else np.inf
     p = float(stats.wilcoxon(values).pvalue) if n > 5 and np.any(values != 0.0) else 1.0

@@ -1,8 +1,12 @@
-"""Strapdown mechanization in north-east-down: increments of angle and velocity into position, velocity, attitude.
+"""Strapdown mechanization in north-east-down: increments of angle and velocity into position,
+velocity, attitude.
 
-One step uses the increments of the last two intervals for coning and sculling (two-sample form of Savage 1998, as in
-Groves 2013, section 5.5), Earth rate and transport rate at the middle of the interval, and normal gravity there.
+One step uses the increments of the last two intervals for coning and sculling (two-sample form of
+Savage 1998, as in
+Groves 2013, section 5.5), Earth rate and transport rate at the middle of the interval, and normal
+gravity there.
 """
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +19,10 @@ from . import attitude, earth
 class Navigation:
     """A navigation solution without uncertainties.
 
-    time (n,) s; position (n, 3) rad, rad, m; velocity (n, 3) NED m/s; attitude (n, 3) roll, pitch, yaw rad.
+    time (n,) s; position (n, 3) rad, rad, m; velocity (n, 3) NED m/s; attitude (n, 3) roll, pitch,
+    yaw rad.
     """
+
     time: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
@@ -27,14 +33,16 @@ class Navigation:
 def step(p, v, q, c, dtheta, dvel, dtheta_before, dvel_before, dt):
     """One interval, in place on position p, velocity v, quaternion q and its matrix c.
 
-    dtheta, dvel : angle (rad) and velocity (m/s) increments of this interval in the body frame, `_before` those of the one before
+    dtheta, dvel : angle (rad) and velocity (m/s) increments of this interval in the body frame,
+    `_before` those of the one before
     (zeros at the start: the correction is then of first order only).
     """
     a0, a1, a2 = dtheta[0], dtheta[1], dtheta[2]
     w0, w1, w2 = dvel[0], dvel[1], dvel[2]
     b0, b1, b2 = dtheta_before[0], dtheta_before[1], dtheta_before[2]
     u0, u1, u2 = dvel_before[0], dvel_before[1], dvel_before[2]
-    # rotation to second order, x = dtheta x dvel and dtheta x x / 6; sculling, a twelfth of the products with the interval before
+    # rotation to second order, x = dtheta x dvel and dtheta x x / 6; sculling, a twelfth of the
+    # products with the interval before
     x0, x1, x2 = a1 * w2 - a2 * w1, a2 * w0 - a0 * w2, a0 * w1 - a1 * w0
     s0 = w0 + 0.5 * x0 + (a1 * x2 - a2 * x1) / 6.0 + (b1 * w2 - b2 * w1 + u1 * a2 - u2 * a1) / 12.0
     s1 = w1 + 0.5 * x1 + (a2 * x0 - a0 * x2) / 6.0 + (b2 * w0 - b0 * w2 + u2 * a0 - u0 * a2) / 12.0
@@ -52,10 +60,14 @@ def step(p, v, q, c, dtheta, dvel, dtheta_before, dvel_before, dt):
     m0, m1, m2 = v[0], v[1], v[2]
     new0, new1, new2 = v[0], v[1], v[2]
     z0, z1, z2 = 0.0, 0.0, 0.0
-    for _ in range(2):                                   # first with the velocity at the start, then with the one half way
-        en0, en1, en2 = m1 / (transverse + height), -m0 / (meridian + height), -m1 * tan / (transverse + height)
-        r0, r1, r2 = 2.0 * ie0 + en0, en1, 2.0 * ie2 + en2                      # Coriolis and transport
-        z0, z1, z2 = (ie0 + en0) * dt, en1 * dt, (ie2 + en2) * dt                # turn of the navigation frame
+    for _ in range(2):  # first with the velocity at the start, then with the one half way
+        en0, en1, en2 = (
+            m1 / (transverse + height),
+            -m0 / (meridian + height),
+            -m1 * tan / (transverse + height),
+        )
+        r0, r1, r2 = 2.0 * ie0 + en0, en1, 2.0 * ie2 + en2  # Coriolis and transport
+        z0, z1, z2 = (ie0 + en0) * dt, en1 * dt, (ie2 + en2) * dt  # turn of the navigation frame
         new0 = v[0] + n0 - 0.5 * (z1 * n2 - z2 * n1) - (r1 * m2 - r2 * m1) * dt
         new1 = v[1] + n1 - 0.5 * (z2 * n0 - z0 * n2) - (r2 * m0 - r0 * m2) * dt
         new2 = v[2] + n2 - 0.5 * (z0 * n1 - z1 * n0) - (r0 * m1 - r1 * m0) * dt + g * dt
@@ -99,15 +111,19 @@ def integrate(time, dtheta, dvel, *, position, velocity, attitude_, hold_height=
 
     time : ndarray, shape (n+1,), s, ends of the intervals, the first being the start
     dtheta, dvel : ndarray, shape (n, 3), increments over each interval, rad and m/s, body frame
-    position, velocity, attitude_ : ndarray, shape (3,), initial latitude-longitude-height, NED velocity, roll-pitch-yaw
-    hold_height : keep height and vertical velocity at their start: the inertial height channel is unstable, an error grows by e in
+    position, velocity, attitude_ : ndarray, shape (3,), initial latitude-longitude-height, NED
+    velocity, roll-pitch-yaw
+    hold_height : keep height and vertical velocity at their start: the inertial height channel is
+    unstable, an error grows by e in
         sqrt(R / 2g) = 570 s, and hides everything else within hours
     returns : Navigation with n+1 epochs
     """
     time, dtheta, dvel = (np.ascontiguousarray(a, float) for a in (time, dtheta, dvel))
     if dtheta.shape != dvel.shape or dtheta.shape != (time.size - 1, 3):
-        raise ValueError(f"`dtheta` and `dvel` must have shape ({time.size - 1}, 3), one row per interval of `time`; "
-                         f"got {dtheta.shape} and {dvel.shape}")
+        raise ValueError(
+            f"`dtheta` and `dvel` must have shape ({time.size - 1}, 3), one row per interval of `time`; "
+            f"got {dtheta.shape} and {dvel.shape}"
+        )
     p, v = np.array(position, float), np.array(velocity, float)
     q = attitude.quaternion(attitude_)
     out = np.empty((time.size, 3)), np.empty((time.size, 3)), np.empty((time.size, 4))

@@ -1,7 +1,10 @@
-"""How far may position fixes be apart? The 2008 paper's study (Section 6, Table 4, Figs. 14 to 19), with truth known.
+"""How far may position fixes be apart? The 2008 paper's study (Section 6, Table 4, Figs. 14 to
+19), with truth known.
 
-Ten drives of ten minutes on a parking lot at 10 to 30 km/h with six turns, logged at 20 Hz; a fix every 1, 5, 10, 20,
-30 or 60 s; the stochastic part of the accelerometers modelled by a first-order Gauss-Markov process or by AR(4), both
+Ten drives of ten minutes on a parking lot at 10 to 30 km/h with six turns, logged at 20 Hz; a fix
+every 1, 5, 10, 20,
+30 or 60 s; the stochastic part of the accelerometers modelled by a first-order Gauss-Markov
+process or by AR(4), both
 fitted to the same static records.
 """
 
@@ -25,7 +28,8 @@ KMH = 1 / 3.6
 
 @dataclass(frozen=True)
 class PlanarDrive:
-    """True motion in the plane: `position` (n, 2) m and `state` (n, 5) after each step, `start` (5,), `inputs` (n, 3)
+    """True motion in the plane: `position` (n, 2) m and `state` (n, 5) after each step, `start`
+    (5,), `inputs` (n, 3)
     true forward and right specific force and yaw rate (means over the step), `fs` Hz."""
 
     position: np.ndarray
@@ -46,13 +50,17 @@ class PlanarDrive:
 
 
 def parking_lot(fs: float = 20.0, duration: float = 600.0) -> PlanarDrive:
-    """Ten minutes at 10 to 30 km/h with six turns of a right angle, slow in the corners (2008 paper, Section 6)."""
+    """Ten minutes at 10 to 30 km/h with six turns of a right angle, slow in the corners (2008
+    paper, Section 6).
+    """
     t = (np.arange(round(duration * fs)) + 0.5) / fs
     centres = duration * (np.arange(6) + 0.6) / 6.2
     turning = np.zeros_like(t)
     slow = np.zeros_like(t)
     for at, direction in zip(centres, (1, 1, -1, 1, 1, 1), strict=True):
-        bump = np.where(np.abs(t - at) < 4.0, 1 + np.cos(np.pi * (t - at) / 4.0), 0.0)  # eight seconds of turning
+        bump = np.where(
+            np.abs(t - at) < 4.0, 1 + np.cos(np.pi * (t - at) / 4.0), 0.0
+        )  # eight seconds of turning
         turning += direction * np.pi / 2 * bump / 8.0
         slow = np.maximum(slow, np.exp(-0.5 * ((t - at) / 7.0) ** 2))
     straight = 22 + 8 * np.sin(2 * np.pi * t / 97.0)
@@ -69,18 +77,28 @@ def parking_lot(fs: float = 20.0, duration: float = 600.0) -> PlanarDrive:
 
 @dataclass(frozen=True)
 class Fitted:
-    """Models of the static noise, as the planar filter takes them: `gm` and `ar` map channel to process."""
+    """Models of the static noise, as the planar filter takes them: `gm` and `ar` map channel to
+    process.
+    """
 
     gm: dict
     ar: dict
 
 
 def fit_static(
-    model: Model, rng: np.random.Generator, *, hours: float = 8.0, records: int = 10, order: int = 4, fs: float = 20.0
+    model: Model,
+    rng: np.random.Generator,
+    *,
+    hours: float = 8.0,
+    records: int = 10,
+    order: int = 4,
+    fs: float = 20.0,
 ) -> Fitted:
-    """AR(`order`) by Burg and GM(1) on simulated static records of `hours` h, coefficients averaged over the records.
+    """AR(`order`) by Burg and GM(1) on simulated static records of `hours` h, coefficients
+    averaged over the records.
 
-    Both see the same detrended total output, white noise included, as in the 2008 paper (Section 5). GM(1) takes the
+    Both see the same detrended total output, white noise included, as in the 2008 paper (Section
+    5). GM(1) takes the
     variance and the correlation at one sample; the yaw gyroscope is white.
     """
     t = np.linspace(-1, 1, round(hours * 3600 * fs))
@@ -102,7 +120,8 @@ def fit_static(
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of repeated drives with one interval and model: `north`, `east` (r,) RMS per run, m; `track` (n, 2) of the
+    """Errors of repeated drives with one interval and model: `north`, `east` (r,) RMS per run, m;
+    `track` (n, 2) of the
     first run; `nees` mean over all."""
 
     north: np.ndarray
@@ -126,8 +145,10 @@ class Errors:
 class Scenario:
     """What acts besides the sensors' noise. Standard deviations; each Gauss-Markov in time.
 
-    `tilt` rad: roll and pitch that the planar filter does not know (slope, suspension), with `tilt_time` s;
-    `gnss` m north and east, with `gnss_time` s, plus `gnss_white` m; `heading` rad at the start; `static` s of rest
+    `tilt` rad: roll and pitch that the planar filter does not know (slope, suspension), with
+    `tilt_time` s;
+    `gnss` m north and east, with `gnss_time` s, plus `gnss_white` m; `heading` rad at the start;
+    `static` s of rest
     that the zero-offsets are taken from.
     """
 
@@ -155,16 +176,27 @@ class Runs:
 
 
 def simulate(
-    drive: PlanarDrive, model: Model, rng: np.random.Generator, *, runs: int = 10, scenario: Scenario | None = None
+    drive: PlanarDrive,
+    model: Model,
+    rng: np.random.Generator,
+    *,
+    runs: int = 10,
+    scenario: Scenario | None = None,
 ) -> Runs:
     """Sensor readings and position fixes of `runs` drives over the same route."""
     scenario, (n, fs) = scenario or Scenario(), (len(drive.inputs), drive.fs)
     still = round(scenario.static * fs)
-    readings, fixes, start = np.empty((runs, n, 3)), np.empty((runs, n, 2)), np.tile(drive.start, (runs, 1))
+    readings, fixes, start = (
+        np.empty((runs, n, 3)),
+        np.empty((runs, n, 2)),
+        np.tile(drive.start, (runs, 1)),
+    )
     for k in range(runs):
         noise = model.simulate(n + still, fs, rng, channels=planar.SENSORS)
         for i, channel in enumerate(planar.SENSORS):
-            readings[k, :, i] = drive.inputs[:, i] + noise[channel][still:] - noise[channel][:still].mean()
+            readings[k, :, i] = (
+                drive.inputs[:, i] + noise[channel][still:] - noise[channel][:still].mean()
+            )
         if scenario.tilt:
             for i in range(2):
                 slope = GaussMarkov(scenario.tilt, scenario.tilt_time).simulate(n, fs, rng)
@@ -205,21 +237,32 @@ def errors(
 
 
 def study(
-    drive: PlanarDrive, runs: Runs, models: dict[str, dict], *, intervals=INTERVALS, scenario: Scenario | None = None
+    drive: PlanarDrive,
+    runs: Runs,
+    models: dict[str, dict],
+    *,
+    intervals=INTERVALS,
+    scenario: Scenario | None = None,
 ) -> dict[int, dict[str, Errors]]:
     """`errors` for every interval and model: interval -> model name -> Errors."""
-    return {t: {name: errors(drive, runs, m, t, scenario=scenario) for name, m in models.items()} for t in intervals}
+    return {
+        t: {name: errors(drive, runs, m, t, scenario=scenario) for name, m in models.items()}
+        for t in intervals
+    }
 
 
 def paired(a: np.ndarray, b: np.ndarray) -> Estimate:
-    """Ratio of the errors (r,) of `a` to those of `b` on the same runs (geometric mean), with its 95 % t interval."""
+    """Ratio of the errors (r,) of `a` to those of `b` on the same runs (geometric mean), with its
+    95 % t interval.
+    """
     d = np.log(a) - np.log(b)
     half = stats.t.ppf(0.975, len(d) - 1) * d.std(ddof=1) / np.sqrt(len(d))
     return Estimate(*(float(np.exp(x)) for x in (d.mean(), d.mean() - half, d.mean() + half)))
 
 
 def random_constants(white: dict, accel: float = MILLI_G, gyro: float = 0.04 * DEG) -> dict:
-    """The sensors of the paper's 8-state filter (Eq. 15): a random constant each, and white noise (`white`: N).
+    """The sensors of the paper's 8-state filter (Eq. 15): a random constant each, and white noise
+    (`white`: N).
 
     Sizes: the run-to-run standard deviations of its Tables 2 and 3.
     """
@@ -228,7 +271,10 @@ def random_constants(white: dict, accel: float = MILLI_G, gyro: float = 0.04 * D
 
 
 def with_slow_state(models: dict, sigma: float, correlation_time: float) -> dict:
-    """The same sensor models with a slow Gauss-Markov state on both accelerometers (what Eq. 16 lacks)."""
+    """The same sensor models with a slow Gauss-Markov state on both accelerometers (what Eq. 16
+    lacks).
+    """
     return {
-        c: (m + GaussMarkov(sigma, correlation_time) if c.startswith("accel") else Sum((m,))) for c, m in models.items()
+        c: (m + GaussMarkov(sigma, correlation_time) if c.startswith("accel") else Sum((m,)))
+        for c, m in models.items()
     }

@@ -1,6 +1,7 @@
 """Figures: functions of the results, one file per subject; the only room that imports matplotlib.
 
-A chapter does `from imu_lib import plots` and calls `plots.NAME(result)`; each function takes `ax=None` and returns
+A chapter does `from imu_lib import plots` and calls `plots.NAME(result)`; each function takes
+`ax=None` and returns
 the axes. To add one, write it in a file of this folder and list it here.
 """
 
@@ -92,7 +93,9 @@ __all__ = sorted(_HOME)
 
 def __getattr__(name):
     if name not in _HOME:
-        raise AttributeError(f"module `imu_lib.plots` has no function `{name}`; it has {', '.join(__all__)}")
+        raise AttributeError(
+            f"module `imu_lib.plots` has no function `{name}`; it has {', '.join(__all__)}"
+        )
     value = getattr(import_module(f"imu_lib.plots.{_HOME[name]}"), name)
     globals()[name] = value
     return value
@@ -103,7 +106,9 @@ def __dir__():
 
 
 class _Plots(ModuleType):
-    """Lets a file and a function bear the same name: `plots.allan` stays the function once allan.py is imported."""
+    """Lets a file and a function bear the same name: `plots.allan` stays the function once
+    allan.py is imported.
+    """
 
     def __setattr__(self, name, value):
         if isinstance(value, ModuleType) and _HOME.get(name) == name:

@@ -7,7 +7,8 @@ from imu_lib.plots import style
 
 @style.styled
 def autocorrelations(curves, *, exact=None, ax=None):
-    """Autocorrelation of each of `curves` (label -> Autocorrelation), the 95 % band of white noise, and `exact`.
+    """Autocorrelation of each of `curves` (label -> Autocorrelation), the 95 % band of white
+    noise, and `exact`.
 
     `exact` is (label, function of the lag in s) or None.
     """
@@ -40,12 +41,27 @@ def before_and_after(before, after, *, titles=("raw", "de-noised"), axes=None):
 
 @style.styled
 def gauss_markov_fit(fit, *, truth=None, unit=("", 1.0), ax=None):
-    """Autocovariance of the block means, the fit, and the true autocovariance (a function of the lag) if known."""
+    """Autocovariance of the block means, the fit, and the true autocovariance (a function of the
+    lag) if known.
+    """
     name, factor = unit
-    ax = style.axes(ax, x="lag, s", y=f"autocovariance of block means{', (' + name + ')²' if name else ''}")
+    ax = style.axes(
+        ax, x="lag, s", y=f"autocovariance of block means{', (' + name + ')²' if name else ''}"
+    )
     scale = 1 / factor**2
-    ax.plot(fit.lag[1:], fit.autocovariance[1:] * scale, "o", color=style.DATA, label=f"record, means of {fit.block} samples")
-    ax.plot(fit.lag[1:], fit.fitted[1:] * scale, color=style.FIT, label="fit, the record's own mean taken off")
+    ax.plot(
+        fit.lag[1:],
+        fit.autocovariance[1:] * scale,
+        "o",
+        color=style.DATA,
+        label=f"record, means of {fit.block} samples",
+    )
+    ax.plot(
+        fit.lag[1:],
+        fit.fitted[1:] * scale,
+        color=style.FIT,
+        label="fit, the record's own mean taken off",
+    )
     if truth is not None:
         ax.plot(fit.lag[1:], truth(fit.lag[1:]) * scale, "--", color=style.TRUTH, label="truth")
     ax.axhline(0, color=style.BAND, linewidth=0.8)
@@ -55,8 +71,12 @@ def gauss_markov_fit(fit, *, truth=None, unit=("", 1.0), ax=None):
 
 @style.styled
 def record_length(ratio, scatter, *, rule, ax=None):
-    """Relative scatter of estimates (label -> array) against record length in correlation times, with the `rule`."""
-    ax = style.axes(ax, x="record length, correlation times", y="relative standard deviation", log=True)
+    """Relative scatter of estimates (label -> array) against record length in correlation times,
+    with the `rule`.
+    """
+    ax = style.axes(
+        ax, x="record length, correlation times", y="relative standard deviation", log=True
+    )
     for label, values in scatter.items():
         ax.plot(ratio, values, "o-", label=label)
     fine = np.geomspace(min(ratio), max(ratio), 50)

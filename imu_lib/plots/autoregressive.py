@@ -7,14 +7,16 @@ from imu_lib.plots import style
 
 @style.styled
 def residual_variance(choices, *, unit=("", 1.0), ax=None):
-    """Residual variance against order for each of `choices` (label -> OrderChoice or list of them), knee marked."""
+    """Residual variance against order for each of `choices` (label -> OrderChoice or list of
+    them), knee marked.
+    """
     name, factor = unit
     ax = style.axes(ax, x="order", y=f"residual variance{', (' + name + ')²' if name else ''}")
     for label, group in choices.items():
         group = group if isinstance(group, list) else [group]
         colour = style.channel_colour(label)
         mean = np.mean([c.residual_variance for c in group], axis=0) / factor**2
-        for c in group[:0 if len(group) == 1 else None]:
+        for c in group[: 0 if len(group) == 1 else None]:
             ax.plot(c.residual_variance / factor**2, color=colour, linewidth=0.5, alpha=0.5)
         ax.plot(mean, "o-", color=colour, label=style.channel_label(label))
         k = int(np.median([c.orders["knee"] for c in group]))
@@ -26,13 +28,23 @@ def residual_variance(choices, *, unit=("", 1.0), ax=None):
 
 @style.styled
 def order_criteria(choice, *, ax=None):
-    """The four criteria above their minimum, in nats over the whole record, so that they share an axis."""
+    """The four criteria above their minimum, in nats over the whole record, so that they share an
+    axis.
+    """
     ax = style.axes(ax, x="order", y="above the minimum, nats")
-    curves = {"SBC": choice.sbc * choice.n / 2, "MDL": choice.mdl, "AIC": choice.aic / 2,
-              "FPE": choice.n / 2 * np.log(choice.fpe)}
+    curves = {
+        "SBC": choice.sbc * choice.n / 2,
+        "MDL": choice.mdl,
+        "AIC": choice.aic / 2,
+        "FPE": choice.n / 2 * np.log(choice.fpe),
+    }
     for (label, values), marker in zip(curves.items(), ("s", "o", "v", "x"), strict=True):
         values = values - values.min()
-        ax.plot(np.maximum(values, 0.05), marker=marker, label=f"{label}: {choice.orders[label.lower()]}")
+        ax.plot(
+            np.maximum(values, 0.05),
+            marker=marker,
+            label=f"{label}: {choice.orders[label.lower()]}",
+        )
     ax.set_yscale("log")
     ax.legend(title="picks")
     return ax
@@ -51,7 +63,9 @@ def order_by_length(hours, orders, *, ax=None):
 
 @style.styled
 def residual_autocorrelation(tests, *, fs=None, axes=None):
-    """Autocorrelation of residuals with the 95 % band of white noise; `tests` is label -> Whiteness, a panel each."""
+    """Autocorrelation of residuals with the 95 % band of white noise; `tests` is label ->
+    Whiteness, a panel each.
+    """
     if axes is None:
         axes = style.grid(1, len(tests), size=(9.0 if len(tests) > 1 else 7.0, 3.2), sharey=True)[0]
     for ax, (label, test) in zip(axes, tests.items(), strict=True):
@@ -71,7 +85,14 @@ def poles(models, *, window=((0.6, 1.1), (-0.3, 0.3)), ax=None):
     angle = np.linspace(-np.pi, np.pi, 721)
     ax.plot(np.cos(angle), np.sin(angle), color=style.BLACK, linewidth=0.8)
     for (label, roots), marker in zip(models.items(), "xo+sv^*D", strict=False):
-        ax.plot(np.real(roots), np.imag(roots), marker, label=label, markerfacecolor="none", markersize=7)
+        ax.plot(
+            np.real(roots),
+            np.imag(roots),
+            marker,
+            label=label,
+            markerfacecolor="none",
+            markersize=7,
+        )
     ax.set(xlim=window[0], ylim=window[1])
     ax.legend(loc="lower left")
     return ax

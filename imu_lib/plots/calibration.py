@@ -12,14 +12,22 @@ from imu_lib.units import DEG, MILLI_G
 def rest_windows(accel, fs, rests, *, ax=None):
     """Moving standard deviation of a record with the threshold found and the rests shaded.
 
-    `accel` (n, 3) m/s^2 (its unit labels nothing: the axis is in the reading's unit), `rests` a `RestWindows`.
+    `accel` (n, 3) m/s^2 (its unit labels nothing: the axis is in the reading's unit), `rests` a
+    `RestWindows`.
     """
     ax = style.axes(ax, x="time, s", y="standard deviation over 1 s, unit of the reading")
     t = np.arange(len(accel)) / fs
-    ax.semilogy(*style.thin(t, np.maximum(rests.deviation, 1e-12)), color=style.DATA, lw=0.8, label="moving deviation")
+    ax.semilogy(
+        *style.thin(t, np.maximum(rests.deviation, 1e-12)),
+        color=style.DATA,
+        lw=0.8,
+        label="moving deviation",
+    )
     ax.axhline(rests.threshold, color=style.THEORY, label="threshold found")
     for k, (a, b) in enumerate(zip(rests.start, rests.stop)):
-        ax.axvspan(t[a], t[b - 1], color=style.GREEN, alpha=0.2, lw=0, label="at rest" if k == 0 else None)
+        ax.axvspan(
+            t[a], t[b - 1], color=style.GREEN, alpha=0.2, lw=0, label="at rest" if k == 0 else None
+        )
     ax.set_ylim(top=8 * rests.deviation.max())
     ax.legend(loc="upper right", ncols=3)
     return ax
@@ -31,8 +39,16 @@ def pose_magnitudes(before, after, gravity, *, ax=None):
     ax = style.axes(ax, x="pose", y="|specific force| - g, mg")
     number = np.arange(1, len(after) + 1)
     if before is not None:
-        ax.plot(number, (np.asarray(before) - gravity) / MILLI_G, "o", color=style.BEFORE, label="as read")
-    ax.plot(number, (np.asarray(after) - gravity) / MILLI_G, "o", color=style.AFTER, label="calibrated")
+        ax.plot(
+            number,
+            (np.asarray(before) - gravity) / MILLI_G,
+            "o",
+            color=style.BEFORE,
+            label="as read",
+        )
+    ax.plot(
+        number, (np.asarray(after) - gravity) / MILLI_G, "o", color=style.AFTER, label="calibrated"
+    )
     ax.axhline(0, color=style.TRUTH, lw=0.8)
     ax.legend()
     return ax
@@ -47,13 +63,17 @@ def panel_readings(time, reading, fits=(), *, ax=None):
     for k, fit in enumerate(fits):
         model = fit.bias.value + (1 + fit.scale_factor.value) * fit.reference
         ax.plot(time, model, color=style.BLACK, lw=0.8, label="fit" if k == 0 else None)
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), markerscale=4, ncols=4)  # the sinusoids fill the axes
+    ax.legend(
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), markerscale=4, ncols=4
+    )  # the sinusoids fill the axes
     return ax
 
 
 @style.styled
 def rate_table(reading, fs, rates, means, *, dwell=20.0, settle=10.0, ax=None):
-    """A stepped rate-table run: readings (n,) rad/s, and the mean of each step over the part that is used (Fig. 9)."""
+    """A stepped rate-table run: readings (n,) rad/s, and the mean of each step over the part that
+    is used (Fig. 9).
+    """
     ax = style.axes(ax, x="time, s", y="yaw rate, deg/s")
     t = np.arange(len(reading)) / fs
     ax.plot(t, np.asarray(reading) / DEG, color=style.DATA, lw=0.8, label="reading")
@@ -74,7 +94,8 @@ def line_residuals(fit, *, ax=None):
 
 @style.styled
 def repeatability(values, *, truth=None, unit="", labels=None, ax=None):
-    """A result over repeated runs: values {name: (r,)} with their mean and one standard deviation (Figs. 7 and 8).
+    """A result over repeated runs: values {name: (r,)} with their mean and one standard deviation
+    (Figs. 7 and 8).
 
     `truth` {name: (r,)} draws what each run really had.
     """
@@ -93,17 +114,30 @@ def repeatability(values, *, truth=None, unit="", labels=None, ax=None):
 
 @style.styled
 def repeatability_panels(results, *, truth, units, axes=None):
-    """`repeatability` of several quantities side by side: results {quantity: (r, k)} and truth {quantity: (r, k or more)}, columns
+    """`repeatability` of several quantities side by side: results {quantity: (r, k)} and truth
+    {quantity: (r, k or more)}, columns
     x, y, z; `units` label the panels in turn."""
     axes = style.grid(1, len(results), size=(9.0, 3.4)) if axes is None else axes
     for ax, (name, found), unit in zip(np.ravel(axes), results.items(), units, strict=True):
-        repeatability(dict(zip("xyz", found.T)), truth=dict(zip("xyz", truth[name].T)), unit=unit, ax=ax)
+        repeatability(
+            dict(zip("xyz", found.T)), truth=dict(zip("xyz", truth[name].T)), unit=unit, ax=ax
+        )
     return axes
 
 
 @style.styled
-def triad_intervals(triads, *, quantity="scale_factors", factor=100.0, unit="scale factor error, %", truth=None, ax=None):
-    """A quantity of several triads side by side with 95 % intervals; `triads` {name: Triad}, `truth` (3,)."""
+def triad_intervals(
+    triads,
+    *,
+    quantity="scale_factors",
+    factor=100.0,
+    unit="scale factor error, %",
+    truth=None,
+    ax=None,
+):
+    """A quantity of several triads side by side with 95 % intervals; `triads` {name: Triad},
+    `truth` (3,).
+    """
     ax = style.axes(ax, x=unit, y="")
     ticks = []
     for row, (name, triad) in enumerate(triads.items()):

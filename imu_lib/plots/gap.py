@@ -1,13 +1,26 @@
-"""Figures of the gap workflow: measurement against the band of simulations, before and after; the gap by domain."""
+"""Figures of the gap workflow: measurement against the band of simulations, before and after; the
+gap by domain.
+"""
 
 import numpy as np
 
 from imu_lib.gap.battery import edges
 from imu_lib.plots import style
 
-LABELS = {"psd": ("frequency, Hz", "PSD, dB"), "allan": ("averaging time, s", "Allan deviation, dB")}
-NAMES = {"psd": "spectrum", "lines": "lines", "allan": "Allan deviation", "autocorrelation": "autocorrelation", "distribution": "distribution",
-         "mean": "mean", "variance": "variance", "temperature": "temperature"}
+LABELS = {
+    "psd": ("frequency, Hz", "PSD, dB"),
+    "allan": ("averaging time, s", "Allan deviation, dB"),
+}
+NAMES = {
+    "psd": "spectrum",
+    "lines": "lines",
+    "allan": "Allan deviation",
+    "autocorrelation": "autocorrelation",
+    "distribution": "distribution",
+    "mean": "mean",
+    "variance": "variance",
+    "temperature": "temperature",
+}
 
 
 def _abscissa(domain, count, rate, n):
@@ -19,9 +32,11 @@ def _abscissa(domain, count, rate, n):
 
 @style.styled
 def band(report, *, domain="psd", rate, n, ax=None):
-    """Measurement in one domain over the 95 % bands of the simulations before and after, in dB from the middle of the band after.
+    """Measurement in one domain over the 95 % bands of the simulations before and after, in dB
+    from the middle of the band after.
 
-    `report` is the channel's report of `gap.close`; `domain` is "psd" or "allan"; `n` samples at `rate` Hz.
+    `report` is the channel's report of `gap.close`; `domain` is "psd" or "allan"; `n` samples at
+    `rate` Hz.
     """
     x, y = LABELS[domain]
     ax = style.axes(ax, x=x, y=y + " from the final model", size=(6.4, 3.6))
@@ -31,10 +46,23 @@ def band(report, *, domain="psd", rate, n, ax=None):
     t = _abscissa(domain, len(measured), rate, n)
     scale = 10 / np.log(10) * (0.5 if domain == "allan" else 1.0)
     middle = np.median(after, axis=0)
-    for rows, colour, label in ((before, style.BEFORE, "simulations before"), (after, style.AFTER, "simulations after")):
+    for rows, colour, label in (
+        (before, style.BEFORE, "simulations before"),
+        (after, style.AFTER, "simulations after"),
+    ):
         low, high = np.quantile(rows, [0.025, 0.975], axis=0)
-        ax.fill_between(t, scale * (low - middle), scale * (high - middle), color=colour, alpha=0.3, lw=0, label=label)
-        ax.plot(t, scale * (np.median(rows, axis=0) - middle), color=colour, lw=1.0)       # a band may be too narrow to be seen
+        ax.fill_between(
+            t,
+            scale * (low - middle),
+            scale * (high - middle),
+            color=colour,
+            alpha=0.3,
+            lw=0,
+            label=label,
+        )
+        ax.plot(
+            t, scale * (np.median(rows, axis=0) - middle), color=colour, lw=1.0
+        )  # a band may be too narrow to be seen
     ax.plot(t, scale * (measured - middle), color=style.BLACK, marker=".", label="measurement")
     ax.set_xscale("log")
     ax.legend(loc="best")
@@ -47,8 +75,20 @@ def domains(report, *, ax=None):
     ax = style.axes(ax, x="gap index", size=(6.4, 3.0))
     names = list(report.before.domains)
     place = np.arange(len(names))
-    ax.barh(place - 0.2, [report.before.domains[d] for d in names], 0.38, color=style.BEFORE, label="before")
-    ax.barh(place + 0.2, [report.after.domains[d] for d in names], 0.38, color=style.AFTER, label="after")
+    ax.barh(
+        place - 0.2,
+        [report.before.domains[d] for d in names],
+        0.38,
+        color=style.BEFORE,
+        label="before",
+    )
+    ax.barh(
+        place + 0.2,
+        [report.after.domains[d] for d in names],
+        0.38,
+        color=style.AFTER,
+        label="after",
+    )
     ax.axvline(1.0, color=style.BLACK, lw=0.8)
     ax.set_yticks(place, [NAMES[d] for d in names])
     ax.invert_yaxis()
@@ -60,13 +100,24 @@ def domains(report, *, ax=None):
 
 @style.styled
 def score(table, *, ax=None):
-    """Share of detectable cases named right with its 95 % interval, one line for each effect of a score table."""
+    """Share of detectable cases named right with its 95 % interval, one line for each effect of a
+    score table.
+    """
     rows = [r for r in table if r["detectable"]]
-    ax = style.axes(ax, x="share of detectable cases named right", size=(6.4, 0.24 * len(rows) + 0.8))
+    ax = style.axes(
+        ax, x="share of detectable cases named right", size=(6.4, 0.24 * len(rows) + 0.8)
+    )
     share = np.array([r["named"] / r["detectable"] for r in rows])
     interval = np.array([r["named_interval"] for r in rows])
     place = np.arange(len(rows))
-    ax.errorbar(share, place, xerr=np.maximum([share - interval[:, 0], interval[:, 1] - share], 0), fmt="o", color=style.BLUE, capsize=2)
+    ax.errorbar(
+        share,
+        place,
+        xerr=np.maximum([share - interval[:, 0], interval[:, 1] - share], 0),
+        fmt="o",
+        color=style.BLUE,
+        capsize=2,
+    )
     ax.axvline(0.95, color=style.GREY, lw=0.8, ls="--")
     ax.set_yticks(place, [f"{r['kind']} ({r['detectable']})" for r in rows])
     ax.set_xlim(0, 1.03)

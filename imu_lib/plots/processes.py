@@ -8,7 +8,8 @@ from imu_lib.plots import style
 
 @style.styled
 def process_portrait(process, x, fs, *, spectrum=None, curve=None, correlation=None, axes=None):
-    """Four panels: realisation, spectral density, Allan deviation, autocovariance; theory over estimates.
+    """Four panels: realisation, spectral density, Allan deviation, autocovariance; theory over
+    estimates.
 
     Parameters
     ----------
@@ -33,8 +34,13 @@ def process_portrait(process, x, fs, *, spectrum=None, curve=None, correlation=N
     ax = style.axes(axes[3], x="lag, s", y="autocovariance")
     if correlation is not None:
         lag, gamma = correlation.lag, correlation.rho * correlation.variance
-        style.band(ax, lag, gamma - 2 * correlation.sd * correlation.variance, gamma + 2 * correlation.sd * correlation.variance,
-                   color=style.DATA)
+        style.band(
+            ax,
+            lag,
+            gamma - 2 * correlation.sd * correlation.variance,
+            gamma + 2 * correlation.sd * correlation.variance,
+            color=style.DATA,
+        )
         ax.plot(lag, gamma, color=style.DATA, label="estimate")
         _theory(ax, lag, lambda d: process.autocovariance(d, fs), "autocovariance")
     return axes
@@ -44,14 +50,18 @@ def _theory(ax, x, form, what):
     try:
         ax.plot(x, form(x), "--", color=style.TRUTH, label="closed form")
     except UndefinedFormError:
-        ax.text(0.5, 0.75, f"no {what} exists", transform=ax.transAxes, ha="center", color=style.THEORY)
+        ax.text(
+            0.5, 0.75, f"no {what} exists", transform=ax.transAxes, ha="center", color=style.THEORY
+        )
     ax.legend(loc="lower left" if ax.get_yscale() == "log" else "upper right")
 
 
 @style.styled
 def allan_family(tau, deviations, *, ax=None):
     """Closed-form Allan deviations, label -> array, on one set of axes."""
-    ax = style.axes(ax, x="averaging time, s", y="Allan deviation, amplitudes chosen to be seen", log=True)
+    ax = style.axes(
+        ax, x="averaging time, s", y="Allan deviation, amplitudes chosen to be seen", log=True
+    )
     for (label, values), line in zip(deviations.items(), ["-", "--", "-.", ":"] * 5, strict=False):
         ax.plot(tau, values, line, label=label)
     top = max(np.max(values) for values in deviations.values())

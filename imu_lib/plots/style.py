@@ -1,6 +1,7 @@
 """The look that all figures share, and the few things that every plot function needs.
 
-Colours are those of Okabe and Ito, told apart by colour-blind readers; sizes keep an executed chapter small. A plot
+Colours are those of Okabe and Ito, told apart by colour-blind readers; sizes keep an executed
+chapter small. A plot
 function is decorated with `styled`, takes `ax=None`, and returns the axes:
 
     @style.styled
@@ -15,7 +16,8 @@ import numpy as np
 
 from imu_lib import units
 
-# Choosing a backend also switches interactive display on; done inside `styled` that would be undone with the look,
+# Choosing a backend also switches interactive display on; done inside `styled` that would be
+# undone with the look,
 # and a notebook would show its first figure alone.
 plt.switch_backend(plt.get_backend())
 
@@ -26,16 +28,37 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 # what a colour means, the same in every chapter
 DATA, THEORY, FIT, TRUTH, BAND, PAPER = BLUE, VERMILION, VERMILION, BLACK, GREY, PURPLE
 BEFORE, AFTER = VERMILION, GREEN
-TERMS = (GREEN, PURPLE, ORANGE, SKY, GREY)  # the terms of a sum, or the lines read off a curve, in turn
+TERMS = (
+    GREEN,
+    PURPLE,
+    ORANGE,
+    SKY,
+    GREY,
+)  # the terms of a sum, or the lines read off a curve, in turn
 
 SIZE = (7.0, 4.0)  # inches
 RC = {
-    "figure.figsize": SIZE, "figure.dpi": 90, "savefig.dpi": 90, "figure.constrained_layout.use": True,
-    "axes.prop_cycle": plt.cycler(color=CYCLE), "axes.grid": True, "axes.axisbelow": True,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": "medium",
-    "axes.formatter.useoffset": False, "grid.color": "#DDDDDD", "grid.linewidth": 0.6,
-    "lines.linewidth": 1.3, "lines.markersize": 4, "legend.frameon": False, "legend.fontsize": "small",
-    "font.size": 10, "font.family": "DejaVu Sans", "image.cmap": "cividis", "svg.hashsalt": "imu_lib",
+    "figure.figsize": SIZE,
+    "figure.dpi": 90,
+    "savefig.dpi": 90,
+    "figure.constrained_layout.use": True,
+    "axes.prop_cycle": plt.cycler(color=CYCLE),
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": "medium",
+    "axes.formatter.useoffset": False,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4,
+    "legend.frameon": False,
+    "legend.fontsize": "small",
+    "font.size": 10,
+    "font.family": "DejaVu Sans",
+    "image.cmap": "cividis",
+    "svg.hashsalt": "imu_lib",
 }
 
 
@@ -46,10 +69,12 @@ def apply():
 
 def styled(function):
     """Decorator: the function draws in the shared look and leaves the caller's settings alone."""
+
     @wraps(function)
     def drawn(*args, **options):
         with plt.rc_context(RC):
             return function(*args, **options)
+
     return drawn
 
 
@@ -65,19 +90,29 @@ def axes(ax=None, *, x="", y="", title="", log=False, size=SIZE):
 
 @styled
 def grid(rows=1, columns=1, *, size=None, sharex=False, sharey=False):
-    """Axes of a new figure, ndarray, shape (rows, columns); by default 3.5 x 2.6 inches each, no wider than 9."""
-    size = size or (min(9.0, max(SIZE[0], 3.5 * columns)), max(SIZE[1], 2.6 * rows) if rows > 1 else 3.2)
-    _, found = plt.subplots(rows, columns, figsize=size, sharex=sharex, sharey=sharey, squeeze=False)
+    """Axes of a new figure, ndarray, shape (rows, columns); by default 3.5 x 2.6 inches each, no
+    wider than 9.
+    """
+    size = size or (
+        min(9.0, max(SIZE[0], 3.5 * columns)),
+        max(SIZE[1], 2.6 * rows) if rows > 1 else 3.2,
+    )
+    _, found = plt.subplots(
+        rows, columns, figsize=size, sharex=sharex, sharey=sharey, squeeze=False
+    )
     return found
 
 
 def band(ax, x, low, high, *, color=BAND, label=None, alpha=0.25):
     """A shaded interval, below the curves."""
-    return ax.fill_between(x, low, high, color=color, alpha=alpha, linewidth=0, label=label, zorder=1)
+    return ax.fill_between(
+        x, low, high, color=color, alpha=alpha, linewidth=0, label=label, zorder=1
+    )
 
 
 def lines_read_off(ax, x, reading, channel, height):
-    """The lines of a reading over x, thick where the stretch was found, their coefficients in the legend.
+    """The lines of a reading over x, thick where the stretch was found, their coefficients in the
+    legend.
 
     `height(line)` gives a line's values at x in the unit of the axes.
     """
@@ -85,8 +120,13 @@ def lines_read_off(ax, x, reading, channel, height):
         factor, unit = units.datasheet(symbol, channel) if channel else (1.0, "")
         value, inside = height(line), (x >= line.start) & (x <= line.stop)
         ax.plot(x, value, ":", color=colour, linewidth=1.0)
-        ax.plot(x[inside], value[inside], color=colour, linewidth=2.5,
-                label=f"{symbol} = {reading[symbol].value / factor:.3g} {unit}")
+        ax.plot(
+            x[inside],
+            value[inside],
+            color=colour,
+            linewidth=2.5,
+            label=f"{symbol} = {reading[symbol].value / factor:.3g} {unit}",
+        )
 
 
 def channel_colour(channel: str) -> str:
@@ -100,7 +140,8 @@ def channel_label(channel: str) -> str:
 
 
 def thin(t, x, *, points=4000):
-    """Least and greatest value of each stretch, so that a long record draws as it looks at full length.
+    """Least and greatest value of each stretch, so that a long record draws as it looks at full
+    length.
 
     Arrays of shape (n,) in, two arrays of at most `points` values out; NaN stretches stay NaN.
     """

@@ -9,9 +9,18 @@ from imu_lib.plots import style
 
 @style.styled
 def planar_tracks(drive, found, interval, *, ax=None):
-    """True track and the first run's estimated tracks with a fix every `interval` s; `found` {model: Errors} (Figs. 14, 15)."""
+    """True track and the first run's estimated tracks with a fix every `interval` s; `found`
+    {model: Errors} (Figs. 14, 15).
+    """
     ax = style.axes(ax, x="east, m", y="north, m", title=f"a fix every {interval} s")
-    ax.plot(drive.position[:, 1], drive.position[:, 0], color=style.TRUTH, lw=2.5, alpha=0.3, label="truth")
+    ax.plot(
+        drive.position[:, 1],
+        drive.position[:, 0],
+        color=style.TRUTH,
+        lw=2.5,
+        alpha=0.3,
+        label="truth",
+    )
     for k, ((name, errors), color) in enumerate(zip(found.items(), style.CYCLE)):
         track = drive.position + errors.track
         ax.plot(track[:, 1], track[:, 0], color=color, lw=1.6 - 0.7 * k, label=name)
@@ -22,7 +31,9 @@ def planar_tracks(drive, found, interval, *, ax=None):
 
 @style.styled
 def planar_errors(drive, study, model, *, intervals=(1, 5, 10, 20), size=(9.0, 5.0)):
-    """Northing and easting error of the first run over time, one panel an interval (Figs. 16 to 19)."""
+    """Northing and easting error of the first run over time, one panel an interval (Figs. 16 to
+    19).
+    """
     panels = style.grid(2, (len(intervals) + 1) // 2, size=size, sharex=True).ravel()
     for ax, interval in zip(panels, intervals):
         track = study[interval][model].track
@@ -37,23 +48,39 @@ def planar_errors(drive, study, model, *, intervals=(1, 5, 10, 20), size=(9.0, 5
 
 @style.styled
 def rms_by_interval(study, published=(), *, ax=None):
-    """Horizontal RMS error against the interval between fixes, pooled over the runs, with the paper's two rows."""
+    """Horizontal RMS error against the interval between fixes, pooled over the runs, with the
+    paper's two rows.
+    """
     ax = style.axes(ax, x="interval between fixes, s", y="horizontal RMS error, m", log=True)
     intervals = list(study)
     for k, (name, color) in enumerate(zip(next(iter(study.values())), style.CYCLE)):
         rms = [study[t][name].pooled[2] for t in intervals]
-        ax.plot(intervals, rms, "o-", color=color, lw=3.0 - 0.5 * k, ms=7 - k, label=name)  # equal curves stay visible
+        ax.plot(
+            intervals, rms, "o-", color=color, lw=3.0 - 0.5 * k, ms=7 - k, label=name
+        )  # equal curves stay visible
     if published:
-        for rows, mark, label in (("ar4_m", "^", "2008 paper, AR(4)"), ("gm1_m", "v", "2008 paper, GM(1)")):
-            ax.plot([r.interval_s for r in published], [getattr(r, rows)[2] for r in published], mark, color=style.BLACK,
-                    mfc="none", ms=8, label=label)
+        for rows, mark, label in (
+            ("ar4_m", "^", "2008 paper, AR(4)"),
+            ("gm1_m", "v", "2008 paper, GM(1)"),
+        ):
+            ax.plot(
+                [r.interval_s for r in published],
+                [getattr(r, rows)[2] for r in published],
+                mark,
+                color=style.BLACK,
+                mfc="none",
+                ms=8,
+                label=label,
+            )
     ax.legend(fontsize="x-small")
     return ax
 
 
 @style.styled
 def paired_ratios(ratios, *, ax=None):
-    """Ratios of errors with 95 % intervals against the interval between fixes; `ratios` {label: {interval: Estimate}}."""
+    """Ratios of errors with 95 % intervals against the interval between fixes; `ratios` {label:
+    {interval: Estimate}}.
+    """
     ax = style.axes(ax, x="interval between fixes, s", y="error of one over the other")
     for k, ((label, rows), color) in enumerate(zip(ratios.items(), style.CYCLE)):
         x = np.array(list(rows), float) * 1.05 ** (k - (len(ratios) - 1) / 2)

@@ -19,10 +19,31 @@ from .walk import RandomWalk
 from .white import Quantization, WhiteNoise
 
 #: Processes of a channel, by the name in the error-model file.
-OF_CHANNEL: dict[str, type[Process]] = {cls.name: cls for cls in (
-    Constant, WhiteNoise, Quantization, Flicker, RandomWalk, Ramp, GaussMarkov, GaussMarkov2,
-    Autoregressive, Sinusoid, WarmUp, Temperature, Step, Telegraph,
-    LowPass, NoiseLevelChange, Spikes, Saturation, Resolution, Stuck)}
+OF_CHANNEL: dict[str, type[Process]] = {
+    cls.name: cls
+    for cls in (
+        Constant,
+        WhiteNoise,
+        Quantization,
+        Flicker,
+        RandomWalk,
+        Ramp,
+        GaussMarkov,
+        GaussMarkov2,
+        Autoregressive,
+        Sinusoid,
+        WarmUp,
+        Temperature,
+        Step,
+        Telegraph,
+        LowPass,
+        NoiseLevelChange,
+        Spikes,
+        Saturation,
+        Resolution,
+        Stuck,
+    )
+}
 #: Processes of the whole record, by the name in the error-model file.
 OF_RECORD: dict[str, type[Process]] = {cls.name: cls for cls in (CommonMode, TimeGaps, Jitter)}
 
@@ -37,7 +58,9 @@ def from_json(entry: dict, *, on_record: bool = False) -> Process:
     """
     known = OF_RECORD if on_record else OF_CHANNEL
     if not isinstance(entry, dict) or "process" not in entry:
-        raise InputError(f"an entry of an error model must be an object with the key 'process', not {entry!r:.80}")
+        raise InputError(
+            f"an entry of an error model must be an object with the key 'process', not {entry!r:.80}"
+        )
     name = entry["process"]
     cls = known.get(name) if isinstance(name, str) else None
     if cls is None:
@@ -46,19 +69,55 @@ def from_json(entry: dict, *, on_record: bool = False) -> Process:
     fields = set(cls.__dataclass_fields__)
     extra = sorted(set(values) - fields)
     if extra:
-        raise InputError(f"process {name}: unknown parameter {extra[0]!r}; it takes {', '.join(sorted(fields))}")
+        raise InputError(
+            f"process {name}: unknown parameter {extra[0]!r}; it takes {', '.join(sorted(fields))}"
+        )
     try:
         process = cls(**values)
     except TypeError as error:
         raise InputError(f"process {name}: {error}") from None
     if not process.complete:
-        missing = [p.name for p in cls.parameters if getattr(process, p.name) is None and not p.optional]
-        raise InputError(f"process {name}: parameter {' or '.join(missing) or 'taps, order or smoothing'} is missing")
+        missing = [
+            p.name for p in cls.parameters if getattr(process, p.name) is None and not p.optional
+        ]
+        raise InputError(
+            f"process {name}: parameter {' or '.join(missing) or 'taps, order or smoothing'} is missing"
+        )
     return process
 
 
-__all__ = ["Autoregressive", "CommonMode", "Constant", "FLAT", "Flicker", "GaussMarkov", "GaussMarkov2",
-           "Jitter", "LowPass", "NoiseLevelChange", "OF_CHANNEL", "OF_RECORD", "POSITIVE_KINDS", "Parameter",
-           "Process", "Quantization", "Ramp", "RandomWalk", "Resolution", "Saturation", "Sinusoid", "Spikes",
-           "Stage", "StateSpace", "Step", "Stuck", "Sum", "Telegraph", "Temperature", "TimeGaps", "WarmUp",
-           "WhiteNoise", "from_json"]
+__all__ = [
+    "Autoregressive",
+    "CommonMode",
+    "Constant",
+    "FLAT",
+    "Flicker",
+    "GaussMarkov",
+    "GaussMarkov2",
+    "Jitter",
+    "LowPass",
+    "NoiseLevelChange",
+    "OF_CHANNEL",
+    "OF_RECORD",
+    "POSITIVE_KINDS",
+    "Parameter",
+    "Process",
+    "Quantization",
+    "Ramp",
+    "RandomWalk",
+    "Resolution",
+    "Saturation",
+    "Sinusoid",
+    "Spikes",
+    "Stage",
+    "StateSpace",
+    "Step",
+    "Stuck",
+    "Sum",
+    "Telegraph",
+    "Temperature",
+    "TimeGaps",
+    "WarmUp",
+    "WhiteNoise",
+    "from_json",
+]

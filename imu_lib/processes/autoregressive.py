@@ -35,9 +35,11 @@ class Autoregressive(Process):
     sigma: float | None = None
     rate: float | None = None
     name: ClassVar[str] = "autoregressive"
-    parameters: ClassVar = (Parameter("phi", "other", "coefficients phi_1 .. phi_p"),
-                            Parameter("sigma", "amplitude", "standard deviation of w, signal unit"),
-                            Parameter("rate", "frequency", "sampling rate, Hz"))
+    parameters: ClassVar = (
+        Parameter("phi", "other", "coefficients phi_1 .. phi_p"),
+        Parameter("sigma", "amplitude", "standard deviation of w, signal unit"),
+        Parameter("rate", "frequency", "sampling rate, Hz"),
+    )
 
     def __post_init__(self):
         super().__post_init__()
@@ -47,7 +49,9 @@ class Autoregressive(Process):
             except (TypeError, ValueError):
                 phi = ()
             if not phi or not np.all(np.isfinite(phi)):
-                raise InputError(f"process autoregressive: `phi` must be a list of numbers, not {self.phi!r}")
+                raise InputError(
+                    f"process autoregressive: `phi` must be a list of numbers, not {self.phi!r}"
+                )
             object.__setattr__(self, "phi", phi)
 
     @property
@@ -63,14 +67,17 @@ class Autoregressive(Process):
     def _at(self, fs):
         self._require()
         if fs is not None and abs(fs / self.rate - 1.0) > 1e-6:
-            raise ValueError(f"`fs` must be the rate of the autoregressive process, {self.rate:g} Hz, not {fs:g}")
+            raise ValueError(
+                f"`fs` must be the rate of the autoregressive process, {self.rate:g} Hz, not {fs:g}"
+            )
         return self.rate
 
     def _stationary(self):
         if not self.stable:
             raise UndefinedFormError(
                 f"the autoregressive process is not stationary: its largest pole is "
-                f"{np.max(np.abs(self.poles)):.4g}")
+                f"{np.max(np.abs(self.poles)):.4g}"
+            )
 
     def psd(self, f, fs=None):
         fs = self._at(fs)
@@ -113,7 +120,9 @@ class Autoregressive(Process):
         stationary = solve_discrete_lyapunov(transition, step)
         output = np.zeros(p)
         output[0] = 1.0
-        return StateSpace(transition, step, output, 0.5 * (stationary + stationary.T), rate=self.rate)
+        return StateSpace(
+            transition, step, output, 0.5 * (stationary + stationary.T), rate=self.rate
+        )
 
     def to_gauss_markov(self):
         """The first-order Gauss-Markov process whose samples an AR(1) is (2011 paper, Eqs. 11-13).
@@ -124,9 +133,14 @@ class Autoregressive(Process):
             Unless p = 1 and 0 < phi < 1.
         """
         from .gauss_markov import GaussMarkov
+
         self._require()
         if len(self.phi) != 1 or not 0.0 < self.phi[0] < 1.0:
-            raise UndefinedFormError("only an AR(1) with 0 < phi < 1 is a sampled Gauss-Markov process")
+            raise UndefinedFormError(
+                "only an AR(1) with 0 < phi < 1 is a sampled Gauss-Markov process"
+            )
         phi = self.phi[0]
-        return GaussMarkov(sigma=self.sigma / np.sqrt(1.0 - phi**2),
-                           correlation_time=-1.0 / (self.rate * np.log(phi)))
+        return GaussMarkov(
+            sigma=self.sigma / np.sqrt(1.0 - phi**2),
+            correlation_time=-1.0 / (self.rate * np.log(phi)),
+        )

@@ -50,7 +50,8 @@ class Process:
 
     name: ClassVar[str] = ""
     parameters: ClassVar[tuple[Parameter, ...]] = ()
-    #: A deterministic process is a function of time (or temperature): it has a `mean` and no noise.
+    #: A deterministic process is a function of time (or temperature): it has a `mean` and no
+    #: noise.
     deterministic: ClassVar[bool] = False
     #: Fast noise: what a change of noise level scales.
     fast: ClassVar[bool] = False
@@ -86,8 +87,9 @@ class Process:
         """
         raise UndefinedFormError(f"{self.name} is not stationary, so it has no autocovariance")
 
-    def simulate(self, n: int, fs: float, rng: np.random.Generator, *, temperature=None,
-                 start: float = 0.0) -> np.ndarray:
+    def simulate(
+        self, n: int, fs: float, rng: np.random.Generator, *, temperature=None, start: float = 0.0
+    ) -> np.ndarray:
         """A realisation: ndarray, shape (n,), sampled at `fs` Hz from time `start` s on."""
         raise NotImplementedError
 
@@ -116,16 +118,22 @@ class Process:
             try:
                 value = float(value)
             except (TypeError, ValueError):
-                raise InputError(f"process {self.name}: `{parameter.name}` must be a number, "
-                                 f"not {value!r}") from None
+                raise InputError(
+                    f"process {self.name}: `{parameter.name}` must be a number, not {value!r}"
+                ) from None
             if not math.isfinite(value):
-                raise InputError(f"process {self.name}: `{parameter.name}` must be finite, not {value}")
+                raise InputError(
+                    f"process {self.name}: `{parameter.name}` must be finite, not {value}"
+                )
             strict = parameter.kind in ("time", "frequency", "rate", "ratio")
             if value < 0 and (strict or parameter.kind == "amplitude") or value == 0 and strict:
-                raise InputError(f"process {self.name}: `{parameter.name}` must be "
-                                 f"{'above' if strict else 'at least'} zero, not {value:g}")
-            object.__setattr__(self, parameter.name,
-                               int(value) if parameter.kind == "count" else value)
+                raise InputError(
+                    f"process {self.name}: `{parameter.name}` must be "
+                    f"{'above' if strict else 'at least'} zero, not {value:g}"
+                )
+            object.__setattr__(
+                self, parameter.name, int(value) if parameter.kind == "count" else value
+            )
 
     @property
     def complete(self) -> bool:
@@ -134,9 +142,12 @@ class Process:
 
     def _require(self):
         if not self.complete:
-            missing = [p.name for p in self.parameters
-                       if getattr(self, p.name) is None and not p.optional]
-            raise ValueError(f"`{self.name}` is a template: give {', '.join(missing)} a value first")
+            missing = [
+                p.name for p in self.parameters if getattr(self, p.name) is None and not p.optional
+            ]
+            raise ValueError(
+                f"`{self.name}` is a template: give {', '.join(missing)} a value first"
+            )
 
     def with_(self, **parameters) -> Process:
         """The same process with some parameters replaced."""
@@ -153,6 +164,7 @@ class Process:
 
     def __add__(self, other):
         from .sum import Sum
+
         return Sum((self,)) + other
 
 
@@ -191,13 +203,16 @@ class StateSpace:
         """Transition matrix and step covariance over `dt` s, exact (Van Loan 1978, Eqs. 1.1-1.4)."""
         if self.rate is not None:
             if abs(dt * self.rate - 1.0) > 1e-6:
-                raise ValueError(f"`dt` must be 1/{self.rate:g} s: the process is a difference "
-                                 f"equation at that rate, not at {1 / dt:g} Hz")
+                raise ValueError(
+                    f"`dt` must be 1/{self.rate:g} s: the process is a difference "
+                    f"equation at that rate, not at {1 / dt:g} Hz"
+                )
             return self.F.copy(), self.Q.copy()
         k = self.order
         if k == 0:
             return np.zeros((0, 0)), np.zeros((0, 0))
         from scipy.linalg import expm
+
         block = expm(np.block([[-self.F, self.Q], [np.zeros((k, k)), self.F.T]]) * dt)
         transition = block[k:, k:].T
         step = transition @ block[:k, k:]

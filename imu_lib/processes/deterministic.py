@@ -84,9 +84,11 @@ class Sinusoid(Deterministic):
     frequency: float | None = None
     phase: float | None = None
     name: ClassVar[str] = "sinusoid"
-    parameters: ClassVar = (Parameter("amplitude", "amplitude", "signal unit"),
-                            Parameter("frequency", "frequency", "Hz"),
-                            Parameter("phase", "angle", "rad", optional=True))
+    parameters: ClassVar = (
+        Parameter("amplitude", "amplitude", "signal unit"),
+        Parameter("frequency", "frequency", "Hz"),
+        Parameter("phase", "angle", "rad", optional=True),
+    )
 
     def avar(self, tau, fs=None):
         self._require()
@@ -100,7 +102,11 @@ class Sinusoid(Deterministic):
 
     def autocovariance(self, lag, fs=None):
         self._require()
-        return 0.5 * self.amplitude**2 * np.cos(2.0 * np.pi * self.frequency * np.asarray(lag, dtype=float))
+        return (
+            0.5
+            * self.amplitude**2
+            * np.cos(2.0 * np.pi * self.frequency * np.asarray(lag, dtype=float))
+        )
 
     def mean(self, t, temperature=None):
         self._require()
@@ -121,8 +127,10 @@ class WarmUp(Deterministic):
     amplitude: float | None = None
     time_constant: float | None = None
     name: ClassVar[str] = "warm_up"
-    parameters: ClassVar = (Parameter("amplitude", "signed", "value at t = 0, signal unit"),
-                            Parameter("time_constant", "time", "s"))
+    parameters: ClassVar = (
+        Parameter("amplitude", "signed", "value at t = 0, signal unit"),
+        Parameter("time_constant", "time", "s"),
+    )
 
     def mean(self, t, temperature=None):
         self._require()
@@ -142,8 +150,10 @@ class Temperature(Deterministic):
     slope: float | None = None
     reference: float | None = None
     name: ClassVar[str] = "temperature"
-    parameters: ClassVar = (Parameter("slope", "signed", "signal unit/degC"),
-                            Parameter("reference", "other", "degC"))
+    parameters: ClassVar = (
+        Parameter("slope", "signed", "signal unit/degC"),
+        Parameter("reference", "other", "degC"),
+    )
 
     def mean(self, t, temperature=None):
         self._require()
@@ -151,7 +161,9 @@ class Temperature(Deterministic):
             raise InputError("the model has a temperature term: give the temperature of the record")
         temperature = np.asarray(temperature, dtype=float)
         if temperature.shape != np.shape(t):
-            raise ValueError(f"`temperature` must have the shape of the time, {np.shape(t)}, not {temperature.shape}")
+            raise ValueError(
+                f"`temperature` must have the shape of the time, {np.shape(t)}, not {temperature.shape}"
+            )
         return self.slope * (temperature - self.reference)
 
 
@@ -168,8 +180,10 @@ class Step(Deterministic):
     amplitude: float | None = None
     time: float | None = None
     name: ClassVar[str] = "step"
-    parameters: ClassVar = (Parameter("amplitude", "signed", "signal unit"),
-                            Parameter("time", "other", "s from the first sample"))
+    parameters: ClassVar = (
+        Parameter("amplitude", "signed", "signal unit"),
+        Parameter("time", "other", "s from the first sample"),
+    )
 
     def mean(self, t, temperature=None):
         self._require()

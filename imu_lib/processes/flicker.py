@@ -71,7 +71,9 @@ class Flicker(Process):
 
 @lru_cache(maxsize=4)
 def _amplitudes(half: int) -> np.ndarray:
-    """Amplitudes of the circulant embedding of the increments for B = 1, shape (half + 1,); kept for the next draw."""
+    """Amplitudes of the circulant embedding of the increments for B = 1, shape (half + 1,); kept
+    for the next draw.
+    """
     d = np.arange(half + 1)
     r = -1.0 / (np.pi * (d * d - 0.25))
     out = np.sqrt(np.maximum(rfft(np.concatenate([r, r[-2:0:-1]])).real, 0.0) * half)
@@ -80,13 +82,14 @@ def _amplitudes(half: int) -> np.ndarray:
 
 
 def _avar_of_unit(m: np.ndarray) -> np.ndarray:
-    """Exact Allan variance of samples for B = 1; beyond 1024 samples the limit with its 1/m^2 term."""
+    """Exact Allan variance of samples for B = 1; beyond 1024 samples the limit with its 1/m^2
+    term.
+    """
     flat = np.atleast_1d(m)
     out = np.empty(flat.shape)
     longest = int(min(flat.max(initial=1.0), 1024))
     s = (digamma(np.arange(2 * longest) + 0.5) - digamma(0.5)) / np.pi
     edge = (avar_from_semivariogram(s, longest) - FLAT) * longest**2
     for i, size in enumerate(flat):
-        out[i] = (avar_from_semivariogram(s, int(size)) if size <= 1024
-                  else FLAT + edge / size**2)
+        out[i] = avar_from_semivariogram(s, int(size)) if size <= 1024 else FLAT + edge / size**2
     return out.reshape(np.shape(m))

@@ -11,8 +11,10 @@ from scipy.signal import lfilter
 from .base import Parameter, Process, StateSpace
 from .sampled import avar_from_semivariogram, cluster_size
 
-_PARAMETERS = (Parameter("sigma", "amplitude", "standard deviation, signal unit"),
-               Parameter("correlation_time", "time", "lag at which the autocorrelation is 1/e, s"))
+_PARAMETERS = (
+    Parameter("sigma", "amplitude", "standard deviation, signal unit"),
+    Parameter("correlation_time", "time", "lag at which the autocorrelation is 1/e, s"),
+)
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,9 @@ class GaussMarkov(Process):
         tau = np.asarray(tau, dtype=float)
         if fs is None:
             return self.sigma**2 * _avar_continuous(tau / self.correlation_time)
-        return self.sigma**2 * _avar_sampled(cluster_size(tau, fs), 1.0 / (fs * self.correlation_time))
+        return self.sigma**2 * _avar_sampled(
+            cluster_size(tau, fs), 1.0 / (fs * self.correlation_time)
+        )
 
     def autocovariance(self, lag, fs=None):
         self._require()
@@ -59,22 +63,27 @@ class GaussMarkov(Process):
         self._require()
         b = 1.0 / (fs * self.correlation_time)
         w = rng.standard_normal(n)
-        w[1:] *= np.sqrt(-np.expm1(-2.0 * b))      # the first sample is drawn stationary
+        w[1:] *= np.sqrt(-np.expm1(-2.0 * b))  # the first sample is drawn stationary
         return self.sigma * lfilter([1.0], [1.0, -np.exp(-b)], w)
 
     def state_space(self):
         self._require()
         variance = self.sigma**2
-        return StateSpace(np.array([[-1.0 / self.correlation_time]]),
-                          np.array([[2.0 * variance / self.correlation_time]]),
-                          np.ones(1), np.array([[variance]]))
+        return StateSpace(
+            np.array([[-1.0 / self.correlation_time]]),
+            np.array([[2.0 * variance / self.correlation_time]]),
+            np.ones(1),
+            np.array([[variance]]),
+        )
 
 
 def _avar_continuous(a):
     """Allan variance over sigma^2 at a = tau / Tc; a series where the closed form would cancel."""
     a = np.asarray(a, dtype=float)
     small = np.minimum(a, 0.02)
-    series = small * (2 / 3 + small * (-1 / 2 + small * (7 / 30 + small * (-1 / 12 + small * 31 / 1260))))
+    series = small * (
+        2 / 3 + small * (-1 / 2 + small * (7 / 30 + small * (-1 / 12 + small * 31 / 1260)))
+    )
     u = -np.expm1(-np.maximum(a, 0.02))
     big = np.maximum(a, 0.02)
     return np.where(a < 0.02, series, (2.0 * big - 2.0 * u - u * u) / big**2)
@@ -87,12 +96,16 @@ def _avar_sampled(m, b):
     in powers of d, whose sums are polynomials in m (the first is the random walk's).
     """
     a = m * b
-    q = -np.expm1(-a)                              # 1 - phi^m
-    p = -np.expm1(-b)                              # 1 - phi
+    q = -np.expm1(-a)  # 1 - phi^m
+    p = -np.expm1(-b)  # 1 - phi
     closed = (m * (2.0 - p) / p - (1.0 - p) * q * (2.0 + q) / p**2) / m**2
-    series = (b * (2.0 * m**2 + 1.0) / (3.0 * m) - b**2 * m**2 / 2.0
-              + b**3 * (21.0 * m**4 - 5.0 * m**2 - 1.0) / (90.0 * m)
-              - a**4 / 12.0 + 31.0 * a**5 / 1260.0)
+    series = (
+        b * (2.0 * m**2 + 1.0) / (3.0 * m)
+        - b**2 * m**2 / 2.0
+        + b**3 * (21.0 * m**4 - 5.0 * m**2 - 1.0) / (90.0 * m)
+        - a**4 / 12.0
+        + 31.0 * a**5 / 1260.0
+    )
     return np.where(a < 0.02, series, closed)
 
 
@@ -165,15 +178,19 @@ class GaussMarkov2(Process):
         w = rng.multivariate_normal(np.zeros(2), step, size=n, method="eigh")
         w[0] = rng.multivariate_normal(np.zeros(2), space.P0, method="eigh")
         denominator = np.array([1.0, -np.trace(transition), np.linalg.det(transition)])
-        return (lfilter([1.0, -transition[1, 1]], denominator, w[:, 0])
-                + lfilter([0.0, transition[0, 1]], denominator, w[:, 1]))
+        return lfilter([1.0, -transition[1, 1]], denominator, w[:, 0]) + lfilter(
+            [0.0, transition[0, 1]], denominator, w[:, 1]
+        )
 
     def state_space(self):
         self._require()
         beta, variance = self.beta, self.sigma**2
-        return StateSpace(np.array([[0.0, 1.0], [-beta**2, -2.0 * beta]]),
-                          np.diag([0.0, 4.0 * beta**3 * variance]),
-                          np.array([1.0, 0.0]), np.diag([variance, variance * beta**2]))
+        return StateSpace(
+            np.array([[0.0, 1.0], [-(beta**2), -2.0 * beta]]),
+            np.diag([0.0, 4.0 * beta**3 * variance]),
+            np.array([1.0, 0.0]),
+            np.diag([variance, variance * beta**2]),
+        )
 
 
 def _avar2_continuous(x):
@@ -184,7 +201,9 @@ def _avar2_continuous(x):
     factorial = 6.0
     for k in range(4, 16):
         factorial *= k
-        series = series + (-1.0) ** k * (3.0 - k) / factorial * (2.0 - 2.0 ** (k - 1)) * small ** (k - 2)
+        series = series + (-1.0) ** k * (3.0 - k) / factorial * (2.0 - 2.0 ** (k - 1)) * small ** (
+            k - 2
+        )
     big = np.maximum(x, 0.3)
 
     def g(u):

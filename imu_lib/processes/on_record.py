@@ -29,7 +29,10 @@ class CommonMode(WhiteNoise):
     channels: tuple[str, ...] = ()
     filtered: int | None = None
     name: ClassVar[str] = "common_mode"
-    parameters: ClassVar = (*WhiteNoise.parameters, Parameter("filtered", "count", "1: before the channels' filters", optional=True))
+    parameters: ClassVar = (
+        *WhiteNoise.parameters,
+        Parameter("filtered", "count", "1: before the channels' filters", optional=True),
+    )
 
     def __post_init__(self):
         super().__post_init__()
@@ -41,7 +44,9 @@ class CommonMode(WhiteNoise):
         return {**super().to_json(), "channels": list(self.channels)}
 
     def on(self, filters: dict, n: int, fs: float, rng) -> dict:
-        """What each of its channels (name -> low-pass filter or None) gets of one draw: name -> ndarray, shape (n,)."""
+        """What each of its channels (name -> low-pass filter or None) gets of one draw: name ->
+        ndarray, shape (n,).
+        """
         filters = {name: f if self.filtered else None for name, f in filters.items()}
         grids = {name: (1, 0) if f is None else f.grid(fs) for name, f in filters.items()}
         fine = math.lcm(*(steps for steps, _ in grids.values()))
@@ -49,7 +54,7 @@ class CommonMode(WhiteNoise):
         white = self.with_(channels=()).simulate((n + lead) * fine, fs * fine, rng)
         out = {}
         for name, (steps, before) in grids.items():
-            x = white.reshape(-1, fine // steps).mean(axis=1)[lead * steps - before:]
+            x = white.reshape(-1, fine // steps).mean(axis=1)[lead * steps - before :]
             out[name] = x if filters[name] is None else filters[name].run(x, fs, n)
         return out
 
@@ -67,8 +72,10 @@ class TimeGaps(Process):
     fraction: float | None = None
     length: int | None = None
     name: ClassVar[str] = "time_gaps"
-    parameters: ClassVar = (Parameter("fraction", "fraction", "of the samples that are missing"),
-                            Parameter("length", "count", "of a gap, samples", optional=True))
+    parameters: ClassVar = (
+        Parameter("fraction", "fraction", "of the samples that are missing"),
+        Parameter("length", "count", "of a gap, samples", optional=True),
+    )
 
     def keep(self, n: int, rng: np.random.Generator) -> np.ndarray:
         """Which samples are in the record: bool, shape (n,)."""
@@ -77,7 +84,7 @@ class TimeGaps(Process):
         starts = rng.random(n) < self.fraction / length
         gone = np.zeros(n, dtype=bool)
         for begin in np.flatnonzero(starts):
-            gone[begin:begin + length] = True
+            gone[begin : begin + length] = True
         gone[:1] = gone[-1:] = False
         return ~gone
 

@@ -21,7 +21,7 @@ def cluster_size(tau, fs: float) -> np.ndarray:
 
 def avar_from_semivariogram(s: np.ndarray, m: int) -> float:
     """Exact Allan variance at cluster size m from s_0 .. s_{2m-1}, shape (>= 2m,)."""
-    s = np.asarray(s[:2 * m], dtype=float)
+    s = np.asarray(s[: 2 * m], dtype=float)
     d = np.arange(2 * m)
     short = 2.0 * np.sum((m - d[1:m]) * s[1:m]) + m * s[0]
     long = 2.0 * np.sum((2 * m - d[1:]) * s[1:]) + 2 * m * s[0]
@@ -29,7 +29,9 @@ def avar_from_semivariogram(s: np.ndarray, m: int) -> float:
 
 
 def avar_from_short_memory(r: np.ndarray, m) -> np.ndarray:
-    """Exact Allan variance at cluster sizes `m` of an autocovariance r_0 .. r_{L-1} that is zero beyond."""
+    """Exact Allan variance at cluster sizes `m` of an autocovariance r_0 .. r_{L-1} that is zero
+    beyond.
+    """
     m = np.asarray(m, dtype=float)
     d = np.arange(1, len(r))
     zeroth = np.concatenate([[0.0], np.cumsum(r[1:])])
@@ -43,7 +45,8 @@ def avar_from_short_memory(r: np.ndarray, m) -> np.ndarray:
 
 
 def avar_from_transition(transition, covariance, output, m) -> np.ndarray:
-    """Exact Allan variance at cluster sizes `m` of y = output . x, x' = transition x + w, stationary.
+    """Exact Allan variance at cluster sizes `m` of y = output . x, x' = transition x + w,
+    stationary.
 
     The sums of the autocovariance output' transition^d covariance output are geometric series of
     a matrix, so any stationary state space has a closed form.
@@ -58,5 +61,6 @@ def avar_from_transition(transition, covariance, output, m) -> np.ndarray:
         series = transition @ (h * inverse - (np.eye(k) - power) @ inverse @ inverse)
         return h * r0 + 2.0 * output @ series @ right
 
-    return np.array([(2.0 * double_sum(h) - 0.5 * double_sum(2 * h)) / h**2
-                     for h in np.atleast_1d(m)]).reshape(np.shape(m))
+    return np.array(
+        [(2.0 * double_sum(h) - 0.5 * double_sum(2 * h)) / h**2 for h in np.atleast_1d(m)]
+    ).reshape(np.shape(m))

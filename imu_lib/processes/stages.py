@@ -39,14 +39,23 @@ def _half_power(taps: int) -> float:
     """Frequency, as a share of the rate, at which the power gain of a moving average is one half."""
     if taps < 2:
         return 0.5
-    return float(brentq(lambda x: np.sin(taps * x) / (taps * np.sin(x)) - np.sqrt(0.5), 1e-9, np.pi / taps - 1e-9, xtol=1e-15) / np.pi)
+    return float(
+        brentq(
+            lambda x: np.sin(taps * x) / (taps * np.sin(x)) - np.sqrt(0.5),
+            1e-9,
+            np.pi / taps - 1e-9,
+            xtol=1e-15,
+        )
+        / np.pi
+    )
 
 
 @dataclass(frozen=True)
 class LowPass(Stage):
     """Low-pass filter of the sensor, run at `rate` and read out at the sampling rate.
 
-    Give `taps` (a moving average), `order` (a Butterworth filter with -3 dB at `cutoff`) or `smoothing` = 1 (exponential
+    Give `taps` (a moving average), `order` (a Butterworth filter with -3 dB at `cutoff`) or
+    `smoothing` = 1 (exponential
     smoothing y_k = y_{k-1} + a (x_k - y_{k-1}), its weight a such that -3 dB lies at `cutoff`).
     A `rate` that is a multiple of the sampling rate is a filter inside the sensor, decimated.
 
@@ -65,11 +74,13 @@ class LowPass(Stage):
     smoothing: int | None = None
     name: ClassVar[str] = "low_pass"
     place: ClassVar[int] = 0
-    parameters: ClassVar = (Parameter("cutoff", "frequency", "-3 dB, Hz", optional=True),
-                            Parameter("taps", "count", "of a moving average", optional=True),
-                            Parameter("order", "count", "of a Butterworth filter", optional=True),
-                            Parameter("rate", "frequency", "at which the filter runs, Hz", optional=True),
-                            Parameter("smoothing", "count", "1: exponential smoothing", optional=True))
+    parameters: ClassVar = (
+        Parameter("cutoff", "frequency", "-3 dB, Hz", optional=True),
+        Parameter("taps", "count", "of a moving average", optional=True),
+        Parameter("order", "count", "of a Butterworth filter", optional=True),
+        Parameter("rate", "frequency", "at which the filter runs, Hz", optional=True),
+        Parameter("smoothing", "count", "1: exponential smoothing", optional=True),
+    )
 
     def __post_init__(self):
         super().__post_init__()
@@ -95,20 +106,26 @@ class LowPass(Stage):
         """Filter steps per sample at the sampling rate `fs`."""
         ratio = 1.0 if self.rate is None else self.rate / fs
         if abs(ratio - round(ratio)) > 1e-6 or ratio < 0.999:
-            raise ValueError(f"`rate` of the low-pass filter ({self.rate:g} Hz) must be a multiple "
-                             f"of the sampling rate ({fs:g} Hz)")
+            raise ValueError(
+                f"`rate` of the low-pass filter ({self.rate:g} Hz) must be a multiple "
+                f"of the sampling rate ({fs:g} Hz)"
+            )
         return round(ratio)
 
     def gain(self, f, fs: float) -> np.ndarray:
         """Power gain |H|^2 at frequencies `f` Hz up to half the filter's rate, same shape."""
         if not self.complete:
-            raise ValueError("`low_pass` is a template: give `taps`, or `cutoff` and `order` or `smoothing`, first")
+            raise ValueError(
+                "`low_pass` is a template: give `taps`, or `cutoff` and `order` or `smoothing`, first"
+            )
         f = np.asarray(f, dtype=float)
         rate = fs if self.rate is None else self.rate
         if self.taps is not None:
             x = np.pi * f / rate
             with np.errstate(invalid="ignore", divide="ignore"):
-                h = np.where(np.abs(np.sin(x)) < 1e-12, 1.0, np.sin(self.taps * x) / (self.taps * np.sin(x)))
+                h = np.where(
+                    np.abs(np.sin(x)) < 1e-12, 1.0, np.sin(self.taps * x) / (self.taps * np.sin(x))
+                )
             return h * h
         self._check(rate)
         if self.smoothing:
@@ -116,10 +133,16 @@ class LowPass(Stage):
             return (1 - b) ** 2 / (1 - 2 * b * np.cos(2 * np.pi * f / rate) + b * b)
         # a Butterworth filter through the bilinear transform, its cutoff kept
         with np.errstate(over="ignore"):
-            return 1.0 / (1.0 + (np.tan(np.pi * f / rate) / np.tan(np.pi * self.cutoff / rate)) ** (2 * self.order))
+            return 1.0 / (
+                1.0
+                + (np.tan(np.pi * f / rate) / np.tan(np.pi * self.cutoff / rate))
+                ** (2 * self.order)
+            )
 
     def phase(self, f, fs: float) -> np.ndarray:
-        """Phase of the response, rad, at frequencies `f` Hz up to half the filter's rate, same shape; negative where it lags."""
+        """Phase of the response, rad, at frequencies `f` Hz up to half the filter's rate, same
+        shape; negative where it lags.
+        """
         rate = fs if self.rate is None else self.rate
         turn = 2 * np.pi * np.asarray(f, dtype=float) / rate
         if self.taps is not None:
@@ -131,10 +154,14 @@ class LowPass(Stage):
 
     def _check(self, rate):
         if not 0.0 < self.cutoff < rate / 2.0:
-            raise ValueError(f"`cutoff` of the low-pass filter must lie below {rate / 2:g} Hz, not at {self.cutoff:g}")
+            raise ValueError(
+                f"`cutoff` of the low-pass filter must lie below {rate / 2:g} Hz, not at {self.cutoff:g}"
+            )
 
     def _memory(self, rate) -> float:
-        """1 - a of exponential smoothing: the root of 2 (1 - b)^2 = 1 - 2 b cos w + b^2, half the power at the cutoff."""
+        """1 - a of exponential smoothing: the root of 2 (1 - b)^2 = 1 - 2 b cos w + b^2, half the
+        power at the cutoff.
+        """
         half = 2.0 - np.cos(2 * np.pi * self.cutoff / rate)
         return float(half - np.sqrt(half * half - 1.0))
 
@@ -170,8 +197,10 @@ class LowPass(Stage):
 
     def apply(self, x, fs, rng):
         if self.ratio(fs) != 1:
-            raise ValueError("`rate` of the low-pass filter is above the sampling rate: simulate the sum, "
-                             "a sampled signal can't be filtered before its sampling")
+            raise ValueError(
+                "`rate` of the low-pass filter is above the sampling rate: simulate the sum, "
+                "a sampled signal can't be filtered before its sampling"
+            )
         _, before = self.grid(fs)
         padded = np.concatenate([np.full(before, x[0]), x])
         return self.run(padded, fs, len(x))
@@ -191,8 +220,10 @@ class NoiseLevelChange(Stage):
     time: float | None = None
     name: ClassVar[str] = "noise_level_change"
     place: ClassVar[int] = 1
-    parameters: ClassVar = (Parameter("ratio", "ratio", "of the standard deviations after and before"),
-                            Parameter("time", "other", "s from the first sample"))
+    parameters: ClassVar = (
+        Parameter("ratio", "ratio", "of the standard deviations after and before"),
+        Parameter("time", "other", "s from the first sample"),
+    )
 
     def factor(self, n: int, fs: float) -> np.ndarray:
         """The factor on the fast noise, shape (n,)."""
@@ -207,7 +238,8 @@ class NoiseLevelChange(Stage):
 
 @dataclass(frozen=True)
 class Spikes(Stage):
-    """Single samples thrown off, `rate` per second, by normal heights of standard deviation `scale`.
+    """Single samples thrown off, `rate` per second, by normal heights of standard deviation
+    `scale`.
 
     Parameters
     ----------
@@ -219,8 +251,10 @@ class Spikes(Stage):
     scale: float | None = None
     name: ClassVar[str] = "spikes"
     place: ClassVar[int] = 2
-    parameters: ClassVar = (Parameter("rate", "rate", "per second"),
-                            Parameter("scale", "amplitude", "standard deviation of the heights, signal unit"))
+    parameters: ClassVar = (
+        Parameter("rate", "rate", "per second"),
+        Parameter("scale", "amplitude", "standard deviation of the heights, signal unit"),
+    )
 
     def apply(self, x, fs, rng):
         self._require()
@@ -248,8 +282,10 @@ class Saturation(Stage):
     low: float | None = None
     name: ClassVar[str] = "saturation"
     place: ClassVar[int] = 3
-    parameters: ClassVar = (Parameter("limit", "signed", "upper end, signal unit"),
-                            Parameter("low", "signed", "lower end, signal unit", optional=True))
+    parameters: ClassVar = (
+        Parameter("limit", "signed", "upper end, signal unit"),
+        Parameter("low", "signed", "lower end, signal unit", optional=True),
+    )
 
     def apply(self, x, fs, rng):
         self._require()
@@ -258,7 +294,8 @@ class Saturation(Stage):
 
 @dataclass(frozen=True)
 class Resolution(Stage):
-    """The output rounded to multiples of `lsb`. Its error is white on the output: slope -1/2, not -1.
+    """The output rounded to multiples of `lsb`. Its error is white on the output: slope -1/2, not
+    -1.
 
     Parameters
     ----------
@@ -294,8 +331,10 @@ class Stuck(Stage):
     length: int | None = None
     name: ClassVar[str] = "stuck"
     place: ClassVar[int] = 5
-    parameters: ClassVar = (Parameter("fraction", "fraction", "of the samples that repeat"),
-                            Parameter("length", "count", "of a run, samples"))
+    parameters: ClassVar = (
+        Parameter("fraction", "fraction", "of the samples that repeat"),
+        Parameter("length", "count", "of a run, samples"),
+    )
 
     def apply(self, x, fs, rng):
         self._require()
@@ -306,9 +345,12 @@ class Stuck(Stage):
         if runs == 0:
             return x
         # runs never overlap: choose slots of the record, then a place inside the slack
-        begin = np.sort(rng.choice(n - runs * length - 1, size=runs, replace=False)) if n > runs * (length + 1) \
+        begin = (
+            np.sort(rng.choice(n - runs * length - 1, size=runs, replace=False))
+            if n > runs * (length + 1)
             else np.arange(runs)
+        )
         begin = begin + np.arange(runs) * length
         for start in begin:
-            x[start + 1:start + 1 + length] = x[start]
+            x[start + 1 : start + 1 + length] = x[start]
         return x

@@ -38,8 +38,10 @@ class Sum:
         stages = tuple(sorted(self.stages, key=lambda stage: stage.place))
         kinds = [stage.name for stage in stages]
         if len(set(kinds)) < len(kinds):
-            raise InputError("a channel has at most one output stage of a kind; there are two of "
-                             + next(kind for kind in kinds if kinds.count(kind) > 1))
+            raise InputError(
+                "a channel has at most one output stage of a kind; there are two of "
+                + next(kind for kind in kinds if kinds.count(kind) > 1)
+            )
         object.__setattr__(self, "terms", tuple(self.terms))
         object.__setattr__(self, "stages", stages)
 
@@ -79,8 +81,10 @@ class Sum:
     def of(cls, processes) -> Sum:
         """From any iterable of processes and stages."""
         processes = tuple(processes)
-        return cls(tuple(p for p in processes if not isinstance(p, Stage)),
-                   tuple(p for p in processes if isinstance(p, Stage)))
+        return cls(
+            tuple(p for p in processes if not isinstance(p, Stage)),
+            tuple(p for p in processes if isinstance(p, Stage)),
+        )
 
     @property
     def noise(self) -> Sum:
@@ -109,15 +113,22 @@ class Sum:
 
     # -- parameters ------------------------------------------------------------------------------
     def labels(self) -> list[tuple[str, int, str]]:
-        """(label, index, parameter name) of every parameter; a repeated name is numbered, `sigma_2`."""
+        """(label, index, parameter name) of every parameter; a repeated name is numbered,
+        `sigma_2`.
+        """
         seen: dict[str, int] = {}
         out = []
         for index, process in enumerate(self):
             for parameter in process.parameters:
                 seen[parameter.name] = seen.get(parameter.name, 0) + 1
                 count = seen[parameter.name]
-                out.append((parameter.name if count == 1 else f"{parameter.name}_{count}",
-                            index, parameter.name))
+                out.append(
+                    (
+                        parameter.name if count == 1 else f"{parameter.name}_{count}",
+                        index,
+                        parameter.name,
+                    )
+                )
         return out
 
     def with_values(self, values: dict) -> Sum:
@@ -137,8 +148,9 @@ class Sum:
     def _closed(self, what: str):
         for stage in self.stages:
             if not isinstance(stage, (LowPass, Spikes, Resolution)):
-                raise UndefinedFormError(f"{what} behind {stage.name} has no closed form; "
-                                         f"ask the sum without it")
+                raise UndefinedFormError(
+                    f"{what} behind {stage.name} has no closed form; ask the sum without it"
+                )
 
     def _added(self, fs) -> float:
         return 0.0 if fs is None else sum(stage.added_variance(fs) for stage in self.stages)
@@ -161,7 +173,7 @@ class Sum:
             ratio = low_pass.ratio(fs)
             rate = ratio * fs
             out = np.zeros(f.shape)
-            for k in range(ratio):                # the images that the sampling folds onto f
+            for k in range(ratio):  # the images that the sampling folds onto f
                 image = np.mod(f + k * fs, rate)
                 image = np.minimum(image, rate - image)
                 out = out + low_pass.gain(image, fs) * self._psd_of_terms(image, rate)
@@ -184,12 +196,14 @@ class Sum:
         return out + self._added(fs) / m
 
     def _filter_effect(self, fs, size: int = 4096):
-        """Autocovariance that the filter adds (negative: removes), shape (size/2,): short, since gain(0) = 1."""
+        """Autocovariance that the filter adds (negative: removes), shape (size/2,): short, since
+        gain(0) = 1.
+        """
         f = np.arange(1, size // 2 + 1) * fs / size
         bare = Sum(tuple(t for t in self.terms if not t.deterministic))
         difference = Sum(bare.terms, (self.low_pass,)).psd(f, fs) - bare.psd(f, fs)
-        at_zero = difference[0] - (difference[1] - difference[0]) / 3.0   # even in f, so parabolic
-        return irfft(np.concatenate([[at_zero], difference]) * (fs / 2.0), size)[:size // 2]
+        at_zero = difference[0] - (difference[1] - difference[0]) / 3.0  # even in f, so parabolic
+        return irfft(np.concatenate([[at_zero], difference]) * (fs / 2.0), size)[: size // 2]
 
     def autocovariance(self, lag, fs: float | None = None) -> np.ndarray:
         """Autocovariance, unit^2; see `Process.autocovariance`."""
@@ -219,17 +233,25 @@ class Sum:
         spaces = [term.state_space() for term in self.terms if not term.deterministic]
         rates = {space.rate for space in spaces if space.order}
         if len(rates) > 1:
-            raise UndefinedFormError("a difference equation and a continuous process have no common "
-                                     "state space: discretise each with `discrete(dt)`")
+            raise UndefinedFormError(
+                "a difference equation and a continuous process have no common "
+                "state space: discretise each with `discrete(dt)`"
+            )
         if not spaces:
             empty = np.zeros((0, 0))
             return StateSpace(empty, empty, np.zeros(0), empty)
-        return StateSpace(block_diag(*(s.F for s in spaces)), block_diag(*(s.Q for s in spaces)),
-                          np.concatenate([s.H for s in spaces]), block_diag(*(s.P0 for s in spaces)),
-                          sum(s.direct for s in spaces), next(iter(rates), None))
+        return StateSpace(
+            block_diag(*(s.F for s in spaces)),
+            block_diag(*(s.Q for s in spaces)),
+            np.concatenate([s.H for s in spaces]),
+            block_diag(*(s.P0 for s in spaces)),
+            sum(s.direct for s in spaces),
+            next(iter(rates), None),
+        )
 
-    def simulate(self, n: int, fs: float, rng: np.random.Generator, *, temperature=None,
-                 common=None) -> np.ndarray:
+    def simulate(
+        self, n: int, fs: float, rng: np.random.Generator, *, temperature=None, common=None
+    ) -> np.ndarray:
         """A realisation behind all stages: ndarray, shape (n,), at `fs` Hz.
 
         `temperature`, shape (n,), in degC, is needed by a temperature term. `common`, shape (n,),
@@ -252,8 +274,12 @@ class Sum:
             slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
         return self.behind(slow, quick, fs, rng, common=common)
 
-    def behind(self, slow, quick, fs: float, rng: np.random.Generator, *, common=None) -> np.ndarray:
-        """What the stages behind the low-pass filter make of the slow and the quick noise, all of shape (n,)."""
+    def behind(
+        self, slow, quick, fs: float, rng: np.random.Generator, *, common=None
+    ) -> np.ndarray:
+        """What the stages behind the low-pass filter make of the slow and the quick noise, all of
+        shape (n,).
+        """
         for stage in self.stages:
             if isinstance(stage, NoiseLevelChange):
                 quick = quick * stage.factor(len(quick), fs)
@@ -262,7 +288,7 @@ class Sum:
             x = x + common
         stages = [s for s in self.stages if not isinstance(s, (LowPass, NoiseLevelChange))]
         chain = [(s.place, s.apply) for s in stages]
-        if self.rounding is not None:                      # the integral is rounded where samples would be
+        if self.rounding is not None:  # the integral is rounded where samples would be
             chain.append((Resolution.place - 0.5, self.rounding.round))
         for _, act in sorted(chain, key=lambda link: link[0]):
             x = act(x, fs, rng)

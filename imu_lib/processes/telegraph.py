@@ -30,8 +30,10 @@ class Telegraph(Process):
     amplitude: float | None = None
     rate: float | None = None
     name: ClassVar[str] = "telegraph"
-    parameters: ClassVar = (Parameter("amplitude", "amplitude", "between the two levels, signal unit"),
-                            Parameter("rate", "rate", "flips per second"))
+    parameters: ClassVar = (
+        Parameter("amplitude", "amplitude", "between the two levels, signal unit"),
+        Parameter("rate", "rate", "flips per second"),
+    )
 
     @property
     def twin(self) -> GaussMarkov:

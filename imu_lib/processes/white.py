@@ -14,7 +14,8 @@ from .base import Parameter, Process, StateSpace
 
 @dataclass(frozen=True)
 class WhiteNoise(Process):
-    """White noise on the signal: angle random walk of a gyro, velocity random walk of an accelerometer.
+    """White noise on the signal: angle random walk of a gyro, velocity random walk of an
+    accelerometer.
 
     Two-sided density N^2; Allan variance N^2 / tau (IEEE Std 952-1997, Annex C.1.1).
 
@@ -39,8 +40,9 @@ class WhiteNoise(Process):
     def autocovariance(self, lag, fs=None):
         self._require()
         if fs is None:
-            raise UndefinedFormError("the variance of white noise in continuous time is infinite: "
-                                     "give `fs`")
+            raise UndefinedFormError(
+                "the variance of white noise in continuous time is infinite: give `fs`"
+            )
         return np.where(np.abs(np.asarray(lag, dtype=float)) * fs < 0.5, self.N**2 * fs, 0.0)
 
     def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
@@ -57,7 +59,8 @@ class WhiteNoise(Process):
 
 @dataclass(frozen=True)
 class Quantization(Process):
-    """Quantization in the sense of IEEE Std 952: a white error of variance Q^2 on the *integrated* output.
+    """Quantization in the sense of IEEE Std 952: a white error of variance Q^2 on the *integrated*
+    output.
 
     The rate is its difference quotient, x_k = (e_k - e_{k-1}) / dt, so the Allan variance is
     3 Q^2 / tau^2, slope -1 (Annex C.1.5). Rounding a rate output is `Resolution`: its error is
@@ -67,7 +70,8 @@ class Quantization(Process):
     ----------
     Q : float, signal unit times s
     rounded : int, optional
-        1: the integrated output is rounded to steps of Q sqrt(12), and a simulated sum does just that. What is read out lies
+        1: the integrated output is rounded to steps of Q sqrt(12), and a simulated sum does just
+        that. What is read out lies
         on a grid of Q sqrt(12) fs, behind a low-pass filter if there is one.
     """
 
@@ -75,12 +79,16 @@ class Quantization(Process):
     rounded: int | None = None
     name: ClassVar[str] = "quantization"
     fast: ClassVar[bool] = True
-    parameters: ClassVar = (Parameter("Q", "amplitude", "standard deviation of the integrated output"),
-                            Parameter("rounded", "count", "1: by rounding the integrated output", optional=True))
+    parameters: ClassVar = (
+        Parameter("Q", "amplitude", "standard deviation of the integrated output"),
+        Parameter("rounded", "count", "1: by rounding the integrated output", optional=True),
+    )
 
     @classmethod
     def of_grid(cls, step: float, fs: float) -> Quantization:
-        """That of an integrated output whose increments lie on a grid of `step`, signal unit, at `fs` Hz."""
+        """That of an integrated output whose increments lie on a grid of `step`, signal unit, at
+        `fs` Hz.
+        """
         return cls(Q=float(step / (fs * np.sqrt(12.0))), rounded=1)
 
     def round(self, x, fs: float, rng) -> np.ndarray:
@@ -91,7 +99,9 @@ class Quantization(Process):
     def psd(self, f, fs=None):
         self._require()
         if fs is None:
-            raise UndefinedFormError("the spectrum of quantization depends on the sampling: give `fs`")
+            raise UndefinedFormError(
+                "the spectrum of quantization depends on the sampling: give `fs`"
+            )
         return 8.0 * self.Q**2 * fs * np.sin(np.pi * np.asarray(f, dtype=float) / fs) ** 2
 
     def avar(self, tau, fs=None):
@@ -101,7 +111,9 @@ class Quantization(Process):
     def autocovariance(self, lag, fs=None):
         self._require()
         if fs is None:
-            raise UndefinedFormError("the autocovariance of quantization depends on the sampling: give `fs`")
+            raise UndefinedFormError(
+                "the autocovariance of quantization depends on the sampling: give `fs`"
+            )
         d = np.rint(np.abs(np.asarray(lag, dtype=float)) * fs)
         return (self.Q * fs) ** 2 * (2.0 * (d == 0) - 1.0 * (d == 1))
 

@@ -11,4 +11,11 @@ from imu_lib.readers.drives import read_drive
 from imu_lib.readers.static import read_counted, read_raw, read_record
 from imu_lib.readers.temperature import NoTemperature, read_temperature
 
-__all__ = ["NoTemperature", "read_temperature", "read_counted", "read_drive", "read_raw", "read_record"]
+__all__ = [
+    "NoTemperature",
+    "read_temperature",
+    "read_counted",
+    "read_drive",
+    "read_raw",
+    "read_record",
+]

@@ -1,4 +1,6 @@
-"""From raw columns to a Record: units to SI, increments to rates, stamps to seconds, every value accounted for."""
+"""From raw columns to a Record: units to SI, increments to rates, stamps to seconds, every value
+accounted for.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +14,24 @@ from imu_lib.readers.raw import Raw
 from imu_lib.record import Record
 
 _INCREMENT = {"gyro": "dtheta", "accel": "dv"}
-_OTHER = {"gyro": "rad/s, deg/s, deg/h or counts:C (C counts per deg/s)", "accel": "m/s^2, g, mg or counts:C (C counts per g)"}
+_OTHER = {
+    "gyro": "rad/s, deg/s, deg/h or counts:C (C counts per deg/s)",
+    "accel": "m/s^2, g, mg or counts:C (C counts per g)",
+}
 
 
-def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=False, lenient=False) -> Record:
-    """The record that a file's columns and the call's units and rate make. InputError where they do not make one."""
+def assemble(
+    raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=False, lenient=False
+) -> Record:
+    """The record that a file's columns and the call's units and rate make. InputError where they
+    do not make one.
+    """
     n = len(next(iter(raw.columns.values())))
     # what is missing is asked for all at once, before anything is computed
     scale = {
-        kind: _scale(raw, kind, flag) for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)) if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds()
+        kind: _scale(raw, kind, flag)
+        for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit))
+        if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds()
     }
     time, rate, keep = stamps.settle(raw, rate, lenient=lenient)
     channels = {}
@@ -37,13 +48,22 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
             x.setflags(write=False)
             channels[f"{kind}_{axis}"] = x
         if source != kind:
-            raw.notes += (f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",)
+            raw.notes += (
+                f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",
+            )
     record = _record(raw, channels, rate, time, _temperature(raw, keep))
     if not (trust or raw.simulated):
-        check_units(record, {k: s[2] for k, s in scale.items()}, {k: s[0] for k, s in scale.items()}, strict=not raw.contract)
+        check_units(
+            record,
+            {k: s[2] for k, s in scale.items()},
+            {k: s[0] for k, s in scale.items()},
+            strict=not raw.contract,
+        )
     missing = int(record.missing().sum())
     if missing:
-        record = record.with_note(f"{missing:,} of {record.n:,} samples have no number in at least one channel.")
+        record = record.with_note(
+            f"{missing:,} of {record.n:,} samples have no number in at least one channel."
+        )
     gaps = record.gaps()
     if gaps:
         record = record.with_note(
@@ -56,19 +76,31 @@ def assemble(raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=Fals
 
 def _record(raw, channels, rate, time, temperature):
     try:
-        return Record(channels, rate, time, temperature, Path(raw.source).stem, raw.source, raw.notes)
+        return Record(
+            channels, rate, time, temperature, Path(raw.source).stem, raw.source, raw.notes
+        )
     except ValueError as error:
         raise InputError(f"{raw.source}: {str(error).replace('`', '')}.") from None
 
 
 def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
-    """Factor to SI, zero and unit of a kind, from the call's flag or else from the file; asked for where neither states one."""
+    """Factor to SI, zero and unit of a kind, from the call's flag or else from the file; asked for
+    where neither states one.
+    """
     increments = kind not in raw.kinds()
     unit = raw.unit(_INCREMENT[kind] if increments else kind)
     if flag:
         factor, zero, stated = names.stated(flag, kind)
-        if unit not in (None, "counts", stated) and not raw.contract and not (increments and {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2"}[unit] == stated):
-            raise InputError(f"{raw.source} states {unit} for its {kind} columns, --{kind}-unit {flag}; drop the flag or correct the header.")
+        if (
+            unit not in (None, "counts", stated)
+            and not raw.contract
+            and not (
+                increments and {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2"}[unit] == stated
+            )
+        ):
+            raise InputError(
+                f"{raw.source} states {unit} for its {kind} columns, --{kind}-unit {flag}; drop the flag or correct the header."
+            )
         return factor, zero, stated
     if unit == "counts":
         raise InputError(
@@ -86,7 +118,9 @@ def _values(raw: Raw, canonical: str) -> np.ndarray:
     """A column as float64; infinite values are refused, a wholly empty column too."""
     x = raw.columns[canonical]
     if x.dtype.kind not in "fiub":
-        raise InputError(f"{raw.source}, `{raw.headings[canonical]}`: holds {x.dtype} instead of numbers.")
+        raise InputError(
+            f"{raw.source}, `{raw.headings[canonical]}`: holds {x.dtype} instead of numbers."
+        )
     x = np.ascontiguousarray(x, dtype=np.float64)
     if x.size and not np.isfinite(x.sum()):
         infinite = np.flatnonzero(np.isinf(x))
@@ -97,7 +131,9 @@ def _values(raw: Raw, canonical: str) -> np.ndarray:
                 "leave the field empty (NaN) where a sample is missing."
             )
         if np.isnan(x).all():
-            raise InputError(f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -.")
+            raise InputError(
+                f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -."
+            )
     return x
 
 
@@ -105,11 +141,15 @@ def _temperature(raw: Raw, keep):
     if "temperature" not in raw.columns:
         return None
     if raw.units["temperature"] not in (None, "degC"):
-        raise InputError(f"{raw.source}: the temperature is in [{raw.units['temperature']}]; degC is expected.")
+        raise InputError(
+            f"{raw.source}: the temperature is in [{raw.units['temperature']}]; degC is expected."
+        )
     t = _values(raw, "temperature")[keep]
     middle = float(np.nanmedian(t))
     if not -90 < middle < 200:
-        raw.notes += (f"The temperature column (median {middle:.6g}) is not in degC and was left out.",)
+        raw.notes += (
+            f"The temperature column (median {middle:.6g}) is not in degC and was left out.",
+        )
         return None
     if np.isnan(t).any():
         good = ~np.isnan(t)
@@ -117,15 +157,23 @@ def _temperature(raw: Raw, keep):
     return t
 
 
-def check_units(record: Record, unit: dict[str, str], factor: dict[str, float], *, strict: bool = True) -> None:
+def check_units(
+    record: Record, unit: dict[str, str], factor: dict[str, float], *, strict: bool = True
+) -> None:
     """InputError where a stated unit is impossible, with the likely one."""
     accel = record["accel"] if all(f"accel_{a}" in record for a in "xyz") else None
     if accel is not None and "accel" in unit:
         said = plausibility.accel_unit(accel, unit["accel"], factor["accel"])
         if said:
-            raise InputError(f"{record.source}: {said}; correct --accel-unit or the header (--trust-units if it is right).")
+            raise InputError(
+                f"{record.source}: {said}; correct --accel-unit or the header (--trust-units if it is right)."
+            )
     axes = [record.channels[c] for c in record.channels if c.startswith("gyro")]
     if axes and "gyro" in unit:
-        said = plausibility.gyro_unit(np.column_stack(axes), accel, record.rate, unit["gyro"], strict=strict)
+        said = plausibility.gyro_unit(
+            np.column_stack(axes), accel, record.rate, unit["gyro"], strict=strict
+        )
         if said:
-            raise InputError(f"{record.source}: {said}; correct --gyro-unit or the header (--trust-units if it is right).")
+            raise InputError(
+                f"{record.source}: {said}; correct --gyro-unit or the header (--trust-units if it is right)."
+            )

@@ -1,4 +1,6 @@
-"""ROS 1 and ROS 2 bags through `rosbags` (optional): the sensor_msgs/Imu topic, rad/s and m/s^2 by its definition."""
+"""ROS 1 and ROS 2 bags through `rosbags` (optional): the sensor_msgs/Imu topic, rad/s and m/s^2 by
+its definition.
+"""
 
 from __future__ import annotations
 
@@ -13,18 +15,28 @@ IMU = ("sensor_msgs/msg/Imu", "sensor_msgs/Imu")
 
 
 def is_bag(path: Path) -> bool:
-    return path.suffix.lower() in (".bag", ".db3", ".mcap") or (path.is_dir() and (path / "metadata.yaml").exists())
+    return path.suffix.lower() in (".bag", ".db3", ".mcap") or (
+        path.is_dir() and (path / "metadata.yaml").exists()
+    )
 
 
 def read_bag(path, *, topic: str | None = None) -> Raw:
-    """The messages of the one IMU topic, or of `topic`. InputError where there is none, or several and no choice."""
+    """The messages of the one IMU topic, or of `topic`. InputError where there is none, or several
+    and no choice.
+    """
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
-        raise InputError(f"{path} is a ROS bag, which needs the package rosbags: pip install rosbags.") from None
+        raise InputError(
+            f"{path} is a ROS bag, which needs the package rosbags: pip install rosbags."
+        ) from None
     path = Path(path)
-    place = path.parent if path.suffix.lower() in (".db3", ".mcap") and (path.parent / "metadata.yaml").exists() else path
+    place = (
+        path.parent
+        if path.suffix.lower() in (".db3", ".mcap") and (path.parent / "metadata.yaml").exists()
+        else path
+    )
     stamp, rows = [], []
     try:
         with AnyReader([place], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
@@ -50,19 +62,30 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
     except InputError:
         raise
     except AnyReaderError as error:
-        raise InputError(f"{path} is not a readable ROS bag ({str(error).splitlines()[0][:90]}); record or copy it again.") from None
-    except Exception as error:  # a damaged bag fails deep inside sqlite, mcap, lz4 or the message parser, each in its own way
+        raise InputError(
+            f"{path} is not a readable ROS bag ({str(error).splitlines()[0][:90]}); record or copy it again."
+        ) from None
+    # a damaged bag fails deep inside sqlite, mcap, lz4 or the message parser, each in its own way
+    except Exception as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise
-        raise InputError(f"{path} is damaged ({type(error).__name__}: {(str(error).splitlines() or [''])[0][:70]}); record or copy it again.") from None
+        raise InputError(
+            f"{path} is damaged ({type(error).__name__}: {(str(error).splitlines() or [''])[0][:70]}); record or copy it again."
+        ) from None
     if len(rows) < 2:
-        raise InputError(f"{path}: its IMU topic has {len(rows)} messages; at least two are needed.")
-    order = np.argsort(np.asarray(stamp, dtype=np.int64), kind="stable")  # a bag is in order of receipt
+        raise InputError(
+            f"{path}: its IMU topic has {len(rows)} messages; at least two are needed."
+        )
+    order = np.argsort(
+        np.asarray(stamp, dtype=np.int64), kind="stable"
+    )  # a bag is in order of receipt
     values = np.asarray(rows, dtype=np.float64)[order]
     raw = Raw(str(path))
     raw.add("time", np.asarray(stamp, dtype=np.int64)[order], "ns", "header.stamp")
     if (np.diff(order) < 0).any():
-        raw.notes += (f"{int((np.diff(order) < 0).sum()):,} messages were out of order and put in place by their stamps.",)
+        raw.notes += (
+            f"{int((np.diff(order) < 0).sum()):,} messages were out of order and put in place by their stamps.",
+        )
     raw.add("gyro", values[:, :3], "rad/s", "angular_velocity")
     raw.add("accel", values[:, 3:], "m/s^2", "linear_acceleration")
     return raw

@@ -83,20 +83,32 @@ def _hdf5(path) -> dict[str, np.ndarray]:
         with h5py.File(path, "r") as file:
 
             def visit(name, item):
-                if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "fiu" or name.startswith("#refs#"):
+                if (
+                    not isinstance(item, h5py.Dataset)
+                    or item.dtype.kind not in "fiu"
+                    or name.startswith("#refs#")
+                ):
                     return
-                if item.size > 1000 and item.id.get_storage_size() * 20_000 < item.size * item.dtype.itemsize or item.size > MOST_VALUES:
+                if (
+                    item.size > 1000
+                    and item.id.get_storage_size() * 20_000 < item.size * item.dtype.itemsize
+                    or item.size > MOST_VALUES
+                ):
                     raise InputError(
                         f"{path}, `{name}`: announces {item.size:,} values but stores {item.id.get_storage_size():,} bytes; it is damaged: save it again."
                     )
                 value = item[()]
-                out[name.replace("/", ".")] = value.T if value.ndim == 2 else value  # MATLAB stores columns first
+                out[name.replace("/", ".")] = (
+                    value.T if value.ndim == 2 else value
+                )  # MATLAB stores columns first
 
             file.visititems(visit)
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         if isinstance(error, PermissionError | FileNotFoundError | IsADirectoryError):
             raise
-        raise InputError(f"{path} is not a whole HDF5 (MATLAB 7.3) file ({str(error).splitlines()[0][:90]}); save it again.") from None
+        raise InputError(
+            f"{path} is not a whole HDF5 (MATLAB 7.3) file ({str(error).splitlines()[0][:90]}); save it again."
+        ) from None
     return out
 
 
@@ -107,12 +119,16 @@ def read_parquet(path, *, columns=None, signal=None) -> Raw:
     try:
         with pq.ParquetFile(path) as file:
             if file.metadata.num_rows * max(1, file.metadata.num_columns) > MOST_VALUES:
-                raise InputError(f"{path} announces {file.metadata.num_rows:,} rows; cut the record into parts.")
+                raise InputError(
+                    f"{path} announces {file.metadata.num_rows:,} rows; cut the record into parts."
+                )
             table = file.read()
     except (pa.ArrowException, OSError, ValueError) as error:
         if isinstance(error, PermissionError | FileNotFoundError | IsADirectoryError):
             raise
-        raise InputError(f"{path} is not a whole Parquet file ({str(error).splitlines()[0][:90]}); write it again.") from None
+        raise InputError(
+            f"{path} is not a whole Parquet file ({str(error).splitlines()[0][:90]}); write it again."
+        ) from None
     arrays = {}
     for name in table.column_names:
         column = table[name]
@@ -124,8 +140,14 @@ def read_parquet(path, *, columns=None, signal=None) -> Raw:
         elif names.parse(name, signal=signal)[0] is None:
             continue
         else:
-            raise InputError(f"{path}, column `{name}`: holds {column.type} instead of numbers; write it as float.")
-        arrays[name] = column.to_numpy() if not (column.null_count and pa.types.is_integer(column.type)) else column.cast(pa.float64()).to_numpy()
+            raise InputError(
+                f"{path}, column `{name}`: holds {column.type} instead of numbers; write it as float."
+            )
+        arrays[name] = (
+            column.to_numpy()
+            if not (column.null_count and pa.types.is_integer(column.type))
+            else column.cast(pa.float64()).to_numpy()
+        )
     return _from_arrays(str(path), arrays, columns, signal, contract=False)
 
 
@@ -150,7 +172,15 @@ def _from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
             if canonical is None:
                 canonical, unit = names.parse(leaf, signal=signal)
             kind = canonical.rpartition("_")[0] or canonical if canonical else None
-            if exact and canonical and (canonical in exact or kind in exact or any(k.startswith(kind + "_") for k in exact)):
+            if (
+                exact
+                and canonical
+                and (
+                    canonical in exact
+                    or kind in exact
+                    or any(k.startswith(kind + "_") for k in exact)
+                )
+            ):
                 continue  # a drive's further arrays do not compete with the contract's own
             if canonical == "time" and raw.columns.get("time") is not None:
                 continue
@@ -159,7 +189,9 @@ def _from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
                 raw.rate = float(value.ravel()[0])
             continue
         if value.dtype.kind not in "fiub":
-            raise InputError(f"{source}, `{key}`: holds {value.dtype} instead of numbers; save it as real numbers.")
+            raise InputError(
+                f"{source}, `{key}`: holds {value.dtype} instead of numbers; save it as real numbers."
+            )
         if value.size < 2 and canonical not in CONTRACT:
             continue
         raw.add(canonical, value, unit, key)
@@ -173,12 +205,22 @@ def _from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
 
 
 def leaf_is_rate(key: str) -> bool:
-    return key.rpartition(".")[2].lower() in ("fs", "rate", "sample_rate", "sampling_rate", "samplerate")
+    return key.rpartition(".")[2].lower() in (
+        "fs",
+        "rate",
+        "sample_rate",
+        "sampling_rate",
+        "samplerate",
+    )
 
 
 def _matrix(source, arrays):
     found = {k: np.asarray(v) for k, v in arrays.items() if np.asarray(v).dtype.kind in "fiub"}
-    wide = [v if v.shape[0] >= v.shape[1] else v.T for v in found.values() if v.ndim == 2 and max(v.shape) > 1]
+    wide = [
+        v if v.shape[0] >= v.shape[1] else v.T
+        for v in found.values()
+        if v.ndim == 2 and max(v.shape) > 1
+    ]
     if len(wide) == 1:
         return wide[0]
     flat = [v.ravel() for v in found.values() if v.size > 1 and max(v.shape) == v.size]
@@ -196,7 +238,9 @@ def _checked(raw: Raw) -> Raw:
             f"{raw.source}: its arrays differ in length ({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); every one needs a value per sample."
         )
     if next(iter(lengths.values())) < 2:
-        raise InputError(f"{raw.source} has {'only 1 sample' if 1 in lengths.values() else 'no samples'}; at least two are needed.")
+        raise InputError(
+            f"{raw.source} has {'only 1 sample' if 1 in lengths.values() else 'no samples'}; at least two are needed."
+        )
     return raw
 
 

@@ -1,4 +1,6 @@
-"""Drives: one .npz with the contract's keys, or an IMU file of any static format and a GNSS file beside it."""
+"""Drives: one .npz with the contract's keys, or an IMU file of any static format and a GNSS file
+beside it.
+"""
 
 from __future__ import annotations
 
@@ -26,9 +28,11 @@ def read_drive(
     trust_units=False,
     gnss_offset: float | None = None,
 ) -> Drive:
-    """A drive from an .npz, or from an IMU file (`path` or `imu`) and a GNSS file (`gnss`: RTKLIB .pos or NMEA).
+    """A drive from an .npz, or from an IMU file (`path` or `imu`) and a GNSS file (`gnss`: RTKLIB
+    .pos or NMEA).
 
-    Both clocks must be absolute (epoch or dates) to be laid over each other; else `gnss_offset` is the IMU's time of the first fix, s.
+    Both clocks must be absolute (epoch or dates) to be laid over each other; else `gnss_offset` is
+    the IMU's time of the first fix, s.
     start, stop: s from the first IMU sample. InputError names what is missing.
     """
     path = path if path is not None else imu
@@ -36,19 +40,32 @@ def read_drive(
         raise InputError("Give a drive (.npz), or an IMU file and --gnss FILE.")
     if gnss is None:
         if Path(path).is_dir():
-            raise InputError(f"{path} is a directory; a drive is an .npz, or an IMU file and --gnss FILE.")
+            raise InputError(
+                f"{path} is a directory; a drive is an .npz, or an IMU file and --gnss FILE."
+            )
         with open(path, "rb") as file:
             archive = file.read(2) == b"PK"
         if not archive and Path(path).suffix.lower() != ".npz":
             if Path(path).is_file() and gnss_files.is_gnss(path):
-                raise InputError(f"{path} is a GNSS solution; give the IMU's file first and this one as --gnss.")
-            raise InputError(f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA).")
+                raise InputError(
+                    f"{path} is a GNSS solution; give the IMU's file first and this one as --gnss."
+                )
+            raise InputError(
+                f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA)."
+            )
         drive = Drive.load(path)
         if not trust_units:
-            check_units(drive.imu(), {"gyro": "rad/s", "accel": "m/s^2"}, {"gyro": 1.0, "accel": 1.0}, strict=False)
+            check_units(
+                drive.imu(),
+                {"gyro": "rad/s", "accel": "m/s^2"},
+                {"gyro": 1.0, "accel": 1.0},
+                strict=False,
+            )
     else:
         raw = read_raw(path, columns=columns, topic=topic)
-        record = assemble(raw, rate=rate, gyro_unit=gyro_unit, accel_unit=accel_unit, trust=trust_units)
+        record = assemble(
+            raw, rate=rate, gyro_unit=gyro_unit, accel_unit=accel_unit, trust=trust_units
+        )
         missing = [k for k in ("gyro", "accel") if not all(f"{k}_{a}" in record for a in "xyz")]
         if missing:
             raise InputError(f"{path} has not all three {missing[0]} axes; a drive needs all six.")
@@ -56,11 +73,15 @@ def read_drive(
         if whole.any():
             import numpy as np
 
-            record = record.take(np.flatnonzero(~whole), f"{int(whole.sum()):,} samples without a number left out.")
+            record = record.take(
+                np.flatnonzero(~whole), f"{int(whole.sum()):,} samples without a number left out."
+            )
         arrays = gnss_files.read_gnss(gnss)
         zero = arrays["gnss_time"][0] - gnss_offset if gnss_offset is not None else raw.epoch
         if zero is None:
-            raise InputError(f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time of the first fix.")
+            raise InputError(
+                f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time of the first fix."
+            )
         arrays["gnss_time"] = arrays["gnss_time"] - zero
         if arrays["gnss_time"][0] > record.duration or arrays["gnss_time"][-1] < 0:
             raise InputError(
@@ -75,5 +96,7 @@ def read_drive(
         try:
             drive = drive.slice(start, stop)
         except ValueError as error:
-            raise InputError(f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')}).") from None
+            raise InputError(
+                f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')})."
+            ) from None
     return drive

@@ -10,7 +10,8 @@ import numpy as np
 from imu_lib.errors import InputError
 
 GPS_EPOCH = dt.datetime(1980, 1, 6, tzinfo=dt.UTC).timestamp()
-LEAP_SECONDS = 18  # GPS - UTC since 2017; earlier drives are off by what was added since, and should be given in UTC
+# GPS - UTC since 2017; earlier drives are off by what was added since, and should be given in UTC
+LEAP_SECONDS = 18
 KNOT = 1852.0 / 3600.0
 
 
@@ -21,11 +22,16 @@ def is_gnss(path) -> bool:
         return True
     with open(path, "rb") as file:
         head = file.read(4096)
-    return head.startswith(b"% program") or sum(line.startswith(b"$G") for line in head.splitlines()) > 2
+    return (
+        head.startswith(b"% program")
+        or sum(line.startswith(b"$G") for line in head.splitlines()) > 2
+    )
 
 
 def read_gnss(path) -> dict[str, np.ndarray]:
-    """gnss_time (UTC epoch, s), gnss_position and what else the file has, under the contract's keys. InputError where it is at fault."""
+    """gnss_time (UTC epoch, s), gnss_position and what else the file has, under the contract's
+    keys. InputError where it is at fault.
+    """
     path = Path(path)
     with open(path, "rb") as file:
         data = file.read()
@@ -33,14 +39,24 @@ def read_gnss(path) -> dict[str, np.ndarray]:
         raise InputError(f"{path} is empty; an RTKLIB .pos file or an NMEA log is expected.")
     text = data.decode("ascii", errors="replace")
     lines = text.splitlines()
-    return _nmea(path, lines) if sum(line.lstrip().startswith("$") for line in lines[:50]) > 1 else _pos(path, lines)
+    return (
+        _nmea(path, lines)
+        if sum(line.lstrip().startswith("$") for line in lines[:50]) > 1
+        else _pos(path, lines)
+    )
 
 
 def _pos(path, lines) -> dict[str, np.ndarray]:
-    """RTKLIB: time (calendar or week and seconds), latitude and longitude (deg), height, quality, satellites, standard deviations."""
+    """RTKLIB: time (calendar or week and seconds), latitude and longitude (deg), height, quality,
+    satellites, standard deviations.
+    """
     header = next((line for line in lines if line.startswith("%") and "latitude" in line), "")
-    if lines and any("x-ecef" in line or "e-baseline" in line for line in lines[:40] if line.startswith("%")):
-        raise InputError(f"{path} holds ECEF or baseline positions; write latitude, longitude and height (out-solformat=llh).")
+    if lines and any(
+        "x-ecef" in line or "e-baseline" in line for line in lines[:40] if line.startswith("%")
+    ):
+        raise InputError(
+            f"{path} holds ECEF or baseline positions; write latitude, longitude and height (out-solformat=llh)."
+        )
     gpst = "UTC" not in header
     time, values = [], []
     for number, line in enumerate(lines, 1):
@@ -55,18 +71,30 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
             else:
                 t = GPS_EPOCH + 604800.0 * int(f[0]) + float(f[1])
             row = [float(x) for x in f[2:]]
-            if len(row) < 3 or not np.isfinite([t, *row[:3]]).all() or abs(row[0]) > 90 or abs(row[1]) > 360:
+            if (
+                len(row) < 3
+                or not np.isfinite([t, *row[:3]]).all()
+                or abs(row[0]) > 90
+                or abs(row[1]) > 360
+            ):
                 raise ValueError
         except (ValueError, IndexError, OverflowError):
-            raise InputError(f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, longitude, height); correct or remove it.") from None
+            raise InputError(
+                f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, longitude, height); correct or remove it."
+            ) from None
         if values and len(row) != len(values[0]):
-            raise InputError(f"{path}, line {number}: {len(row) + 2} columns where the first position has {len(values[0]) + 2}; the file is cut off there.")
+            raise InputError(
+                f"{path}, line {number}: {len(row) + 2} columns where the first position has {len(values[0]) + 2}; the file is cut off there."
+            )
         time.append(t - (LEAP_SECONDS if gpst else 0))
         values.append(row)
     if len(values) < 2:
         raise InputError(f"{path} has {len(values)} positions; at least two are needed.")
     v = np.asarray(values)
-    out = {"gnss_time": np.asarray(time), "gnss_position": np.column_stack([np.radians(v[:, 0]), np.radians(v[:, 1]), v[:, 2]])}
+    out = {
+        "gnss_time": np.asarray(time),
+        "gnss_position": np.column_stack([np.radians(v[:, 0]), np.radians(v[:, 1]), v[:, 2]]),
+    }
     if v.shape[1] >= 4:
         out["gnss_fix"] = v[:, 3]
     if v.shape[1] >= 8:  # sdn, sde, sdu
@@ -79,7 +107,8 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
 
 
 def _nmea(path, lines) -> dict[str, np.ndarray]:
-    """GGA for position and fix, RMC for date, speed and course, GST for standard deviations; sentences with a wrong checksum are
+    """GGA for position and fix, RMC for date, speed and course, GST for standard deviations;
+    sentences with a wrong checksum are
     left out."""
     import pynmea2
 
@@ -107,12 +136,28 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
             last = seconds
             fix = fixes.setdefault(round((day or 0.0) + seconds, 3), {})
             if kind == "GGA" and m.lat and int(m.gps_qual or 0) > 0:
-                fix.update(position=(m.latitude, m.longitude, float(m.altitude or 0) + float(m.geo_sep or 0)), fix=float(m.gps_qual))
-            elif kind == "RMC" and m.status == "A" and m.spd_over_grnd is not None and m.true_course is not None:
+                fix.update(
+                    position=(
+                        m.latitude,
+                        m.longitude,
+                        float(m.altitude or 0) + float(m.geo_sep or 0),
+                    ),
+                    fix=float(m.gps_qual),
+                )
+            elif (
+                kind == "RMC"
+                and m.status == "A"
+                and m.spd_over_grnd is not None
+                and m.true_course is not None
+            ):
                 v, c = m.spd_over_grnd * KNOT, np.radians(m.true_course)
                 fix["velocity"] = (v * np.cos(c), v * np.sin(c))
             elif kind == "GST" and m.std_dev_latitude:
-                fix["sd"] = (float(m.std_dev_latitude), float(m.std_dev_longitude), float(m.std_dev_altitude or 0))
+                fix["sd"] = (
+                    float(m.std_dev_latitude),
+                    float(m.std_dev_longitude),
+                    float(m.std_dev_altitude or 0),
+                )
         except (ValueError, TypeError, AttributeError):
             bad += 1
     if day is not None:  # sentences before the first RMC had no date yet
@@ -122,7 +167,9 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
             fixes.setdefault(round(first - first % 86_400 + t, 3), {}).update(fix)
     rows = sorted((t, f) for t, f in fixes.items() if "position" in f)
     if len(rows) < 2:
-        raise InputError(f"{path} has {len(rows)} GGA positions with a fix ({bad} damaged sentences); at least two are needed.")
+        raise InputError(
+            f"{path} has {len(rows)} GGA positions with a fix ({bad} damaged sentences); at least two are needed."
+        )
     p = np.asarray([f["position"] for _, f in rows])
     out = {
         "gnss_time": np.asarray([t for t, _ in rows]),

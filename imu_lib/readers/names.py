@@ -1,6 +1,7 @@
 """What a column or array is called, and the unit its name states.
 
-`gyro_x [deg/s]`, `w_RS_S_x [rad s^-1]`, `accel_z_mps2`, `field.linear_acceleration.y`, `#timestamp [ns]` and their
+`gyro_x [deg/s]`, `w_RS_S_x [rad s^-1]`, `accel_z_mps2`, `field.linear_acceleration.y`, `#timestamp
+[ns]` and their
 likes become a canonical name (`gyro_x`, `accel_z`, `time`, ...) and a unit.
 """
 
@@ -43,19 +44,26 @@ _SPELLED = {
     "degC": "degc c celsius",
     "counts": " ".join(COUNTS),
 }
-_SPELLINGS = {spelling: unit for unit, spellings in _SPELLED.items() for spelling in spellings.split()}
+_SPELLINGS = {
+    spelling: unit for unit, spellings in _SPELLED.items() for spelling in spellings.split()
+}
 
 _SIGNAL = [
     ("dtheta", r"(?:d(?:elta)?_?theta|d(?:elta)?_?ang(?:le)?|dtheta|dang|da|dt(?=[_ .]?[xyz]$))"),
     ("dv", r"(?:d(?:elta)?_?v(?:el(?:ocity)?)?)"),
-    ("gyro", r"(?:gyros?|gyr|gyroscopes?|g|w|wib_?b?|omega|rate|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|w_rs_s|angvel|gyroreading)"),
+    (
+        "gyro",
+        r"(?:gyros?|gyr|gyroscopes?|g|w|wib_?b?|omega|rate|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|w_rs_s|angvel|gyroreading)",
+    ),
     (
         "accel",
         r"(?:accels?|acc|a|f|fib_?b?|accelerometers?|accelerations?|accl"
         r"|lin(?:ear)?_?acc(?:el(?:eration)?)?|spec(?:ific)?_?force|a_rs_s|accreading)",
     ),
 ]
-_PREFIX = r"(?:(?:imu|raw|meas|body|sensor|field|data|msg|calibrated|cal|uncalibrated|s)_?\d*[_. ])*"
+_PREFIX = (
+    r"(?:(?:imu|raw|meas|body|sensor|field|data|msg|calibrated|cal|uncalibrated|s)_?\d*[_. ])*"
+)
 _AXES = {"x": "x", "y": "y", "z": "z", "1": "x", "2": "y", "3": "z"}
 _TIME = re.compile(
     r"^" + _PREFIX + r"(?:time|times|timestamps?|time_?stamp|t|stamp|tow|sow"
@@ -71,7 +79,16 @@ _TRAILING = re.compile(
 
 def unit_of(text: str) -> str | None:
     """The canonical unit a text spells, or None."""
-    plain = text.strip().strip("[]()").replace("°", "deg").replace("º", "deg").replace("²", "^2").replace("µ", "u").replace("μ", "u").replace("·", "*")
+    plain = (
+        text.strip()
+        .strip("[]()")
+        .replace("°", "deg")
+        .replace("º", "deg")
+        .replace("²", "^2")
+        .replace("µ", "u")
+        .replace("μ", "u")
+        .replace("·", "*")
+    )
     plain = plain.replace("_per_", "/").replace(" per ", "/")
     if plain in ("G", "g"):
         return "g"
@@ -82,8 +99,10 @@ def unit_of(text: str) -> str | None:
 def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | None]:
     """Canonical name and unit of a column called `name`; (None, None) where the name says nothing.
 
-    Canonical: time, date, clock, temperature, index, gyro_x.., accel_x.., dtheta_x.., dv_x.., and gyro / accel for an array
-    of three axes. `signal` ("gyro" or "accel") is what a bare x, y, z or 1, 2, 3 stands for. The unit is as spelled where it is
+    Canonical: time, date, clock, temperature, index, gyro_x.., accel_x.., dtheta_x.., dv_x.., and
+    gyro / accel for an array
+    of three axes. `signal` ("gyro" or "accel") is what a bare x, y, z or 1, 2, 3 stands for. The
+    unit is as spelled where it is
     not known, so that it can be refused by name.
     """
     text = str(name).strip("\ufeff \t").lstrip("#%").strip().strip("\"'").strip()
@@ -101,7 +120,11 @@ def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | No
         trailing = _TRAILING.match(key)
         if trailing:
             found = _canonical(trailing[1], signal)
-            unit = unit_of(trailing[2].replace("_per_", "/").replace("m/s2", "m/s^2")) if found else None
+            unit = (
+                unit_of(trailing[2].replace("_per_", "/").replace("m/s2", "m/s^2"))
+                if found
+                else None
+            )
     if found == "time" and unit is None and re.search(r"(?:sec(?:ond)?s?|tow|sow)$", key):
         unit = "ns" if "nsec" in key else "s"
     return found, (unit if found else None)
@@ -134,7 +157,9 @@ def _canonical(key: str, signal: str | None) -> str | None:
     if signal and key in _AXES:
         return f"{signal}_{_AXES[key]}"
     for canonical, pattern in _SIGNAL:
-        match = re.match(rf"^{_PREFIX}{pattern}[_. ]?(?:data_?)?(?:([xyz])(?:_?axis)?|[_.]?([123]))$", key)
+        match = re.match(
+            rf"^{_PREFIX}{pattern}[_. ]?(?:data_?)?(?:([xyz])(?:_?axis)?|[_.]?([123]))$", key
+        )
         if match:
             return f"{canonical}_{_AXES[match[1] or match[2]]}"
         match = re.match(rf"^([xyz])[_. ](?:axis_)?{pattern}(?:_out|_data)?$", key)
@@ -146,9 +171,11 @@ def _canonical(key: str, signal: str | None) -> str | None:
 
 
 def stated(flag: str, kind: str) -> tuple[float, float, str]:
-    """What `--gyro-unit` / `--accel-unit` states: factor to SI, zero (subtracted before), unit. InputError where it is no unit.
+    """What `--gyro-unit` / `--accel-unit` states: factor to SI, zero (subtracted before), unit.
+    InputError where it is no unit.
 
-    `counts:C` is C counts per deg/s (gyro) or per g (accelerometer); `counts:C:ZERO` has its zero at ZERO counts.
+    `counts:C` is C counts per deg/s (gyro) or per g (accelerometer); `counts:C:ZERO` has its zero
+    at ZERO counts.
     """
     known = UNITS[kind]
     option = f"--{kind}-unit"
@@ -160,7 +187,9 @@ def stated(flag: str, kind: str) -> tuple[float, float, str]:
         except (TypeError, ValueError):
             scale, zero = 0.0, 0.0
         if not 0 < scale < float("inf"):
-            raise InputError(f"{option} {flag} must give the counts per {per}, as in counts:{131 if kind == 'gyro' else 16384}.")
+            raise InputError(
+                f"{option} {flag} must give the counts per {per}, as in counts:{131 if kind == 'gyro' else 16384}."
+            )
         return (units.DEG_PER_S if kind == "gyro" else units.G) / scale, zero, flag
     unit = unit_of(flag)
     if unit not in known:

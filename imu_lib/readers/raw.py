@@ -13,10 +13,12 @@ from imu_lib.readers import names
 
 @dataclass
 class Raw:
-    """Columns by canonical name (see `names.parse`) with the unit each one's name states (None where it states none).
+    """Columns by canonical name (see `names.parse`) with the unit each one's name states (None
+    where it states none).
 
     contract: the file says by its keys that it is in SI. simulated: it says that imu_lib drew it.
-    epoch: absolute time of the first stamp, s, where the stamps tell; repeats: how many stamps repeated the one before. line:
+    epoch: absolute time of the first stamp, s, where the stamps tell; repeats: how many stamps
+    repeated the one before. line:
     row number -> what to call it in a message.
     """
 
@@ -37,7 +39,9 @@ class Raw:
         values = np.asarray(values)
         if canonical in ("gyro", "accel", "dtheta", "dv"):
             if values.ndim != 2 or 3 not in values.shape:
-                raise InputError(f"{self.source}: `{heading}` has the shape {values.shape}; three axes, (n, 3), are expected.")
+                raise InputError(
+                    f"{self.source}: `{heading}` has the shape {values.shape}; three axes, (n, 3), are expected."
+                )
             values = values if values.shape[1] == 3 else values.T
             for i, axis in enumerate("xyz"):
                 self.add(f"{canonical}_{axis}", values[:, i], unit, heading)
@@ -45,7 +49,9 @@ class Raw:
         if values.ndim == 2 and 1 in values.shape:
             values = values.ravel()
         if values.ndim != 1:
-            raise InputError(f"{self.source}: `{heading}` has the shape {values.shape}; one value per sample is expected.")
+            raise InputError(
+                f"{self.source}: `{heading}` has the shape {values.shape}; one value per sample is expected."
+            )
         if canonical in self.columns:
             raise InputError(
                 f"{self.source}: both `{self.headings[canonical]}` and `{heading}` would be {canonical}; "
@@ -56,13 +62,25 @@ class Raw:
         self.headings[canonical] = heading
 
     def kinds(self) -> set[str]:
-        return {c.rpartition("_")[0] for c in self.columns if c.rpartition("_")[0] in ("gyro", "accel", "dtheta", "dv")}
+        return {
+            c.rpartition("_")[0]
+            for c in self.columns
+            if c.rpartition("_")[0] in ("gyro", "accel", "dtheta", "dv")
+        }
 
     def unit(self, kind: str) -> str | None:
-        """The one unit that the columns of a kind state, None where none does. InputError where they contradict or are unknown."""
-        said = {u for c, u in self.units.items() if (c == kind or c.startswith(kind + "_")) and u is not None}
+        """The one unit that the columns of a kind state, None where none does. InputError where
+        they contradict or are unknown.
+        """
+        said = {
+            u
+            for c, u in self.units.items()
+            if (c == kind or c.startswith(kind + "_")) and u is not None
+        }
         if len(said) > 1:
-            raise InputError(f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with --{kind}-unit.")
+            raise InputError(
+                f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with --{kind}-unit."
+            )
         unit = said.pop() if said else None
         if unit is not None and unit != "counts" and unit not in names.UNITS[kind]:
             raise InputError(
@@ -73,11 +91,21 @@ class Raw:
         return unit
 
 
-def by_position(columns: str | list[str] | tuple[str, ...], found: int, source: str, signal: str | None) -> list[tuple[str | None, str | None, str]]:
-    """(canonical, unit, heading) for each of `found` columns from the names the caller gave. InputError where they do not fit."""
-    given = [c.strip() for c in columns.split(",")] if isinstance(columns, str) else [str(c).strip() for c in columns]
+def by_position(
+    columns: str | list[str] | tuple[str, ...], found: int, source: str, signal: str | None
+) -> list[tuple[str | None, str | None, str]]:
+    """(canonical, unit, heading) for each of `found` columns from the names the caller gave.
+    InputError where they do not fit.
+    """
+    given = (
+        [c.strip() for c in columns.split(",")]
+        if isinstance(columns, str)
+        else [str(c).strip() for c in columns]
+    )
     if len(given) != found:
-        raise InputError(f"{source} has {found} columns but --columns names {len(given)}; name every one by position, - skips.")
+        raise InputError(
+            f"{source} has {found} columns but --columns names {len(given)}; name every one by position, - skips."
+        )
     out = []
     for name in given:
         if name in ("-", ""):

@@ -1,4 +1,6 @@
-"""Time stamps as they come (numbers of any unit, epochs, dates, wall clocks) into seconds from the first sample."""
+"""Time stamps as they come (numbers of any unit, epochs, dates, wall clocks) into seconds from the
+first sample.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,18 @@ SLOWEST = 5.0  # s between samples: no IMU is slower, but milliseconds taken for
 
 
 def numeric(raw: Raw, rate: float | None) -> tuple[np.ndarray, float | None]:
-    """Seconds from the first sample and the absolute time of the first (None where the stamps are relative)."""
+    """Seconds from the first sample and the absolute time of the first (None where the stamps are
+    relative).
+    """
     stamp = raw.columns["time"]
     where = f"{raw.source}, `{raw.headings['time']}`"
     if stamp.dtype.kind not in "fiu":
         raise InputError(f"{where}: time stamps are numbers or dates, not {stamp.dtype}.")
     if stamp.dtype.kind == "f" and not np.isfinite(stamp).all():
         row = int(np.flatnonzero(~np.isfinite(stamp))[0])
-        raise InputError(f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the time column out and give --rate.")
+        raise InputError(
+            f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the time column out and give --rate."
+        )
     if stamp.dtype.kind == "u":
         stamp = stamp.astype(np.int64)
     falls = np.flatnonzero(np.diff(stamp) < 0)
@@ -32,15 +38,26 @@ def numeric(raw: Raw, rate: float | None) -> tuple[np.ndarray, float | None]:
             "out and give --rate."
         )
     first = float(stamp[0])
-    relative = (stamp - stamp[0]).astype(np.float64)  # integers are subtracted exactly, before they become floats
+    relative = (stamp - stamp[0]).astype(
+        np.float64
+    )  # integers are subtracted exactly, before they become floats
     if relative[-1] <= 0:
-        raise InputError(f"{where}: all {len(stamp):,} time stamps are {first:.15g}; leave the column out and give --rate.")
+        raise InputError(
+            f"{where}: all {len(stamp):,} time stamps are {first:.15g}; leave the column out and give --rate."
+        )
     step = relative[-1] / (len(relative) - 1)
     if raw.contract and step > SLOWEST and not rate:
-        likely = next((u for u in ("ms", "us", "ns") if 1.0 <= 1.0 / (step * names.TIME_UNITS[u]) <= 20_000), None)
+        likely = next(
+            (u for u in ("ms", "us", "ns") if 1.0 <= 1.0 / (step * names.TIME_UNITS[u]) <= 20_000),
+            None,
+        )
         raise InputError(
             f"{where} steps by {step:.6g} s; time is in seconds in such a file"
-            + (f", these look like {likely}: convert them." if likely else ": convert it, or give --rate.")
+            + (
+                f", these look like {likely}: convert them."
+                if likely
+                else ": convert it, or give --rate."
+            )
         )
     unit = raw.unit("time") or ("s" if raw.contract else _unit(relative, first, rate, where))
     factor = names.TIME_UNITS[unit]
@@ -49,7 +66,9 @@ def numeric(raw: Raw, rate: float | None) -> tuple[np.ndarray, float | None]:
 
 
 def _unit(relative, first, rate, where) -> str:
-    """The unit of stamps that state none: told by an epoch's size, by the rate given, or by the one rate that an IMU can have."""
+    """The unit of stamps that state none: told by an epoch's size, by the rate given, or by the
+    one rate that an IMU can have.
+    """
     for unit, low in (("ns", 1e17), ("us", 1e14), ("ms", 1e11), ("s", 1e8)):
         if low * 3 < first < low * 5e2:
             return unit
@@ -61,7 +80,10 @@ def _unit(relative, first, rate, where) -> str:
             return near[0]
     if 0.9 <= fits["s"] <= 20_000 and not np.array_equal(relative, np.arange(len(relative))):
         return "s"
-    likely = next((f"in {u} it would be {r:.4g} Hz" for u, r in fits.items() if 1 <= r <= 20_000), "no usual unit gives a rate between 1 and 20000 Hz")
+    likely = next(
+        (f"in {u} it would be {r:.4g} Hz" for u, r in fits.items() if 1 <= r <= 20_000),
+        "no usual unit gives a rate between 1 and 20000 Hz",
+    )
     raise InputError(
         f"{where} does not state the unit of its time, which steps by {step:.6g} ({likely}); name it in the header or with --columns "
         "as time[s], time[ms], time[us] or time[ns], or give --rate."
@@ -69,18 +91,37 @@ def _unit(relative, first, rate, where) -> str:
 
 
 def calendar(raw: Raw) -> tuple[np.ndarray, float | None]:
-    """Seconds from the first sample from columns of dates and wall clocks, and the first moment as an epoch (None without a date)."""
+    """Seconds from the first sample from columns of dates and wall clocks, and the first moment as
+    an epoch (None without a date).
+    """
     import pandas as pd
 
     date, clock = raw.columns.get("date"), raw.columns.get("clock")
-    text = date if clock is None else clock if date is None else np.char.add(np.char.add(date.astype(str), "T"), clock.astype(str))
+    text = (
+        date
+        if clock is None
+        else clock
+        if date is None
+        else np.char.add(np.char.add(date.astype(str), "T"), clock.astype(str))
+    )
     heading = " and ".join(f"`{raw.headings[c]}`" for c in ("date", "clock") if c in raw.columns)
     if date is None:
         text = np.char.add("2000-01-01T", clock.astype(str))
-    moments, which = np.unique(np.asarray(text, dtype=str), return_inverse=True) if len(text) > 1 else (np.asarray(text, dtype=str), np.zeros(1, int))
+    moments, which = (
+        np.unique(np.asarray(text, dtype=str), return_inverse=True)
+        if len(text) > 1
+        else (np.asarray(text, dtype=str), np.zeros(1, int))
+    )
     try:
         parsed = pd.to_datetime(
-            pd.Series([m.replace("/", "-").replace(",", ".").replace(".", "-", 2) if "." in m[:8] else m.replace("/", "-").replace(",", ".") for m in moments]),
+            pd.Series(
+                [
+                    m.replace("/", "-").replace(",", ".").replace(".", "-", 2)
+                    if "." in m[:8]
+                    else m.replace("/", "-").replace(",", ".")
+                    for m in moments
+                ]
+            ),
             format="ISO8601",
             utc=True,
         )
@@ -100,14 +141,19 @@ def calendar(raw: Raw) -> tuple[np.ndarray, float | None]:
             f"{raw.source}, {heading}, {raw.line(int(falls[0]) + 1)}: the time falls back; sort the rows by time, or leave the columns out and give --rate."
         )
     if ns[-1] == ns[0]:
-        raise InputError(f"{raw.source}, {heading}: all {len(ns):,} stamps are the same; leave the columns out and give --rate.")
+        raise InputError(
+            f"{raw.source}, {heading}: all {len(ns):,} stamps are the same; leave the columns out and give --rate."
+        )
     return (ns - ns[0]) * 1e-9, None if date is None else ns[0] * 1e-9
 
 
-def settle(raw: Raw, rate: float | None, *, lenient: bool = False) -> tuple[np.ndarray | None, float, np.ndarray]:
+def settle(
+    raw: Raw, rate: float | None, *, lenient: bool = False
+) -> tuple[np.ndarray | None, float, np.ndarray]:
     """(time or None, rate, rows kept) of a raw file. `rate` is what the call gave.
 
-    Repeats of a clock coarser than the sampling are spread; rows logged twice are dropped; both end up in `raw.notes`. With `lenient`
+    Repeats of a clock coarser than the sampling are spread; rows logged twice are dropped; both
+    end up in `raw.notes`. With `lenient`
     single repeats that differ are kept apart by a thousandth of a sample instead of refused.
     """
     for value, name in ((rate, "--rate"), (raw.rate, f"{raw.source}: the stated rate")):
@@ -148,7 +194,9 @@ def settle(raw: Raw, rate: float | None, *, lenient: bool = False) -> tuple[np.n
 
 
 def _single_repeats(raw, time, same, lenient):
-    data = [np.asarray(x) for c, x in raw.columns.items() if c not in ("time", "date", "clock", "index")]
+    data = [
+        np.asarray(x) for c, x in raw.columns.items() if c not in ("time", "date", "clock", "index")
+    ]
     twice = np.ones(len(same), dtype=bool)
     for x in data:
         twice &= (x[same] == x[same - 1]) | ((x[same] != x[same]) & (x[same - 1] != x[same - 1]))

@@ -14,13 +14,18 @@ class NoTemperature(InputError):
 
 
 def read_temperature(path) -> tuple[np.ndarray, np.ndarray]:
-    """Time (s from the first sample) and temperature (degC), both (n,). NoTemperature where there is none, InputError where it
+    """Time (s from the first sample) and temperature (degC), both (n,). NoTemperature where there
+    is none, InputError where it
     is at fault."""
     raw = read_raw(path, signal="temperature")
     if "temperature" not in raw.columns:
         raise NoTemperature(f"{path} has no temperature.")
     if raw.units.get("time", "") is None:
-        raw.units["time"] = "s"  # the contract's unit; a temperature is often logged once a minute, so its rate tells nothing
+        raw.units["time"] = (
+            # the contract's unit; a temperature is often logged once a minute, so its rate tells
+            # nothing
+            "s"
+        )
     time, rate, keep = stamps.settle(raw, None, lenient=True)
     x = np.asarray(raw.columns["temperature"], dtype=float)[keep]
     t = np.arange(len(keep)) / rate if time is None else time

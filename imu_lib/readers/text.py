@@ -1,6 +1,8 @@
-"""Text tables: .csv, .tsv, .txt of any delimiter, with or without header, comments, date and clock columns, decimal commas.
+"""Text tables: .csv, .tsv, .txt of any delimiter, with or without header, comments, date and clock
+columns, decimal commas.
 
-The numbers are parsed by Arrow (or pandas where fields are set apart by runs of blanks); when that fails the file is
+The numbers are parsed by Arrow (or pandas where fields are set apart by runs of blanks); when that
+fails the file is
 walked line by line, to say which line and column is at fault.
 """
 
@@ -20,7 +22,8 @@ NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", "NULL", "None"]
 
 
 def read_text(path, *, columns=None, signal: str | None = None) -> Raw:
-    """The columns of a text table. `columns` names them by position; `signal` ("gyro" or "accel") is what bare x, y, z are.
+    """The columns of a text table. `columns` names them by position; `signal` ("gyro" or "accel")
+    is what bare x, y, z are.
 
     Raises InputError naming file, line, column and remedy.
     """
@@ -42,30 +45,52 @@ def _plan(path, layout, columns, signal):
         plan = by_position(columns, width, str(path), signal)
     elif layout.header:
         plan = [(*names.parse(h, signal=signal), h) for h in layout.header]
-        plan = [(None, None, h) if c in ("index", "gyro", "accel", "dtheta", "dv") else (c, u, h) for c, u, h in plan]
+        plan = [
+            (None, None, h) if c in ("index", "gyro", "accel", "dtheta", "dv") else (c, u, h)
+            for c, u, h in plan
+        ]
     else:
         plan = [(None, None, f"column {i + 1}") for i in range(width)]
     for i, what in enumerate(layout.kinds):
-        if what in ("date", "clock", "moment") and plan[i][0] in (None, "time", "date", "clock") and not (columns and plan[i][0] is None):
+        if (
+            what in ("date", "clock", "moment")
+            and plan[i][0] in (None, "time", "date", "clock")
+            and not (columns and plan[i][0] is None)
+        ):
             plan[i] = ({"date": "date", "clock": "clock", "moment": "date"}[what], None, plan[i][2])
     if sum(c == "date" for c, _, _ in plan) and any(c == "time" for c, _, _ in plan):
-        plan = [(None, u, h) if c in ("date", "clock") else (c, u, h) for c, u, h in plan]  # a numeric time beats the calendar
+        plan = [
+            (None, u, h) if c in ("date", "clock") else (c, u, h) for c, u, h in plan
+        ]  # a numeric time beats the calendar
     if signal == "temperature":
         free = [i for i in range(width) if layout.kinds[i] == "number" and plan[i][0] is None]
         if not layout.header and width == 2 and len(free) == 2:
             plan = [("time", "s", "column 1"), ("temperature", None, "column 2")]
-    elif not columns and not any(c and c.rpartition("_")[0] in ("gyro", "accel", "dtheta", "dv") for c, _, _ in plan):
-        free = [i for i in range(width) if layout.kinds[i] in ("number", "empty") and plan[i][0] is None]
+    elif not columns and not any(
+        c and c.rpartition("_")[0] in ("gyro", "accel", "dtheta", "dv") for c, _, _ in plan
+    ):
+        free = [
+            i for i in range(width) if layout.kinds[i] in ("number", "empty") and plan[i][0] is None
+        ]
         if signal and not layout.header and len(free) in (3, 4):
             if len(free) == 4:
                 plan[free[0]] = ("time", None, plan[free[0]][2])
             for i, axis in zip(free[-3:], "xyz"):
                 plan[i] = (f"{signal}_{axis}", None, plan[i][2])
         else:
-            header = f"its header ({', '.join(layout.header)[:80]}) names no gyro or accelerometer" if layout.header else (
-                f"no header of {width} name{'s' * (width > 1)} right above {'them' if width > 1 else 'it'}")
+            header = (
+                f"its header ({', '.join(layout.header)[:80]}) names no gyro or accelerometer"
+                if layout.header
+                else (
+                    f"no header of {width} name{'s' * (width > 1)} right above {'them' if width > 1 else 'it'}"
+                )
+            )
             columns_ = f"{width} column{'s' * (width > 1)}"
-            one = " (--gyro FILE or --accel FILE where it holds x, y, z of one sensor)" if len(free) in (3, 4) and not signal else ""
+            one = (
+                " (--gyro FILE or --accel FILE where it holds x, y, z of one sensor)"
+                if len(free) in (3, 4) and not signal
+                else ""
+            )
             raise InputError(
                 f"{path} has {columns_} and {header}; name them by position with --columns, as in "
                 f"time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z{one}."
@@ -84,13 +109,17 @@ def _parse(path, layout, wanted) -> dict[int, np.ndarray]:
         table = _pandas(path, layout, numeric, texts)
     if table is None:
         _explain(path, layout, wanted)
-        raise InputError(f"{path} cannot be read as a table of numbers from line {layout.first + 1} on; look for a damaged line.")
+        raise InputError(
+            f"{path} cannot be read as a table of numbers from line {layout.first + 1} on; look for a damaged line."
+        )
     rows = len(next(iter(table.values())))
     if rows < 2:
         raise InputError(f"{path} has only {rows} row of data; at least two are needed.")
     last = table[max(numeric)] if numeric else None
     if last is not None and last.dtype.kind == "f" and np.isnan(last).any():
-        _explain(path, layout, wanted)  # a short line reads as NaN at its end; an empty field is a missing sample
+        _explain(
+            path, layout, wanted
+        )  # a short line reads as NaN at its end; an empty field is a missing sample
     return table
 
 
@@ -103,7 +132,9 @@ def _arrow(path, layout, numeric, texts):
     try:
         table = csv.read_csv(
             path,
-            read_options=csv.ReadOptions(skip_rows=layout.first, column_names=width, block_size=1 << 22),
+            read_options=csv.ReadOptions(
+                skip_rows=layout.first, column_names=width, block_size=1 << 22
+            ),
             parse_options=csv.ParseOptions(delimiter=layout.delimiter),
             convert_options=csv.ConvertOptions(
                 include_columns=[f"c{i}" for i in sorted(numeric + texts)],
@@ -148,7 +179,13 @@ def _pandas(path, layout, numeric, texts):
             skip_blank_lines=True,
             skipinitialspace=True,
         )
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, UnicodeError, OverflowError):
+    except (
+        pd.errors.ParserError,
+        pd.errors.EmptyDataError,
+        ValueError,
+        UnicodeError,
+        OverflowError,
+    ):
         return None
     out = {i: frame[i].to_numpy() for i in numeric}
     if any(x.dtype.kind not in "fiu" for x in out.values()):
@@ -164,11 +201,16 @@ def _rows(path, layout):
     with open(path, encoding=layout.encoding, errors="replace") as file:
         for number, line in enumerate(itertools.islice(file, layout.first, None), layout.first + 1):
             if line.strip() and not line.lstrip().startswith(lay.COMMENTS):
-                yield number, layout.split(line.split(layout.comment)[0] if layout.comment else line)
+                yield (
+                    number,
+                    layout.split(line.split(layout.comment)[0] if layout.comment else line),
+                )
 
 
 def _explain(path, layout, wanted):
-    """InputError that names the first line with a wrong number of columns or with text where a number belongs."""
+    """InputError that names the first line with a wrong number of columns or with text where a
+    number belongs.
+    """
     width = len(layout.kinds)
     for number, fields in _rows(path, layout):
         if len(fields) != width and not (len(fields) == width + 1 and fields[-1] == ""):

@@ -1,4 +1,6 @@
-"""Welch's estimate of the one-sided power spectral density, and frequency averaging, with chi-square intervals."""
+"""Welch's estimate of the one-sided power spectral density, and frequency averaging, with
+chi-square intervals.
+"""
 
 from __future__ import annotations
 
@@ -60,21 +62,26 @@ def _intervals(psd, dof):
 
 
 def default_segment(n):
-    """The longest power of two that fits at least twice (seven hours at 100 Hz: 2^20, as in the 2013 paper)."""
+    """The longest power of two that fits at least twice (seven hours at 100 Hz: 2^20, as in the
+    2013 paper).
+    """
     return 1 << max(3, int(np.floor(np.log2(max(n // 2, 8)))))
 
 
 def welch(x, fs, *, segment=None, window="hann", detrend="constant"):
-    """Welch's estimate with half-overlapping segments; scipy.signal.welch where nothing is missing.
+    """Welch's estimate with half-overlapping segments; scipy.signal.welch where nothing is
+    missing.
 
     Parameters
     ----------
     x : array_like, shape (n,)
-        Samples; values that are not finite are missing. Segments are then laid in each unbroken stretch.
+        Samples; values that are not finite are missing. Segments are then laid in each unbroken
+        stretch.
     fs : float
         Sampling rate, Hz.
     segment : int or None
-        Samples to a segment, by default the longest power of two that fits twice (into the longest stretch).
+        Samples to a segment, by default the longest power of two that fits twice (into the longest
+        stretch).
     window : str
         A window of scipy.signal.
     detrend : str or False
@@ -88,7 +95,8 @@ def welch(x, fs, *, segment=None, window="hann", detrend="constant"):
     Raises
     ------
     ValueError
-        For an `x` that is no series or has no stretch of 8 samples, or a `segment` that does not fit.
+        For an `x` that is no series or has no stretch of 8 samples, or a `segment` that does not
+        fit.
     """
     x = np.asarray(x, dtype=float)
     if x.ndim != 1 or x.size < 8:
@@ -99,8 +107,10 @@ def welch(x, fs, *, segment=None, window="hann", detrend="constant"):
     longest = max((b - a for a, b in stretches), default=0)
     segment = default_segment(longest) if segment is None else int(segment)
     if longest < max(segment, 8) or segment < 8:
-        raise ValueError(f"`segment` of {segment} samples does not fit: the longest stretch without a missing sample "
-                         f"has {longest}")
+        raise ValueError(
+            f"`segment` of {segment} samples does not fit: the longest stretch without a missing sample "
+            f"has {longest}"
+        )
     step = segment - segment // 2
     total, count = 0.0, 0
     for a, b in stretches:
@@ -118,7 +128,9 @@ def welch(x, fs, *, segment=None, window="hann", detrend="constant"):
     psd = total[1:] / count
     low, high = _intervals(psd, dof)
     half = 0.5 * fs / segment
-    return Spectrum(f[1:], psd, low, high, dof, f[1:] - half, f[1:] + half, float(fs), segment, count, window)
+    return Spectrum(
+        f[1:], psd, low, high, dof, f[1:] - half, f[1:] + half, float(fs), segment, count, window
+    )
 
 
 def _stretches(x):
@@ -136,7 +148,8 @@ def _overlap(taper, step):
 
 
 def average(spectrum, *, per_decade=20, keep=4):
-    """Frequency averaging (IEEE Std 1293-1998; 2013 Sec. 5.4, 2011 Sec. 3): means over ever wider bands.
+    """Frequency averaging (IEEE Std 1293-1998; 2013 Sec. 5.4, 2011 Sec. 3): means over ever wider
+    bands.
 
     Parameters
     ----------
@@ -145,7 +158,8 @@ def average(spectrum, *, per_decade=20, keep=4):
     per_decade : int
         Bands to a decade where they are wider than the resolution.
     keep : int
-        Lowest frequencies that are left as they are. The first two are dropped: the removal of the mean and the
+        Lowest frequencies that are left as they are. The first two are dropped: the removal of the
+        mean and the
         window's main lobe bias them.
 
     Returns
@@ -164,7 +178,8 @@ def average(spectrum, *, per_decade=20, keep=4):
     running = np.concatenate([[0.0], np.cumsum(spectrum.psd)])
     size = stops - starts
     psd = (running[stops - 1] - running[starts - 1]) / size
-    # neighbouring frequencies of a tapered transform are correlated, which costs degrees of freedom
+    # neighbouring frequencies of a tapered transform are correlated, which costs degrees of
+    # freedom
     taper = signal.get_window(spectrum.window, min(spectrum.segment, 1024))
     shared = np.abs(np.fft.rfft(taper**2)[1:4] / np.sum(taper**2)) ** 2
     lag = np.arange(1, 4)
@@ -172,5 +187,16 @@ def average(spectrum, *, per_decade=20, keep=4):
     dof = spectrum.dof[starts - 1] * size / loss
     low, high = _intervals(psd, dof)
     start, stop = (starts - 0.5) * resolution, (stops - 0.5) * resolution
-    return Spectrum(np.sqrt(start * stop), psd, low, high, dof, start, stop, spectrum.fs, spectrum.segment,
-                    spectrum.count, spectrum.window)
+    return Spectrum(
+        np.sqrt(start * stop),
+        psd,
+        low,
+        high,
+        dof,
+        start,
+        stop,
+        spectrum.fs,
+        spectrum.segment,
+        spectrum.count,
+        spectrum.window,
+    )

@@ -20,8 +20,12 @@ def coefficient(symbol, level, fs):
 
     N: 2 N^2; B: B^2 / (pi f); K: 2 K^2 / (2 pi f)^2; Q: 2 Q^2 (2 pi f)^2 / fs.
     """
-    return {"N": np.sqrt(level / 2), "B": np.sqrt(np.pi * level), "K": 2 * np.pi * np.sqrt(level / 2),
-            "Q": np.sqrt(level * fs / 2) / (2 * np.pi)}[symbol]
+    return {
+        "N": np.sqrt(level / 2),
+        "B": np.sqrt(np.pi * level),
+        "K": 2 * np.pi * np.sqrt(level / 2),
+        "Q": np.sqrt(level * fs / 2) / (2 * np.pi),
+    }[symbol]
 
 
 @dataclass(frozen=True)
@@ -47,11 +51,15 @@ class Reading:
 
 
 def read_off(spectrum, *, least=0.4, highest=None):
-    """Lines of slope 2, 0, -1 and -2 through the stretches of an averaged spectrum that have these slopes.
+    """Lines of slope 2, 0, -1 and -2 through the stretches of an averaged spectrum that have these
+    slopes.
 
-    The stretches are found, not drawn: see `imu_lib.slopes`. Only stretches in an order of rising slope are read, of
-    several of one slope the longest; the interval joins the line's degrees of freedom and its scatter. No line is
-    forced where there is no stretch: the coefficient is then at most what the density leaves room for.
+    The stretches are found, not drawn: see `imu_lib.slopes`. Only stretches in an order of rising
+    slope are read, of
+    several of one slope the longest; the interval joins the line's degrees of freedom and its
+    scatter. No line is
+    forced where there is no stretch: the coefficient is then at most what the density leaves room
+    for.
 
     Parameters
     ----------
@@ -68,10 +76,13 @@ def read_off(spectrum, *, least=0.4, highest=None):
     """
     ok = (spectrum.f <= (highest or 0.4 * spectrum.fs)) & (spectrum.psd > 0)
     f, psd, dof = spectrum.f[ok], spectrum.psd[ok], spectrum.dof[ok]
-    # the densities of samples are powers of sin(pi f / fs), not of f: with this the lines are straight up to fs / 2
+    # the densities of samples are powers of sin(pi f / fs), not of f: with this the lines are
+    # straight up to fs / 2
     g = spectrum.fs / np.pi * np.sin(np.pi * f / spectrum.fs)
-    found = tuple(replace(s, start=float(f[s.first]), stop=float(f[s.last])) for s in
-                  segments(g, psd, np.sqrt(2 / dof), LINES.values(), least=least, floor=0.06))
+    found = tuple(
+        replace(s, start=float(f[s.first]), stop=float(f[s.last]))
+        for s in segments(g, psd, np.sqrt(2 / dof), LINES.values(), least=least, floor=0.06)
+    )
     chain = rising(found)
     upper = psd * dof / stats.chi2.ppf(0.05, dof)
     coefficients, used = {}, {}
@@ -84,9 +95,13 @@ def read_off(spectrum, *, least=0.4, highest=None):
             variance = 2 / dof[points].sum() + line.scatter**2 / (line.last - line.first + 1)
             level, nu = 10**line.intercept, 2 / variance
             ends = (level * nu / stats.chi2.ppf(q, nu) for q in (0.975, 0.025))
-            coefficients[symbol] = Estimate(*(float(coefficient(symbol, v, spectrum.fs)) for v in (level, *ends)))
+            coefficients[symbol] = Estimate(
+                *(float(coefficient(symbol, v, spectrum.fs)) for v in (level, *ends))
+            )
         else:
-            coefficients[symbol] = Estimate.absent(coefficient(symbol, np.min(upper / g**slope), spectrum.fs))
+            coefficients[symbol] = Estimate.absent(
+                coefficient(symbol, np.min(upper / g**slope), spectrum.fs)
+            )
     return Reading(coefficients, found, used)
 
 

@@ -29,7 +29,8 @@ class LevelChoice:
     level : int
         Deepest level at which all dropped bands hold less motion than noise.
     motion_variance, noise_variance : ndarray, shape (J,)
-        Variance of each detail band in the moving record, beyond the noise (not below 0), and at rest.
+        Variance of each detail band in the moving record, beyond the noise (not below 0), and at
+        rest.
     p_value : ndarray, shape (J,)
         Probability that noise alone has the moving record's variance in the band.
     limit : float
@@ -50,10 +51,13 @@ def bands(fs, level) -> list[Band]:
 
 
 def gain(f, fs, level, *, wavelet="db4"):
-    """Gain of each band's reconstruction at the frequencies `f`, Hz: shape (J + 1, len(f)), D_1 ... D_J, A_J.
+    """Gain of each band's reconstruction at the frequencies `f`, Hz: shape (J + 1, len(f)), D_1
+    ... D_J, A_J.
 
-    The share of white noise that the band passes at a frequency, and the amplitude at which it returns a sine there
-    (averaged over the phase of the decimation; the rest comes back as an alias at another frequency). The rows add
+    The share of white noise that the band passes at a frequency, and the amplitude at which it
+    returns a sine there
+    (averaged over the phase of the decimation; the rest comes back as an alias at another
+    frequency). The rows add
     up to one.
     """
     w = pywt.Wavelet(wavelet)
@@ -74,7 +78,8 @@ def span(fs, level, *, wavelet="db4") -> float:
 
 
 def band_variance(x, level, *, wavelet="db4"):
-    """Variance of `x`, shape (n,), in each band: shape (J + 1,), D_1 ... D_J, A_J; they add up to the variance.
+    """Variance of `x`, shape (n,), in each band: shape (J + 1,), D_1 ... D_J, A_J; they add up to
+    the variance.
 
     Periodised transform, so that the coefficients' energy is the samples'.
     """
@@ -88,17 +93,21 @@ def band_variance(x, level, *, wavelet="db4"):
 
 
 def level_for_band(motion_band, fs) -> int:
-    """Deepest level whose approximation still holds motion up to `motion_band`, Hz (2013, Section 5.6).
+    """Deepest level whose approximation still holds motion up to `motion_band`, Hz (2013, Section
+    5.6).
 
     At 100 Hz a band of 5 Hz gives level 3 (A_3 ends at 6.25 Hz).
     """
     if not 0 < motion_band <= fs / 2:
-        raise ValueError(f"`motion_band` must lie between 0 and half the rate, {fs / 2} Hz, not {motion_band}")
+        raise ValueError(
+            f"`motion_band` must lie between 0 and half the rate, {fs / 2} Hz, not {motion_band}"
+        )
     return max(0, int(np.floor(np.log2(fs / (2 * motion_band)))))
 
 
 def choose_level(motion, static, fs, *, wavelet="db4", max_level=8, ratio=1.0) -> LevelChoice:
-    """Level from the data: stop before the first band in which the vehicle moves more than the sensor's noise.
+    """Level from the data: stop before the first band in which the vehicle moves more than the
+    sensor's noise.
 
     Parameters
     ----------
@@ -111,15 +120,25 @@ def choose_level(motion, static, fs, *, wavelet="db4", max_level=8, ratio=1.0) -
 
     Notes
     -----
-    Dropping a band takes away its noise and its motion: it pays while the motion there is the smaller of the two.
-    The first band that fails ends the search, whatever lies deeper. The p-value is that of the ratio of variances
-    with a coefficient per 2^j samples counted as independent, good for the nearly white coefficients of db4.
+    Dropping a band takes away its noise and its motion: it pays while the motion there is the
+    smaller of the two.
+    The first band that fails ends the search, whatever lies deeper. The p-value is that of the
+    ratio of variances
+    with a coefficient per 2^j samples counted as independent, good for the nearly white
+    coefficients of db4.
     """
     moving = band_variance(motion, max_level, wavelet=wavelet)[:-1]
     still = band_variance(static, max_level, wavelet=wavelet)[:-1]
     excess = np.maximum(moving - still, 0.0)
     level = int(np.argmin(np.append(excess < ratio * still, False)))
-    counts = [np.maximum(np.size(a) // 2 ** np.arange(1, max_level + 1), 1) for a in (motion, static)]
+    counts = [
+        np.maximum(np.size(a) // 2 ** np.arange(1, max_level + 1), 1) for a in (motion, static)
+    ]
     p_value = stats.f.sf(moving / np.maximum(still, np.finfo(float).tiny), *counts)
-    return LevelChoice(level=level, motion_variance=excess, noise_variance=still, p_value=p_value,
-                       limit=fs / 2 ** (level + 1))
+    return LevelChoice(
+        level=level,
+        motion_variance=excess,
+        noise_variance=still,
+        p_value=p_value,
+        limit=fs / 2 ** (level + 1),
+    )

@@ -1,9 +1,13 @@
 """De-noising without the future.
 
-The last sample of a de-noised window is a sum over few coefficients: those whose synthesis function reaches the
-window's end. Each of them is a fixed linear combination of the window's samples, the mirrored edge included. So the
-sliding form needs no transform per sample: one FIR filter per contributing coefficient, run over the whole record by
-FFT, a threshold, and a sum. Only the thresholds need the other coefficients, once per `refresh` samples.
+The last sample of a de-noised window is a sum over few coefficients: those whose synthesis
+function reaches the
+window's end. Each of them is a fixed linear combination of the window's samples, the mirrored edge
+included. So the
+sliding form needs no transform per sample: one FIR filter per contributing coefficient, run over
+the whole record by
+FFT, a threshold, and a sum. Only the thresholds need the other coefficients, once per `refresh`
+samples.
 """
 
 from __future__ import annotations
@@ -23,10 +27,13 @@ _SAMPLES_AT_ONCE = 2_000_000
 
 @dataclass(frozen=True)
 class EdgeBank:
-    """FIR filters that give the contributing coefficients of a window from its samples, and their weights.
+    """FIR filters that give the contributing coefficients of a window from its samples, and their
+    weights.
 
-    `filters[j]` has shape (m_j, window) and `weights[j]` (m_j,) for detail level j + 1; `approximation` (window,) is
-    the whole contribution of the approximation. Filters run along time: the last column meets the newest sample.
+    `filters[j]` has shape (m_j, window) and `weights[j]` (m_j,) for detail level j + 1;
+    `approximation` (window,) is
+    the whole contribution of the approximation. Filters run along time: the last column meets the
+    newest sample.
     """
 
     filters: tuple[np.ndarray, ...]
@@ -36,7 +43,9 @@ class EdgeBank:
 
 @lru_cache(maxsize=64)
 def edge_bank(level: int, window: int, wavelet: str) -> EdgeBank:
-    """The bank for windows of `window` samples, half-point symmetric at both ends as `pywt.dwt` has them."""
+    """The bank for windows of `window` samples, half-point symmetric at both ends as `pywt.dwt`
+    has them.
+    """
     w = pywt.Wavelet(wavelet)
     taps = w.dec_len
     lengths = [window]
@@ -44,7 +53,9 @@ def edge_bank(level: int, window: int, wavelet: str) -> EdgeBank:
         lengths.append((lengths[-1] + taps - 1) // 2)
     memo: dict[tuple[int, int], np.ndarray] = {}
 
-    def approximation_row(j, i):  # coefficient i of approximation level j as a combination of the window's samples
+    def approximation_row(
+        j, i
+    ):  # coefficient i of approximation level j as a combination of the window's samples
         if j == 0:
             row = np.zeros(window)
             row[i] = 1.0
@@ -98,7 +109,8 @@ class EdgeResponse:
 def edge_response(level: int, *, window: int | None = None, wavelet: str = "db4") -> EdgeResponse:
     """Noise and lag of the newest sample, approximation only.
 
-    Both depend on where the grid of the decimation falls against the window's end, which the length of the window
+    Both depend on where the grid of the decimation falls against the window's end, which the
+    length of the window
     modulo 2^level decides: a window that ends well for the noise lags more.
     """
     h = edge_bank(level, 32 * 2**level if window is None else window, wavelet).approximation
@@ -115,7 +127,9 @@ def sliding(x, level, wavelet, threshold, noise, mode, *, window, refresh):
         stop = x.size if size == window else min(x.size, following - 1)
         depth = min(level, max_level(size, wavelet))
         if depth >= 1:
-            out[size - 1:stop] = _slide(x[:stop], depth, wavelet, threshold, noise, mode, size, refresh)
+            out[size - 1 : stop] = _slide(
+                x[:stop], depth, wavelet, threshold, noise, mode, size, refresh
+            )
         if size == window:
             break
         size = following
@@ -128,10 +142,12 @@ def _slide(x, level, wavelet, threshold, noise, mode, window, refresh):
     out = _filter(x, bank.approximation[None])[0]
     if threshold == "approximation":
         return out
-    limits = np.repeat(_recent_thresholds(x, level, wavelet, threshold, noise, window, refresh), refresh, axis=1)
+    limits = np.repeat(
+        _recent_thresholds(x, level, wavelet, threshold, noise, window, refresh), refresh, axis=1
+    )
     for j in range(level):
         coefficients = _filter(x, bank.filters[j])
-        out += bank.weights[j] @ shrink(coefficients, limits[j, :out.size], mode)
+        out += bank.weights[j] @ shrink(coefficients, limits[j, : out.size], mode)
     return out
 
 
@@ -142,12 +158,16 @@ def _filter(x, filters):
 
 
 def _recent_thresholds(x, level, wavelet, threshold, noise, window, refresh):
-    """Thresholds, shape (J, r), from the windows that end at samples window - 1, + refresh, + 2 refresh, ..."""
+    """Thresholds, shape (J, r), from the windows that end at samples window - 1, + refresh, + 2
+    refresh, ...
+    """
     windows = np.lib.stride_tricks.sliding_window_view(x, window)[::refresh]
     step = max(1, _SAMPLES_AT_ONCE // window)
     parts = []
     for k in range(0, len(windows), step):
-        coefficients = pywt.wavedec(windows[k:k + step], wavelet, mode="symmetric", level=level, axis=-1)
+        coefficients = pywt.wavedec(
+            windows[k : k + step], wavelet, mode="symmetric", level=level, axis=-1
+        )
         parts.append(row_thresholds(coefficients, threshold, noise)[1])
     return np.concatenate(parts, axis=1)
 
@@ -163,9 +183,9 @@ def by_blocks(x, denoise_rows, options, window, block):
     step = max(1, _SAMPLES_AT_ONCE // window)
     view = np.lib.stride_tricks.sliding_window_view(x, window)
     for k in range(0, ends.size, step):
-        e = ends[k:k + step]
+        e = ends[k : k + step]
         done = denoise_rows(view[e - window], *options)[:, -block:]
-        out[e[0] - block:e[-1]] = done.reshape(-1)
+        out[e[0] - block : e[-1]] = done.reshape(-1)
     rest = x.size - (ends[-1] if ends.size else window)
     if rest:
         out[-rest:] = denoise_rows(x[None, -window:], *options)[0, -rest:]

@@ -31,8 +31,19 @@ class Thresholds:
     energy_kept: np.ndarray
 
 
-def denoise(x, level, *, wavelet="db4", threshold="sure", noise="per_level", mode="soft", causal=False,
-            window=None, refresh=None, block=None):
+def denoise(
+    x,
+    level,
+    *,
+    wavelet="db4",
+    threshold="sure",
+    noise="per_level",
+    mode="soft",
+    causal=False,
+    window=None,
+    refresh=None,
+    block=None,
+):
     """De-noise a signal by shrinking its wavelet details.
 
     Parameters
@@ -46,15 +57,20 @@ def denoise(x, level, *, wavelet="db4", threshold="sure", noise="per_level", mod
     threshold : {"sure", "hybrid", "universal", "approximation"}
         Rule of the threshold; "approximation" drops all details: a pure low-pass.
     noise : {"per_level", "first_level", "unit"}
-        Where the noise scale comes from. "per_level" suits coloured noise, such as an IMU's filtered output.
+        Where the noise scale comes from. "per_level" suits coloured noise, such as an IMU's
+        filtered output.
     mode : {"soft", "hard"}
     causal : {False, True, "sliding", "block"}
-        False: the whole record at once, half-point symmetric at both ends; every sample uses the future.
-        True or "sliding": sample k uses samples up to k alone, as if the last `window` of them were de-noised as a
-        record of their own and the last one taken; no delay. "block": the same, `block` samples at a time, so that a
+        False: the whole record at once, half-point symmetric at both ends; every sample uses the
+        future.
+        True or "sliding": sample k uses samples up to k alone, as if the last `window` of them
+        were de-noised as a
+        record of their own and the last one taken; no delay. "block": the same, `block` samples at
+        a time, so that a
         sample is delivered up to `block` samples late and sees the future within its own block.
     window : int, optional
-        Past that a causal form looks at, in samples; default 32 * 2^level. Records start with shorter windows and
+        Past that a causal form looks at, in samples; default 32 * 2^level. Records start with
+        shorter windows and
         fewer levels, doubling until the window is full.
     refresh : int, optional
         The sliding form's thresholds are computed anew every `refresh` samples; default 2^level.
@@ -68,15 +84,29 @@ def denoise(x, level, *, wavelet="db4", threshold="sure", noise="per_level", mod
     Raises
     ------
     ValueError
-        On a level that the record or the window is too short for, non-finite samples, or an unknown option.
+        On a level that the record or the window is too short for, non-finite samples, or an
+        unknown option.
     """
     x = np.asarray(x, dtype=float)
     _check(x, level, threshold, noise, mode, causal)
     if level == 0:
         return x.copy()
     if x.ndim == 2:
-        columns = [denoise(c, level, wavelet=wavelet, threshold=threshold, noise=noise, mode=mode, causal=causal,
-                           window=window, refresh=refresh, block=block) for c in x.T]
+        columns = [
+            denoise(
+                c,
+                level,
+                wavelet=wavelet,
+                threshold=threshold,
+                noise=noise,
+                mode=mode,
+                causal=causal,
+                window=window,
+                refresh=refresh,
+                block=block,
+            )
+            for c in x.T
+        ]
         return np.stack(columns, axis=1)
     if not causal:
         _check_length(x.size, level, wavelet, "`x`")
@@ -95,11 +125,15 @@ def denoise_rows(rows, level, wavelet, threshold, noise, mode):
     _, limits = row_thresholds(coefficients, threshold, noise)
     for j in range(level):
         coefficients[level - j] = shrink(coefficients[level - j], limits[j][:, None], mode)
-    return pywt.waverec(coefficients, wavelet, mode="symmetric", axis=-1)[:, :rows.shape[1]]
+    return pywt.waverec(coefficients, wavelet, mode="symmetric", axis=-1)[:, : rows.shape[1]]
 
 
-def thresholds(x, level, *, wavelet="db4", threshold="sure", noise="per_level", mode="soft") -> Thresholds:
-    """The thresholds that `denoise` would use on the whole record `x`, shape (n,), and what they leave."""
+def thresholds(
+    x, level, *, wavelet="db4", threshold="sure", noise="per_level", mode="soft"
+) -> Thresholds:
+    """The thresholds that `denoise` would use on the whole record `x`, shape (n,), and what they
+    leave.
+    """
     x = np.asarray(x, dtype=float)
     _check(x, level, threshold, noise, mode, False)
     _check_length(x.size, level, wavelet, "`x`")
@@ -107,27 +141,43 @@ def thresholds(x, level, *, wavelet="db4", threshold="sure", noise="per_level", 
     sigma, limits = row_thresholds(coefficients, threshold, noise)
     details = [c[0] for c in coefficients[:0:-1]]
     after = [shrink(d, t, mode) for d, t in zip(details, limits[:, 0])]
-    return Thresholds(sigma=sigma[:, 0], threshold=limits[:, 0],
-                      kept=np.array([np.mean(a != 0) for a in after]),
-                      energy_kept=np.array([np.sum(a * a) / max(np.sum(d * d), np.finfo(float).tiny)
-                                            for a, d in zip(after, details)]))
+    return Thresholds(
+        sigma=sigma[:, 0],
+        threshold=limits[:, 0],
+        kept=np.array([np.mean(a != 0) for a in after]),
+        energy_kept=np.array(
+            [
+                np.sum(a * a) / max(np.sum(d * d), np.finfo(float).tiny)
+                for a, d in zip(after, details)
+            ]
+        ),
+    )
 
 
 def _check(x, level, threshold, noise, mode, causal):
-    for value, allowed, name in ((threshold, RULES, "threshold"), (noise, SCALES, "noise"),
-                                 (mode, ("soft", "hard"), "mode"),
-                                 (causal, (False, True, "sliding", "block"), "causal")):
+    for value, allowed, name in (
+        (threshold, RULES, "threshold"),
+        (noise, SCALES, "noise"),
+        (mode, ("soft", "hard"), "mode"),
+        (causal, (False, True, "sliding", "block"), "causal"),
+    ):
         if value not in allowed:
-            raise ValueError(f"`{name}` must be one of {', '.join(map(str, allowed))}, not {value!r}")
+            raise ValueError(
+                f"`{name}` must be one of {', '.join(map(str, allowed))}, not {value!r}"
+            )
     if int(level) != level or level < 0:
         raise ValueError(f"`level` must be a whole number, 0 or more, not {level!r}")
     if x.ndim not in (1, 2) or x.shape[0] == 0:
         raise ValueError(f"`x` must have shape (n,) or (n, k) with n > 0, not {x.shape}")
     if not np.all(np.isfinite(x)):
-        raise ValueError("`x` holds samples that are not finite: remove or fill them before de-noising")
+        raise ValueError(
+            "`x` holds samples that are not finite: remove or fill them before de-noising"
+        )
 
 
 def _check_length(n, level, wavelet, name):
     if max_level(n, wavelet) < level:
-        raise ValueError(f"{name} has {n} samples, too few for `level` {level} of {wavelet}: "
-                         f"its deepest level is {max_level(n, wavelet)}")
+        raise ValueError(
+            f"{name} has {n} samples, too few for `level` {level} of {wavelet}: "
+            f"its deepest level is {max_level(n, wavelet)}"
+        )

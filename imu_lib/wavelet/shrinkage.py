@@ -1,7 +1,9 @@
 """Threshold rules for wavelet coefficients, row by row.
 
-All rules act on rows of coefficients, shape (r, n), and return one threshold per row. They follow MATLAB's `wden`
-and `thselect`, which the 2013 paper used: `sure` is its 'rigrsure', `hybrid` its 'heursure', `universal` its
+All rules act on rows of coefficients, shape (r, n), and return one threshold per row. They follow
+MATLAB's `wden`
+and `thselect`, which the 2013 paper used: `sure` is its 'rigrsure', `hybrid` its 'heursure',
+`universal` its
 'sqtwolog'; the noise scale `per_level` is its 'mln', `first_level` its 'sln', `unit` its 'one'.
 """
 
@@ -17,12 +19,15 @@ MAD_OF_NORMAL = 0.6744897501960817
 
 
 def noise_scale(details: np.ndarray) -> np.ndarray:
-    """Standard deviation of the noise in each row, from its median absolute value (Donoho and Johnstone)."""
+    """Standard deviation of the noise in each row, from its median absolute value (Donoho and
+    Johnstone).
+    """
     return np.median(np.abs(details), axis=-1) / MAD_OF_NORMAL
 
 
 def sure_threshold(z: np.ndarray) -> np.ndarray:
-    """Threshold that minimises Stein's unbiased risk estimate of the soft threshold, for unit noise.
+    """Threshold that minimises Stein's unbiased risk estimate of the soft threshold, for unit
+    noise.
 
     With the squares s_1 <= ... <= s_n of a row, the risk at threshold sqrt(s_k) is
     n - 2 k + sum_{i<=k} s_i + (n - k) s_k (Donoho and Johnstone 1995, Eq. 11).
@@ -31,13 +36,17 @@ def sure_threshold(z: np.ndarray) -> np.ndarray:
     squares = np.sort(z * z, axis=-1)
     k = np.arange(1, n + 1)
     risk = n - 2 * k + np.cumsum(squares, axis=-1) + (n - k) * squares
-    return np.sqrt(np.take_along_axis(squares, np.argmin(risk, axis=-1)[..., None], axis=-1)[..., 0])
+    return np.sqrt(
+        np.take_along_axis(squares, np.argmin(risk, axis=-1)[..., None], axis=-1)[..., 0]
+    )
 
 
 def hybrid_threshold(z: np.ndarray) -> np.ndarray:
-    """SURE, but the universal threshold where the row has too little energy above the noise for SURE to see.
+    """SURE, but the universal threshold where the row has too little energy above the noise for
+    SURE to see.
 
-    Donoho and Johnstone 1995, Section 2.4, with the lesser of the two where SURE is used, as MATLAB does.
+    Donoho and Johnstone 1995, Section 2.4, with the lesser of the two where SURE is used, as
+    MATLAB does.
     """
     n = z.shape[-1]
     universal = np.sqrt(2 * np.log(n))
@@ -45,13 +54,16 @@ def hybrid_threshold(z: np.ndarray) -> np.ndarray:
     return np.where(sparse, universal, np.minimum(sure_threshold(z), universal))
 
 
-def row_thresholds(coefficients: list[np.ndarray], rule: str, scale: str) -> tuple[np.ndarray, np.ndarray]:
+def row_thresholds(
+    coefficients: list[np.ndarray], rule: str, scale: str
+) -> tuple[np.ndarray, np.ndarray]:
     """Noise scale and threshold of every detail level.
 
     Parameters
     ----------
     coefficients : list of ndarray
-        As `pywt.wavedec` gives them: approximation, then details from the deepest level to the first, each (r, n_j).
+        As `pywt.wavedec` gives them: approximation, then details from the deepest level to the
+        first, each (r, n_j).
 
     Returns
     -------
@@ -74,7 +86,8 @@ def row_thresholds(coefficients: list[np.ndarray], rule: str, scale: str) -> tup
         if rule == "universal":
             threshold[j] = sigma[j] * np.sqrt(2 * np.log(total))
             continue
-        # A level without any noise (a stuck sensor) is left alone instead of being divided by zero.
+        # A level without any noise (a stuck sensor) is left alone instead of being divided by
+        # zero.
         usable = sigma[j] > 1e-8 * np.max(np.abs(d), axis=-1)
         z = d / np.where(usable, sigma[j], 1.0)[:, None]
         chosen = sure_threshold(z) if rule == "sure" else hybrid_threshold(z)

@@ -1,4 +1,5 @@
 """The catalogue: one small class in one file for each effect."""
+
 from .autoregressive import Autoregressive, FirstOrder
 from .base import Drift, Effect, Finding, Spectral
 from .flicker import Flicker
@@ -22,11 +23,29 @@ from .warm_up import WarmUp
 from .white_noise import WhiteNoise
 
 #: Noises known by their spectrum.
-SPECTRAL = (WhiteNoise(), Quantization(), Flicker(), RandomWalk(), GaussMarkov(), GaussMarkov2(), FirstOrder(), Autoregressive())
+SPECTRAL = (
+    WhiteNoise(),
+    Quantization(),
+    Flicker(),
+    RandomWalk(),
+    GaussMarkov(),
+    GaussMarkov2(),
+    FirstOrder(),
+    Autoregressive(),
+)
 #: Functions of time or temperature.
 DRIFTS = (Ramp(), WarmUp(), Temperature(), Step(), SlowSinusoid())
 #: What is found by means of its own.
-OTHERS = (Sinusoid(), Telegraph(), LowPass(), NoiseLevelChange(), Spikes(), Saturation(), Resolution(), Stuck())
+OTHERS = (
+    Sinusoid(),
+    Telegraph(),
+    LowPass(),
+    NoiseLevelChange(),
+    Spikes(),
+    Saturation(),
+    Resolution(),
+    Stuck(),
+)
 CATALOGUE = {effect.name: effect for effect in SPECTRAL + DRIFTS + OTHERS}
 
 __all__ = ["CATALOGUE", "DRIFTS", "Drift", "Effect", "Finding", "OTHERS", "SPECTRAL", "Spectral"]

@@ -1,4 +1,7 @@
-"""Autoregressive processes: a resonance, of second order, and noise that alternates, of first order."""
+"""Autoregressive processes: a resonance, of second order, and noise that alternates, of first
+order.
+"""
+
 from __future__ import annotations
 
 import numpy as np
@@ -22,7 +25,9 @@ class Resonance(Slot):
     def write(self, process, vector):
         gain, damping, w = np.exp(vector)
         r = np.exp(-damping)
-        return process.with_(phi=(2 * r * np.cos(w), -r * r), sigma=float(gain * np.sqrt(1 - r * r)))
+        return process.with_(
+            phi=(2 * r * np.cos(w), -r * r), sigma=float(gain * np.sqrt(1 - r * r))
+        )
 
     def relative(self, process, name):
         # the innovations' sigma is gain sqrt(1 - r^2) with r = exp(-damping)
@@ -31,7 +36,9 @@ class Resonance(Slot):
 
 
 class Alternating(Slot):
-    """AR(1) of a negative coefficient -r through the logarithms of its standard deviation and of -ln r."""
+    """AR(1) of a negative coefficient -r through the logarithms of its standard deviation and of
+    -ln r.
+    """
 
     def read(self, process):
         r = -process.phi[0]
@@ -60,23 +67,42 @@ class Autoregressive(Spectral):
         return low_pass is None or low_pass.rate == fs
 
     def grid(self, fs, duration):
-        return [Process(phi=(2 * r * np.cos(w), -r * r), sigma=np.sqrt(1 - r * r), rate=fs)
-                for r in (0.7, 0.9, 0.97, 0.99) for w in np.linspace(0.08, 0.95, 12) * np.pi]
+        return [
+            Process(phi=(2 * r * np.cos(w), -r * r), sigma=np.sqrt(1 - r * r), rate=fs)
+            for r in (0.7, 0.9, 0.97, 0.99)
+            for w in np.linspace(0.08, 0.95, 12) * np.pi
+        ]
 
     def slot(self, index, fs, duration):
-        return Resonance(index, ("sigma", "damping", "frequency"), (-60.0, np.log(5e-4), np.log(0.02)), (30.0, np.log(1.5), np.log(0.98 * np.pi)),
-                         (AMPLITUDE_WIDTH, np.log(1e3), np.log(50.0)))
+        return Resonance(
+            index,
+            ("sigma", "damping", "frequency"),
+            (-60.0, np.log(5e-4), np.log(0.02)),
+            (30.0, np.log(1.5), np.log(0.98 * np.pi)),
+            (AMPLITUDE_WIDTH, np.log(1e3), np.log(50.0)),
+        )
 
 
 class FirstOrder(Autoregressive):
-    """Noise whose neighbours are anticorrelated; where they are correlated it is a quick Gauss-Markov process."""
+    """Noise whose neighbours are anticorrelated; where they are correlated it is a quick
+    Gauss-Markov process.
+    """
 
     cause = "The sensor's loop overshoots from sample to sample, or a filter sharpens its output."
     rarity = 2.0
 
     def grid(self, fs, duration):
-        return [Process(phi=(-r,), sigma=np.sqrt(1 - r * r), rate=fs) for r in (0.3, 0.45, 0.6, 0.75, 0.9, 0.97)]
+        return [
+            Process(phi=(-r,), sigma=np.sqrt(1 - r * r), rate=fs)
+            for r in (0.3, 0.45, 0.6, 0.75, 0.9, 0.97)
+        ]
 
     def slot(self, index, fs, duration):
         # with a coefficient near zero it would be white noise by another name
-        return Alternating(index, ("sigma", "damping"), (-60.0, np.log(5e-4)), (30.0, np.log(-np.log(0.25))), (AMPLITUDE_WIDTH, np.log(1e3)))
+        return Alternating(
+            index,
+            ("sigma", "damping"),
+            (-60.0, np.log(5e-4)),
+            (30.0, np.log(-np.log(0.25))),
+            (AMPLITUDE_WIDTH, np.log(1e3)),
+        )

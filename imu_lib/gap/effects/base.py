@@ -1,4 +1,5 @@
 """What an entry of the catalogue is."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -10,7 +11,9 @@ from imu_lib.gap.engine import AMPLITUDE_WIDTH, TIME_WIDTH, Slot
 
 
 class Effect:
-    """An entry of the catalogue: its name in the model file, its physical cause in a sentence, the domain it shows in."""
+    """An entry of the catalogue: its name in the model file, its physical cause in a sentence, the
+    domain it shows in.
+    """
 
     name: ClassVar[str] = ""
     cause: ClassVar[str] = ""
@@ -30,7 +33,9 @@ class Spectral(Effect):
     """A noise that is known by its spectrum: a process added to the sum, its parameters free."""
 
     def grid(self, fs: float, duration: float) -> list:
-        """Processes of unit strength from whose shapes the best start is chosen, each with its amplitude's name."""
+        """Processes of unit strength from whose shapes the best start is chosen, each with its
+        amplitude's name.
+        """
         raise NotImplementedError
 
     amplitude: ClassVar[str] = "sigma"
@@ -51,7 +56,9 @@ class Spectral(Effect):
 
 @dataclass
 class Finding:
-    """An effect found in the raw samples: the process or stage, log-likelihood gain, what it touches, intervals, doubts."""
+    """An effect found in the raw samples: the process or stage, log-likelihood gain, what it
+    touches, intervals, doubts.
+    """
 
     effect: Effect
     process: object
@@ -63,9 +70,11 @@ class Finding:
 
 
 class Drift(Effect):
-    """A deterministic drift: a shape whose amplitude is a regression coefficient, perhaps with one shape parameter.
+    """A deterministic drift: a shape whose amplitude is a regression coefficient, perhaps with one
+    shape parameter.
 
-    `sharp` drifts reach into the fast end of the spectrum: where the samples show the edge, the record is cleaned of it
+    `sharp` drifts reach into the fast end of the spectrum: where the samples show the edge, the
+    record is cleaned of it
     before it is looked at again.
     """
 
@@ -75,7 +84,9 @@ class Drift(Effect):
     sharp: ClassVar[bool] = False
 
     def candidates(self, data) -> list:
-        """Processes of amplitude 1 over the range of the shape parameter; empty where the record cannot hold the effect."""
+        """Processes of amplitude 1 over the range of the shape parameter; empty where the record
+        cannot hold the effect.
+        """
         raise NotImplementedError
 
     def columns(self, processes, data) -> np.ndarray:
@@ -93,9 +104,18 @@ class Drift(Effect):
     def around(self, process, data, reach: float, points: int) -> list:
         """Drifts with shapes up to `reach` grid steps either side of that of `process`."""
         low, high = self.bounds(data)
-        values = np.exp(np.clip(np.log(getattr(process, self.shape)) + np.linspace(-reach, reach, points) * (high - low) / 13, low, high))
+        values = np.exp(
+            np.clip(
+                np.log(getattr(process, self.shape))
+                + np.linspace(-reach, reach, points) * (high - low) / 13,
+                low,
+                high,
+            )
+        )
         return [process.with_(**{self.shape: float(v)}) for v in np.unique(values)]
 
     def upright(self, process):
-        """The drift whose amplitude is negative as one whose amplitude is positive, where there is one."""
+        """The drift whose amplitude is negative as one whose amplitude is positive, where there is
+        one.
+        """
         return process

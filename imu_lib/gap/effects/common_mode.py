@@ -1,4 +1,5 @@
 """Noise that several channels share."""
+
 from .base import Effect
 
 

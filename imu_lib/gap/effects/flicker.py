@@ -1,4 +1,5 @@
 """Carrier traps and surface states in the electronics."""
+
 from __future__ import annotations
 
 from imu_lib.processes import Flicker as Process

@@ -1,4 +1,7 @@
-"""A bias that is disturbed at random and relaxes with one time constant, such as thermal exchange with the surroundings."""
+"""A bias that is disturbed at random and relaxes with one time constant, such as thermal exchange
+with the surroundings.
+"""
+
 from __future__ import annotations
 
 import numpy as np
@@ -16,4 +19,6 @@ class GaussMarkov(Spectral):
     amplitude = "sigma"
 
     def grid(self, fs, duration):
-        return [Process(sigma=1.0, correlation_time=t) for t in np.geomspace(2 / fs, duration / 3, 20)]
+        return [
+            Process(sigma=1.0, correlation_time=t) for t in np.geomspace(2 / fs, duration / 3, 20)
+        ]

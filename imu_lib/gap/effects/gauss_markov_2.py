@@ -1,4 +1,5 @@
 """A disturbed bias behind a second lag, so that it moves smoothly."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -16,4 +17,6 @@ class GaussMarkov2(Spectral):
     amplitude = "sigma"
 
     def grid(self, fs, duration):
-        return [Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)]
+        return [
+            Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)
+        ]

@@ -1,4 +1,5 @@
 """Jitter of the time stamps."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -28,10 +29,23 @@ class Jitter(Effect):
             return None
         n = len(late)
         low = 1.4826 * float(np.median(np.abs(late - np.median(late))))
-        found = Finding(self, Process(sd=sd), 50.0, f"timing: the stamps scatter by {1e3 * sd:.3g} ms around an even clock",
-                        {"sd": [sd * (1 - 1.96 / np.sqrt(2 * n)), sd * (1 + 1.96 / np.sqrt(2 * n))]})
+        found = Finding(
+            self,
+            Process(sd=sd),
+            50.0,
+            f"timing: the stamps scatter by {1e3 * sd:.3g} ms around an even clock",
+            {"sd": [sd * (1 - 1.96 / np.sqrt(2 * n)), sd * (1 + 1.96 / np.sqrt(2 * n))]},
+        )
         rho = float(np.corrcoef(late[:-1], late[1:])[0, 1])
         excess = float(np.mean((late / sd) ** 4) - 3)
-        if abs(rho) > 0.1 + 5 / np.sqrt(n) and norm.sf(abs(rho) * np.sqrt(n)) < 1e-6 and sd < 0.2 / record.rate or abs(low / sd - 1) > 0.3 or excess > 3:
-            found.doubt = "timing: the stamps wander or come in bursts; that is no independent normal jitter"
+        if (
+            abs(rho) > 0.1 + 5 / np.sqrt(n)
+            and norm.sf(abs(rho) * np.sqrt(n)) < 1e-6
+            and sd < 0.2 / record.rate
+            or abs(low / sd - 1) > 0.3
+            or excess > 3
+        ):
+            found.doubt = (
+                "timing: the stamps wander or come in bursts; that is no independent normal jitter"
+            )
         return found

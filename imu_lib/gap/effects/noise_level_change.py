@@ -1,4 +1,5 @@
 """A change of the noise level at one instant."""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -18,17 +19,21 @@ def energies(y, fs, seconds: float):
     """Mean square of a white series in blocks, and the degrees of freedom of each."""
     m = max(1, int(round(seconds * fs)))
     k = len(y) // m
-    return np.mean((y[:k * m] ** 2).reshape(k, m), axis=1), m
+    return np.mean((y[: k * m] ** 2).reshape(k, m), axis=1), m
 
 
 def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
-    """(log10 of the p-value, where) of the worst scale at which the mean square wanders more than chance; None below three blocks.
+    """(log10 of the p-value, where) of the worst scale at which the mean square wanders more than
+    chance; None below three blocks.
 
-    `independent` is the share of the samples that are independent of one another. Two tests at each scale: dispersion of the
+    `independent` is the share of the samples that are independent of one another. Two tests at
+    each scale: dispersion of the
     block energies, and the largest line in their periodogram.
     """
     worst = (0.0, "")
-    kurt = max(np.mean(y**4) / np.mean(y**2) ** 2 - 1.0, 0.5)          # variance of y^2 in units of its mean
+    kurt = max(
+        np.mean(y**4) / np.mean(y**2) ** 2 - 1.0, 0.5
+    )  # variance of y^2 in units of its mean
     for seconds in SCALES:
         e, m = energies(y, fs, seconds)
         k, m = len(e), m * independent
@@ -36,23 +41,29 @@ def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
             continue
         z = (e / e.mean() - 1.0) * np.sqrt(m / kurt)
         log_p = chi2.logsf(np.sum(z**2), k - 1) / np.log(10)
-        line = np.abs(np.fft.rfft(z - z.mean()))[1:(k + 1) // 2] ** 2 / k       # the last ordinate of an even number has no phase
+        line = (
+            np.abs(np.fft.rfft(z - z.mean()))[1 : (k + 1) // 2] ** 2 / k
+        )  # the last ordinate of an even number has no phase
         log_line = (np.log(len(line)) - line.max()) / np.log(10)
         low = min(log_p, log_line)
         if low < worst[0]:
             wander, chance = 100 * np.std(e) / e.mean(), 100 * np.sqrt(kurt / m)
-            worst = (low, f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where chance allows {chance:.2g} %")
+            worst = (
+                low,
+                f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where chance allows {chance:.2g} %",
+            )
     return worst if worst[1] else None
 
 
 def change_point(y, independent: float = 1.0):
     """(gain, index, ratio) of the best single change of variance of a white series, to the sample.
 
-    Where the series has heavier shoulders than a normal one (a few levels of a coarse grid), its energy scatters more and
+    Where the series has heavier shoulders than a normal one (a few levels of a coarse grid), its
+    energy scatters more and
     the gain counts for less.
     """
     n = len(y)
-    square = np.minimum(y**2, 25.0)                       # a spike that was left over is no change of level
+    square = np.minimum(y**2, 25.0)  # a spike that was left over is no change of level
     c = np.cumsum(square)
     total = c[-1]
     edge = max(20, n // 400)
@@ -61,7 +72,11 @@ def change_point(y, independent: float = 1.0):
     gain = 0.5 * (n * np.log(total / n) - k * np.log(a) - (n - k) * np.log(b))
     i = int(np.argmax(gain))
     kurt = np.mean((square / np.where(np.arange(n) < k[i], a[i], b[i])) ** 2) - 1.0
-    return float(independent * gain[i] * 2.0 / max(kurt, 2.0)), int(k[i]), float(np.sqrt(b[i] / a[i]))
+    return (
+        float(independent * gain[i] * 2.0 / max(kurt, 2.0)),
+        int(k[i]),
+        float(np.sqrt(b[i] / a[i])),
+    )
 
 
 class NoiseLevelChange(Effect):
@@ -74,16 +89,27 @@ class NoiseLevelChange(Effect):
         gain, k, ratio = change_point(y, independent)
         if gain < 13:
             return None
-        if held is not None and abs(np.log(ratio / held.ratio)) < 0.05 and abs(k / fs - held.time) < 5:
+        if (
+            held is not None
+            and abs(np.log(ratio / held.ratio)) < 0.05
+            and abs(k / fs - held.time) < 5
+        ):
             return None
         n = len(y)
         sd = np.sqrt((0.5 / k + 0.5 / (n - k)) / independent)
         slack = self._time_slack(y, k, independent)
         after = y.copy()
         after[k:] /= ratio
-        found = Finding(self, Stage(ratio=ratio, time=k / fs), gain,
-                        f"variance of the innovations: {20 * np.log10(ratio):+.2f} dB from {k / fs:.1f} s on",
-                        {"ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)], "time": [(k - slack) / fs, (k + slack) / fs]})
+        found = Finding(
+            self,
+            Stage(ratio=ratio, time=k / fs),
+            gain,
+            f"variance of the innovations: {20 * np.log10(ratio):+.2f} dB from {k / fs:.1f} s on",
+            {
+                "ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)],
+                "time": [(k - slack) / fs, (k + slack) / fs],
+            },
+        )
         left = unsteady(after, fs, independent)
         if left is not None and left[0] < -5:
             found.doubt = left[1]
@@ -91,7 +117,8 @@ class NoiseLevelChange(Effect):
 
     @staticmethod
     def anchored(found: Finding, y, fs, level: float, independent: float = 1.0) -> Finding:
-        """The change measured from the given model's level where the noise before it has that level.
+        """The change measured from the given model's level where the noise before it has that
+        level.
 
         `level` is the variance of `y` as a multiple of the model's.
         """
@@ -100,12 +127,20 @@ class NoiseLevelChange(Effect):
         if abs(before - 1.0) > 4.0 * np.sqrt(2.0 / (k * independent)):
             return found
         ratio, sd = float(np.sqrt(after)), np.sqrt(0.5 / ((len(y) - k) * independent))
-        return replace(found, process=found.process.with_(ratio=ratio),
-                       intervals={**found.intervals, "ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)]})
+        return replace(
+            found,
+            process=found.process.with_(ratio=ratio),
+            intervals={
+                **found.intervals,
+                "ratio": [ratio * np.exp(-1.96 * sd), ratio * np.exp(1.96 * sd)],
+            },
+        )
 
     @staticmethod
     def _time_slack(y, k, independent) -> float:
-        """Half width, in samples, of the range of change points within 2.5 of the best log-likelihood."""
+        """Half width, in samples, of the range of change points within 2.5 of the best
+        log-likelihood.
+        """
         n = len(y)
         c = np.cumsum(y**2)
         edge = max(20, n // 400)

@@ -1,4 +1,5 @@
 """Increments of a rounded angle or velocity are read out."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -18,8 +19,16 @@ class Quantization(Spectral):
     def grid(self, fs, duration):
         return [Process(Q=1.0)]
 
-    def on_grid(self, process: Process, step: float, levels: int, doubt: str | None = None) -> Finding:
+    def on_grid(
+        self, process: Process, step: float, levels: int, doubt: str | None = None
+    ) -> Finding:
         """What is found where the grid of the output, of a `step`, is that of a rounded integral."""
-        return Finding(self, process, np.inf,
-                       f"power spectral density rising as the square of the frequency, and {levels} distinct samples on a grid of step {step:.4g}: "
-                       "increments of a rounded integral", {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]}, doubt=doubt)
+        return Finding(
+            self,
+            process,
+            np.inf,
+            f"power spectral density rising as the square of the frequency, and {levels} distinct samples on a grid of step {step:.4g}: "
+            "increments of a rounded integral",
+            {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]},
+            doubt=doubt,
+        )

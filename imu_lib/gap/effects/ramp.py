@@ -1,4 +1,5 @@
 """A bias that runs away in a straight line."""
+
 from __future__ import annotations
 
 from imu_lib.processes import Ramp as Process

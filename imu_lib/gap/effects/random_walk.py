@@ -1,4 +1,5 @@
 """Slow ageing and unresolved environment."""
+
 from __future__ import annotations
 
 from imu_lib.processes import RandomWalk as Process

@@ -1,4 +1,5 @@
 """Rounding to a grid."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -12,17 +13,19 @@ MOST = 0.97
 
 
 def grid_of(x) -> tuple[float, float] | None:
-    """(step, offset) of the grid that the samples lie on, all but a few per cent, or None where they are continuous."""
+    """(step, offset) of the grid that the samples lie on, all but a few per cent, or None where
+    they are continuous.
+    """
     u, count = np.unique(x, return_counts=True)
     again = count > 1
-    if count[again].sum() > MOST * len(x):                  # spikes may be added behind the rounding
+    if count[again].sum() > MOST * len(x):  # spikes may be added behind the rounding
         u = u[again]
     if len(u) < 2 or len(u) > len(x) / 6:
         return None
     gap = np.diff(u)
     gap = gap[gap > 1e-7 * np.median(gap) + 4 * np.spacing(np.abs(u).max())]
     step = float(gap.min())
-    for _ in range(2):                                  # refine: the least gap carries the rounding of two numbers
+    for _ in range(2):  # refine: the least gap carries the rounding of two numbers
         k = np.rint((u - u[0]) / step)
         if k[-1] < 1:
             return None
@@ -35,11 +38,15 @@ def grid_of(x) -> tuple[float, float] | None:
 
 class Resolution(Effect):
     name = "resolution"
-    cause = "The analogue-to-digital converter, or the number format of the output, rounds to a step."
+    cause = (
+        "The analogue-to-digital converter, or the number format of the output, rounds to a step."
+    )
     domain = "distribution"
 
     def detect(self, x, sd: float, held: float | None) -> Finding | None:
-        """`sd` is the standard deviation of the fast noise, `held` the step that the base model has."""
+        """`sd` is the standard deviation of the fast noise, `held` the step that the base model
+        has.
+        """
         found = grid_of(x)
         if found is None:
             return None
@@ -48,11 +55,16 @@ class Resolution(Effect):
         if held is not None and abs(step / held - 1) < 0.02:
             return None
         if step < sd / 100 or (step <= 4 * single and step < sd / 20):
-            return None                                 # the number format of the file, not the sensor
+            return None  # the number format of the file, not the sensor
         levels = len(np.unique(x))
-        return Finding(self, Stage(lsb=step), np.inf,
-                       f"distribution of the samples: {levels} distinct values, all on a grid of step {step:.4g}",
-                       {"lsb": [step * (1 - 1e-6), step * (1 + 1e-6)]}, doubt=missing_codes(x, step))
+        return Finding(
+            self,
+            Stage(lsb=step),
+            np.inf,
+            f"distribution of the samples: {levels} distinct values, all on a grid of step {step:.4g}",
+            {"lsb": [step * (1 - 1e-6), step * (1 + 1e-6)]},
+            doubt=missing_codes(x, step),
+        )
 
 
 def missing_codes(x, step) -> str | None:
@@ -64,7 +76,8 @@ def missing_codes(x, step) -> str | None:
     if len(count) < 8:
         return None
     inner = count[2:-2]
-    # the logarithm of a rounded normal's occupation is a parabola: each level against what its neighbours foretell
+    # the logarithm of a rounded normal's occupation is a parabola: each level against what its
+    # neighbours foretell
     log = np.log(count + 0.5)
     want = np.exp((-log[:-4] + 4 * log[1:-3] + 4 * log[3:-1] - log[4:]) / 6)
     near = np.minimum.reduce([count[:-4], count[1:-3], count[3:-1], count[4:]])

@@ -1,4 +1,5 @@
 """Clipping at the ends of the range."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -14,7 +15,7 @@ def _piled(x, step, side) -> float:
     top = y.max()
     at = np.flatnonzero(y > top - 0.5 * step) if step else np.flatnonzero(y == top)
     visits = 1 + np.count_nonzero(np.diff(at) > 1)
-    if visits < 3:                                        # one frozen value is no rail
+    if visits < 3:  # one frozen value is no rail
         return 0.0
     if step is None:
         return 12.0 * (visits - 1)
@@ -22,13 +23,28 @@ def _piled(x, step, side) -> float:
     h = np.bincount(k[k < 4], minlength=4).astype(float)
     if h[0] < 8:
         return 0.0
-    # the logarithm of a rounded normal's occupation is concave: the last level is below the line of the two before it
+    # the logarithm of a rounded normal's occupation is concave: the last level is below the line
+    # of the two before it
     want = (h[1] + 0.5) ** 2 / (h[2] + 0.5)
-    want = min(want + 2 * want * np.sqrt(4 / (h[1] + 0.5) + 1 / (h[2] + 0.5)), h[1] + 3 * np.sqrt(h[1] + 1)) + 0.5
+    want = (
+        min(
+            want + 2 * want * np.sqrt(4 / (h[1] + 0.5) + 1 / (h[2] + 0.5)),
+            h[1] + 3 * np.sqrt(h[1] + 1),
+        )
+        + 0.5
+    )
     over = float(h[0] * np.log(h[0] / want) - (h[0] - want)) if h[0] > want else 0.0
-    # coarse steps hide the pile in the level's own width: but the level beyond, foretold by a parabola through the three before, is empty
+    # coarse steps hide the pile in the level's own width: but the level beyond, foretold by a
+    # parabola through the three before, is empty
     log = np.log(h[1:] + 0.5)
-    beyond = float(np.exp(6 * log[0] - 8 * log[1] + 3 * log[2] - 2 * np.sqrt(36 / (h[1] + 0.5) + 64 / (h[2] + 0.5) + 9 / (h[3] + 0.5))))
+    beyond = float(
+        np.exp(
+            6 * log[0]
+            - 8 * log[1]
+            + 3 * log[2]
+            - 2 * np.sqrt(36 / (h[1] + 0.5) + 64 / (h[2] + 0.5) + 9 / (h[3] + 0.5))
+        )
+    )
     return max(over, beyond if beyond >= 12 else 0.0)
 
 
@@ -52,14 +68,27 @@ class Saturation(Effect):
         if high >= 12 and low >= 12 and abs(top + bottom) > tolerance:
             stage = Stage(limit=top, low=bottom)
         elif high >= 12:
-            stage = Stage(limit=top) if bottom > -top - half or low >= 12 else Stage(limit=top, low=bottom - abs(top - bottom))
+            stage = (
+                Stage(limit=top)
+                if bottom > -top - half or low >= 12
+                else Stage(limit=top, low=bottom - abs(top - bottom))
+            )
         else:
-            stage = Stage(limit=-bottom) if -bottom >= top else Stage(limit=top + abs(top - bottom), low=bottom)
+            stage = (
+                Stage(limit=-bottom)
+                if -bottom >= top
+                else Stage(limit=top + abs(top - bottom), low=bottom)
+            )
         above = x >= top - 1e-9 * abs(top) if high >= 12 else np.zeros(len(x), bool)
         below = x <= bottom + 1e-9 * abs(bottom) if low >= 12 else np.zeros(len(x), bool)
         share = (above.sum() + below.sum()) / len(x)
         ends = " and ".join(f"{v:.5g}" for v, on in ((top, high >= 12), (bottom, low >= 12)) if on)
-        found = Finding(self, stage, max(high, low), f"distribution of the samples: {100 * share:.3g} % of them sit exactly at the end of the range, {ends}",
-                        {"limit": sorted([stage.limit - half, stage.limit + half])})
+        found = Finding(
+            self,
+            stage,
+            max(high, low),
+            f"distribution of the samples: {100 * share:.3g} % of them sit exactly at the end of the range, {ends}",
+            {"limit": sorted([stage.limit - half, stage.limit + half])},
+        )
         found.mask = np.where(above, 1, np.where(below, -1, 0)).astype(np.int8)
         return found

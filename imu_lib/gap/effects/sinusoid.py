@@ -1,4 +1,5 @@
 """Spectral lines."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -12,12 +13,15 @@ from .base import Effect, Finding
 
 #: First ordinate that is searched: slower oscillations are drifts.
 FIRST = 32
-#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in two of a thousand channels of an hour at 100 Hz (Rice).
+#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in two of a thousand
+#: channels of an hour at 100 Hz (Rice).
 THRESHOLD = 20.0
 
 
 def local_level(power, layout) -> np.ndarray:
-    """A level around every ordinate that lines do not lift: running medians, wider the higher the frequency."""
+    """A level around every ordinate that lines do not lift: running medians, wider the higher the
+    frequency.
+    """
     n = len(power)
     out = np.empty(n)
     edges = [0, 64, 512, 4096, max(n, 4097)]
@@ -27,7 +31,7 @@ def local_level(power, layout) -> np.ndarray:
         b = min(b, n)
         width = {0: 15, 64: 41, 512: 151}.get(a, 601)
         lo, hi = max(0, a - width), min(n, b + width)
-        out[a:b] = median_filter(power[lo:hi], width, mode="reflect")[a - lo:b - lo] / np.log(2)
+        out[a:b] = median_filter(power[lo:hi], width, mode="reflect")[a - lo : b - lo] / np.log(2)
     return out
 
 
@@ -37,11 +41,13 @@ class Sinusoid(Effect):
     domain = "lines"
 
     def strongest(self, data, level):
-        """Frequencies (Hz) and power over level of the strongest lines, on a grid twice as fine as the ordinates."""
+        """Frequencies (Hz) and power over level of the strongest lines, on a grid twice as fine as
+        the ordinates.
+        """
         n, size = data.n, 2 * fast.padded(data.n)
         z = rfft(fast.taper(n) * (data.x - fast._bridge(data.x)), size)
-        ratio = np.abs(z) ** 2 * (2.0 / n / data.fs) / np.repeat(level, 2)[:len(z)]
-        ratio[:2 * FIRST] = 0.0
+        ratio = np.abs(z) ** 2 * (2.0 / n / data.fs) / np.repeat(level, 2)[: len(z)]
+        ratio[: 2 * FIRST] = 0.0
         ratio[-16:] = 0.0
         i = int(np.argmax(ratio))
         return i * data.fs / size, float(ratio[i])
@@ -57,7 +63,9 @@ class Sinusoid(Effect):
         # demodulate into ~256 pieces around the trial frequency, then work on those
         pieces = min(n, 512)
         m = n // pieces
-        base = (x * w * np.exp(-2j * np.pi * f / fs * t))[:pieces * m].reshape(pieces, m).sum(axis=1)
+        base = (
+            (x * w * np.exp(-2j * np.pi * f / fs * t))[: pieces * m].reshape(pieces, m).sum(axis=1)
+        )
         middle = (np.arange(pieces) + 0.5) * m / fs
         offsets = np.linspace(-width, width, 61)
         for _ in range(3):
@@ -71,10 +79,14 @@ class Sinusoid(Effect):
         coef, *_ = np.linalg.lstsq(a.T @ a, a.T @ (x * w), rcond=None)
         amplitude = float(np.hypot(*coef))
         phase = float(np.arctan2(coef[1], coef[0]))
-        return Process(amplitude=amplitude, frequency=float(f), phase=phase), amplitude * np.sin(e + phase)
+        return Process(amplitude=amplitude, frequency=float(f), phase=phase), amplitude * np.sin(
+            e + phase
+        )
 
     def doubt(self, data, process, level) -> str | None:
-        """Why the line is not one steady sinusoid, or None: power left beside it, or an amplitude that changes."""
+        """Why the line is not one steady sinusoid, or None: power left beside it, or an amplitude
+        that changes.
+        """
         size = fast.padded(data.n)
         i = int(round(process.frequency * size / data.fs))
         z2 = np.abs(data.z) ** 2 / data.fs
@@ -98,7 +110,9 @@ class Sinusoid(Effect):
             size = fast.padded(data.n)
             i = min(int(round(f * size / data.fs)), len(level) - 1)
             clean = data.minus(signal)
-            density = max(level[i], *(_around(data, i, level[i], reach) for reach in (30, min(400, i // 3))))
+            density = max(
+                level[i], *(_around(data, i, level[i], reach) for reach in (30, min(400, i // 3)))
+            )
             gain = process.amplitude**2 * data.n / (2 * data.fs * density)
             if gain < threshold:
                 break
@@ -106,16 +120,29 @@ class Sinusoid(Effect):
             sd_a = np.sqrt(density * data.fs / data.n)
             snr = process.amplitude / sd_a
             sd_f = np.sqrt(6) / (np.pi * data.duration * snr)
-            item = Finding(self, process, float(gain), f"power spectral density at {process.frequency:.6g} Hz, {decibel:.0f} dB above the simulated level",
-                           {"amplitude": [process.amplitude - 1.96 * sd_a, process.amplitude + 1.96 * sd_a],
-                            "frequency": [process.frequency - 1.96 * sd_f, process.frequency + 1.96 * sd_f],
-                            "phase": [process.phase - 3.92 / snr, process.phase + 3.92 / snr]})
+            item = Finding(
+                self,
+                process,
+                float(gain),
+                f"power spectral density at {process.frequency:.6g} Hz, {decibel:.0f} dB above the simulated level",
+                {
+                    "amplitude": [process.amplitude - 1.96 * sd_a, process.amplitude + 1.96 * sd_a],
+                    "frequency": [process.frequency - 1.96 * sd_f, process.frequency + 1.96 * sd_f],
+                    "phase": [process.phase - 3.92 / snr, process.phase + 3.92 / snr],
+                },
+            )
             item.doubt = self.doubt(clean, process, level)
-            near = any(abs(other.process.frequency - process.frequency) < 20 * data.fs / size for other, _ in found)
+            near = any(
+                abs(other.process.frequency - process.frequency) < 20 * data.fs / size
+                for other, _ in found
+            )
             if near:
                 for other, _ in found:
                     if abs(other.process.frequency - process.frequency) < 20 * data.fs / size:
-                        other.doubt = other.doubt or f"power spectral density around {process.frequency:.5g} Hz: several lines beside one another"
+                        other.doubt = (
+                            other.doubt
+                            or f"power spectral density around {process.frequency:.5g} Hz: several lines beside one another"
+                        )
                 data = clean
                 continue
             found.append((item, signal))
@@ -125,16 +152,30 @@ class Sinusoid(Effect):
 
 
 def _around(data, i: int, level: float, reach: int) -> float:
-    """Mean density of the ordinates around a line: the line's own left out, other lines cut down to 12 times the level."""
-    near = np.concatenate([np.arange(max(1, i - reach), i - 2), np.arange(i + 3, min(len(data.z), i + reach + 1))])
+    """Mean density of the ordinates around a line: the line's own left out, other lines cut down
+    to 12 times the level.
+    """
+    near = np.concatenate(
+        [np.arange(max(1, i - reach), i - 2), np.arange(i + 3, min(len(data.z), i + reach + 1))]
+    )
     return float(np.mean(np.minimum(np.abs(data.z[near]) ** 2 / data.fs, 12.0 * level)))
 
 
 def _harmonics(found):
-    """Lines at whole multiples of one frequency are one periodic signal that is not a sinusoid; so are three of whole hertz."""
-    beats = [item for item, _ in found if item.process.frequency > 0.5 and abs(item.process.frequency - round(item.process.frequency)) < 3e-3]
+    """Lines at whole multiples of one frequency are one periodic signal that is not a sinusoid; so
+    are three of whole hertz.
+    """
+    beats = [
+        item
+        for item, _ in found
+        if item.process.frequency > 0.5
+        and abs(item.process.frequency - round(item.process.frequency)) < 3e-3
+    ]
     for item in beats if len(beats) >= 3 else ():
-        item.doubt = item.doubt or f"power spectral density at {item.process.frequency:.4g} Hz and other whole hertz: something that happens once a second"
+        item.doubt = (
+            item.doubt
+            or f"power spectral density at {item.process.frequency:.4g} Hz and other whole hertz: something that happens once a second"
+        )
     for item, _ in found:
         for other, _ in found:
             if other is item:

@@ -1,4 +1,5 @@
 """An oscillation too slow to be a line of the spectrum."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -27,21 +28,40 @@ class SlowSinusoid(Drift):
         cycles = np.arange(FEWEST, FIRST + 1.25, 0.5)
         if cycles[-1] > 0.4 * data.k:
             return []
-        return [Process(amplitude=1.0, frequency=float(c / data.duration), phase=float(p))
-                for c in cycles for p in np.arange(PHASES) * np.pi / PHASES]
+        return [
+            Process(amplitude=1.0, frequency=float(c / data.duration), phase=float(p))
+            for c in cycles
+            for p in np.arange(PHASES) * np.pi / PHASES
+        ]
 
     def around(self, process, data, reach, points):
         # the phase in the middle of the record hangs least on the frequency
         low, high = np.exp(self.bounds(data))
-        f = np.unique(np.clip(process.frequency + np.linspace(-reach, reach, points) * 0.5 / data.duration, low, high))
+        f = np.unique(
+            np.clip(
+                process.frequency + np.linspace(-reach, reach, points) * 0.5 / data.duration,
+                low,
+                high,
+            )
+        )
         turn = np.pi * (process.frequency - f) * data.duration
-        shift = np.linspace(-reach, reach, 9 if points < 100 else 1) * np.pi / PHASES * (points < 100)
-        return [process.with_(frequency=float(v), phase=float(np.mod(process.phase + t + s, 2 * np.pi))) for v, t in zip(f, turn) for s in shift]
+        shift = (
+            np.linspace(-reach, reach, 9 if points < 100 else 1) * np.pi / PHASES * (points < 100)
+        )
+        return [
+            process.with_(frequency=float(v), phase=float(np.mod(process.phase + t + s, 2 * np.pi)))
+            for v, t in zip(f, turn)
+            for s in shift
+        ]
 
     def upright(self, process):
         return process.with_(phase=float(np.mod(process.phase + np.pi, 2 * np.pi)))
 
     def penalty(self, data, snr):
-        # Cramer-Rao: sd of the frequency sqrt(12) / (2 pi T snr), of the phase 1 / snr; uniform before the record is seen
+        # Cramer-Rao: sd of the frequency sqrt(12) / (2 pi T snr), of the phase 1 / snr; uniform
+        # before the record is seen
         snr = max(snr, 1.0)
-        return float(np.log(np.sqrt(12 / (2 * np.pi)) / snr / (FIRST - FEWEST)) - np.log(np.sqrt(2 * np.pi) * snr))
+        return float(
+            np.log(np.sqrt(12 / (2 * np.pi)) / snr / (FIRST - FEWEST))
+            - np.log(np.sqrt(2 * np.pi) * snr)
+        )

@@ -1,4 +1,5 @@
 """Single samples thrown off."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -13,32 +14,47 @@ from .base import Effect, Finding
 
 #: From here on a surprise is looked at as a spike of its own, standard deviations.
 OUTLIER = 5.0
-#: Samples that a spike makes surprising, on the mean, from which on the smallest are not counted one by one.
+#: Samples that a spike makes surprising, on the mean, from which on the smallest are not counted
+#: one by one.
 TRACES = 3.0
-#: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two normals does not fill them.
-EDGES, SHAPE = np.array([1.0, 1.5, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.5, 5.0, 6.0, 8.0, 11.0, 15.0, np.inf]), -5.0
+#: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two
+#: normals does not fill them.
+EDGES, SHAPE = (
+    np.array([1.0, 1.5, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.5, 5.0, 6.0, 8.0, 11.0, 15.0, np.inf]),
+    -5.0,
+)
 
 
 def mixture(y):
-    """(gain, probability, scale, curvature) of the best mixture of N(0, 1) and N(0, 1 + scale^2) for the surprises `y`."""
+    """(gain, probability, scale, curvature) of the best mixture of N(0, 1) and N(0, 1 + scale^2)
+    for the surprises `y`.
+    """
     s = 1.4826 * np.median(np.abs(y[::7]))
     y2 = np.sort((y / s) ** 2)
     n = len(y2)
     cut = max(n - n // 20, 0)
-    far, near = y2[cut:], y2[:cut:max(1, cut // 4000)]
+    far, near = y2[cut:], y2[: cut : max(1, cut // 4000)]
     weight = cut / max(len(near), 1)
 
     def loss(v):
         p, a = 1 / (1 + np.exp(-v[0])), np.exp(2 * v[1])
+
         def ll(z):
             return np.logaddexp(np.log1p(-p), np.log(p) - 0.5 * np.log1p(a) + 0.5 * z * a / (1 + a))
+
         return -(ll(far).sum() + weight * ll(near).sum())
+
     best = None
     outliers = far[far > OUTLIER**2]
     k = max(len(outliers), 1)
     scale = np.sqrt(np.mean(outliers)) if len(outliers) else 5.0
     for p0, s0 in ((k / n * 1.5, scale), (0.02, 2.0)):
-        r = minimize(loss, [np.log(p0 / (1 - p0)), np.log(max(s0, 1.0))], method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-2, "maxiter": 200})
+        r = minimize(
+            loss,
+            [np.log(p0 / (1 - p0)), np.log(max(s0, 1.0))],
+            method="Nelder-Mead",
+            options={"xatol": 1e-3, "fatol": 1e-2, "maxiter": 200},
+        )
         if best is None or r.fun < best.fun:
             best = r
     return -best.fun, 1 / (1 + np.exp(-best.x[0])), float(np.exp(best.x[1])), s
@@ -47,7 +63,8 @@ def mixture(y):
 def exceedances(y, s):
     """As `mixture`, from the surprises beyond `OUTLIER` times `s` alone.
 
-    In strongly coloured noise a spike too small to be taken out on its own leaves traces on many samples, which the shoulders
+    In strongly coloured noise a spike too small to be taken out on its own leaves traces on many
+    samples, which the shoulders
     would count as spikes of their own.
     """
     far = np.abs(y[np.abs(y) > OUTLIER * s]) / s
@@ -58,24 +75,34 @@ def exceedances(y, s):
     def loss(log_scale):
         wide = np.sqrt(1 + np.exp(2 * log_scale))
         return k * (np.log(wide) + log_ndtr(-OUTLIER / wide)) + 0.5 * np.sum(far**2) / wide**2
-    scale = float(np.exp(minimize_scalar(loss, method="bounded", bounds=(0.0, np.log(4 * far.max()))).x))
+
+    scale = float(
+        np.exp(minimize_scalar(loss, method="bounded", bounds=(0.0, np.log(4 * far.max()))).x)
+    )
     wide = np.sqrt(1 + scale**2)
     p = min(k / n / (2 * ndtr(-OUTLIER / wide)), 0.2)
-    gain = np.sum(np.logaddexp(np.log1p(-p), np.log(p) - np.log(wide) + 0.5 * (far * scale / wide) ** 2))
+    gain = np.sum(
+        np.logaddexp(np.log1p(-p), np.log(p) - np.log(wide) + 0.5 * (far * scale / wide) ** 2)
+    )
     return float(gain), p, scale, s
 
 
 def shape(height, tail) -> float:
-    """log10 of the p-value of the heights from one standard deviation on against `tail`, the share expected beyond each.
+    """log10 of the p-value of the heights from one standard deviation on against `tail`, the share
+    expected beyond each.
 
-    Two per cent of every class are allowed for the whitening, and fifteen for what is missing: differenced rounding errors
+    Two per cent of every class are allowed for the whitening, and fifteen for what is missing:
+    differenced rounding errors
     are flatter than normal ones.
     """
     count = np.histogram(height, EDGES)[0]
     beyond = np.array([tail(e) for e in EDGES[:-1]] + [0.0])
     want = len(height) * -np.diff(beyond)
     slack = np.where(count < want, 0.15, 0.02)
-    return float(chi2.logsf(np.sum((count - want) ** 2 / (want + 1.0 + (slack * want) ** 2)), len(want) - 3) / np.log(10))
+    return float(
+        chi2.logsf(np.sum((count - want) ** 2 / (want + 1.0 + (slack * want) ** 2)), len(want) - 3)
+        / np.log(10)
+    )
 
 
 class Spikes(Effect):
@@ -92,18 +119,31 @@ class Spikes(Effect):
         if traces:
             gain, p, scale, s = exceedances(y, loudest(y))
         hit = np.flatnonzero(np.abs(y) > OUTLIER * s)
-        if gain < 14 or len(hit) < 2 or scale < 2.5:      # a broader shoulder is another distribution, not spikes
+        if (
+            gain < 14 or len(hit) < 2 or scale < 2.5
+        ):  # a broader shoulder is another distribution, not spikes
             return None
         sd = s * np.sqrt(smooth.conditional_variance)
         rate, height = p * smooth.fs, scale * sd
-        if held is not None and abs(rate / held.rate - 1) < 0.3 and abs(height / held.scale - 1) < 0.3:
+        if (
+            held is not None
+            and abs(rate / held.rate - 1) < 0.3
+            and abs(height / held.scale - 1) < 0.3
+        ):
             return None
         count = max(len(hit) if traces else p * len(y), 1.0)
         a, b = 1.96 / np.sqrt(count), 1.96 / np.sqrt(2 * count)
-        found = Finding(self, Stage(rate=rate, scale=height), gain,
-                        f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard deviations, "
-                        f"the furthest at {np.abs(y).max() / s:.3g}",
-                        {"rate": [rate * np.exp(-a), rate * np.exp(a)], "scale": [height * np.exp(-b), height * np.exp(b)]})
+        found = Finding(
+            self,
+            Stage(rate=rate, scale=height),
+            gain,
+            f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard deviations, "
+            f"the furthest at {np.abs(y).max() / s:.3g}",
+            {
+                "rate": [rate * np.exp(-a), rate * np.exp(a)],
+                "scale": [height * np.exp(-b), height * np.exp(b)],
+            },
+        )
         # a sample is a spike where the mixture says so with more than even odds
         z2 = (y / s) ** 2
         odds = np.log(p / (1 - p)) - 0.5 * np.log1p(scale**2) + 0.5 * z2 * scale**2 / (1 + scale**2)
@@ -119,9 +159,11 @@ class Spikes(Effect):
         if k < 12:
             return None
         wide = np.sqrt(1 + scale**2)
+
         # heights beyond the threshold against the two normals of the mixture
         def tail(a):
             return (1 - p) * 2 * ndtr(-a) + p * 2 * ndtr(-a / wide)
+
         if kstest(1 - tail(np.abs(y[hit])) / tail(OUTLIER), "uniform").pvalue < 1e-4:
             return "distribution of the innovations: the heights of the outliers are not normal"
         positive = np.count_nonzero(y[hit] > 0)

@@ -1,4 +1,5 @@
 """A jump of the bias."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -10,12 +11,17 @@ from .base import Drift
 
 class Step(Drift):
     name = "step"
-    cause = "Stress that is released, a connector, a change of range: the bias jumps once and stays."
+    cause = (
+        "Stress that is released, a connector, a change of range: the bias jumps once and stays."
+    )
     shape = "time"
     sharp = True
 
     def candidates(self, data):
-        return [Process(amplitude=1.0, time=float(t)) for t in (np.arange(1, data.k + 1) * data.m / data.fs)[1:-1]]
+        return [
+            Process(amplitude=1.0, time=float(t))
+            for t in (np.arange(1, data.k + 1) * data.m / data.fs)[1:-1]
+        ]
 
     def columns(self, processes, data):
         edge = np.array([p.time for p in processes]) * data.fs / data.m
@@ -23,7 +29,11 @@ class Step(Drift):
 
     def around(self, process, data, reach, points):
         block = data.m / data.fs
-        times = np.clip(process.time + np.linspace(-reach, reach, points) * block, 1.5 * block, data.duration - 1.5 * block)
+        times = np.clip(
+            process.time + np.linspace(-reach, reach, points) * block,
+            1.5 * block,
+            data.duration - 1.5 * block,
+        )
         return [process.with_(time=float(t)) for t in np.unique(times)]
 
     def penalty(self, data, snr):
@@ -32,9 +42,11 @@ class Step(Drift):
 
 
 def sharpen(x, fs, time: float, block: float, amplitude: float, density: float):
-    """(time, low, high) of an edge near `time`, found to the sample by least squares of two levels in a local window.
+    """(time, low, high) of an edge near `time`, found to the sample by least squares of two levels
+    in a local window.
 
-    `density` is N^2 of the white noise around it. The edge stays where it is if the jump does not stand out locally.
+    `density` is N^2 of the white noise around it. The edge stays where it is if the jump does not
+    stand out locally.
     """
     reach = int(round(2 * block * fs))
     i = int(round(time * fs))

@@ -1,4 +1,5 @@
 """Samples that repeat a frozen value."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -18,11 +19,14 @@ def runs(x) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _least(length, chance) -> tuple[float, float]:
-    """The length from which on most runs are frozen samples, given the runs of a simulation that only rounds, and how many
+    """The length from which on most runs are frozen samples, given the runs of a simulation that
+    only rounds, and how many
     repeats chance makes in runs of that length or more.
 
-    The longest chance runs are geometric. There have to be so many more that chance makes them once in a hundred thousand
-    records, and it has to account for three in ten at the most; infinite where no length is like that.
+    The longest chance runs are geometric. There have to be so many more that chance makes them
+    once in a hundred thousand
+    records, and it has to account for three in ten at the most; infinite where no length is like
+    that.
     """
     if len(chance) == 0:
         return 1, 0.0
@@ -42,7 +46,8 @@ class Stuck(Effect):
     domain = "distribution"
 
     def detect(self, x, clipped, twin, held) -> Finding | None:
-        """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the noise (None where the
+        """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the
+        noise (None where the
         output is continuous, so that no two neighbours agree by chance)."""
         start, length = runs(x)
         keep = ~clipped[start]
@@ -58,10 +63,17 @@ class Stuck(Effect):
         typical = int(np.median(length))
         mask = np.zeros(len(x), bool)
         for s, k in zip(start, length):
-            mask[s + 1:s + 1 + k] = True
+            mask[s + 1 : s + 1 + k] = True
         fraction = max(repeats - chance, 1.0) / len(x)
         spread = 1.96 / np.sqrt(len(start))
-        return Finding(self, Stage(fraction=fraction, length=typical), 10.0 * repeats,
-                       f"distribution of the samples: {len(start)} runs of equal values, the longest {int(length.max()) + 1} samples",
-                       {"fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],
-                        "length": [float(np.quantile(length, 0.025)), float(np.quantile(length, 0.975))]}, mask=mask)
+        return Finding(
+            self,
+            Stage(fraction=fraction, length=typical),
+            10.0 * repeats,
+            f"distribution of the samples: {len(start)} runs of equal values, the longest {int(length.max()) + 1} samples",
+            {
+                "fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],
+                "length": [float(np.quantile(length, 0.025)), float(np.quantile(length, 0.975))],
+            },
+            mask=mask,
+        )

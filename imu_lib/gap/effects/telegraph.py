@@ -1,4 +1,5 @@
 """Burst noise: a bias that jumps between two levels."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -12,14 +13,16 @@ from .base import Effect
 
 @njit(cache=True, nogil=True)
 def _posterior(y, a, flip, var):
-    """Probability of the upper level and log-likelihood against pure noise of y = a (s - 1/2) + N(0, var)."""
+    """Probability of the upper level and log-likelihood against pure noise of y = a (s - 1/2) +
+    N(0, var).
+    """
     n = len(y)
     alpha = np.empty(n)
     ll = 0.0
     p = 0.5
     for k in range(n):
         q = p * (1 - flip) + (1 - p) * flip
-        odds = a * y[k] / var                              # log of upper to lower, relative to the likelier one: no overflow
+        odds = a * y[k] / var  # log of upper to lower, relative to the likelier one: no overflow
         up, down = (1.0, np.exp(-odds)) if odds > 0 else (np.exp(odds), 1.0)
         total = q * up + (1 - q) * down
         ll += np.log(total) + 0.5 * abs(odds) - a * a / (8 * var)
@@ -43,8 +46,10 @@ def _cosines(x):
 
 
 def _amplitude(y, w, v, var, quiet):
-    """Distance of the two levels by generalised least squares of `y` on the expected states `w` - of variance `v` each - and its
-    standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at each ordinate.
+    """Distance of the two levels by generalised least squares of `y` on the expected states `w` -
+    of variance `v` each - and its
+    standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at
+    each ordinate.
 
     `y` and `w` are given by their cosine transforms.
     """
@@ -55,45 +60,65 @@ def _amplitude(y, w, v, var, quiet):
 def _beyond_spectrum(y, rest, w, a, flip, ll, var, quiet) -> float:
     """Log-likelihood of two levels beyond that of the Gaussian process of the same spectrum.
 
-    The first is a lower bound: the expectation over the paths, of probability `ll` under white noise of variance `var` in
-    `rest` = `y` less its drift, of the likelihood of `y` under the noise with its drift, less their divergence from what
-    the flips foretell. The second is Whittle's, on the same cosine transform. Equal where the noise is white.
+    The first is a lower bound: the expectation over the paths, of probability `ll` under white
+    noise of variance `var` in
+    `rest` = `y` less its drift, of the likelihood of `y` under the noise with its drift, less
+    their divergence from what
+    the flips foretell. The second is Whittle's, on the same cosine transform. Equal where the
+    noise is white.
     """
     n = len(y)
     power, left = _cosines(y)[1:] ** 2, _cosines(y - a * w)[1:] ** 2
     noise = var / np.broadcast_to(quiet, n)[1:]
     unknown = 0.5 * a * a * np.mean(1 / noise) * np.sum(0.25 - w**2)
-    levels = 0.5 * np.sum((power - left) / noise) - unknown + ll - np.sum(a * rest * w - a * a / 8) / var
+    levels = (
+        0.5 * np.sum((power - left) / noise) - unknown + ll - np.sum(a * rest * w - a * a / 8) / var
+    )
     phi = 1 - 2 * flip
-    both = noise + 0.25 * a * a * (1 - phi * phi) / np.abs(1 - phi * np.exp(-1j * np.pi * np.arange(1, n) / n)) ** 2
+    both = (
+        noise
+        + 0.25
+        * a
+        * a
+        * (1 - phi * phi)
+        / np.abs(1 - phi * np.exp(-1j * np.pi * np.arange(1, n) / n)) ** 2
+    )
     return float(levels + 0.5 * np.sum(np.log(both / noise) + power / both - power / noise))
 
 
 class Telegraph(Effect):
     name = "telegraph"
-    cause = "A single trap or contact switches between two states at random (burst or popcorn noise)."
+    cause = (
+        "A single trap or contact switches between two states at random (burst or popcorn noise)."
+    )
     domain = "distribution"
     process = Process
 
     def decode(self, x, fs, start: Process, density: float, drift_gain=None, *, rounds: int = 12):
-        """Two levels by expectation maximisation: (process, signal of shape (n,), expected flips, log-likelihood
-        beyond that of a Gauss-Markov process of the same spectrum, standard deviation of the amplitude), or None.
+        """Two levels by expectation maximisation: (process, signal of shape (n,), expected flips,
+        log-likelihood
+        beyond that of a Gauss-Markov process of the same spectrum, standard deviation of the
+        amplitude), or None.
 
-        `density` is N^2 of the white noise; `drift_gain(size)` is the Wiener gain of the base model's own drift on a
+        `density` is N^2 of the white noise; `drift_gain(size)` is the Wiener gain of the base
+        model's own drift on a
         real transform of `size` points at the decimated rate, or None.
         """
-        # a step is a small part of a dwell, and no longer than it takes to see on which level the signal is
+        # a step is a small part of a dwell, and no longer than it takes to see on which level the
+        # signal is
         seen = 2.0 * density * fs / start.amplitude**2
         q = int(max(1, min(round(fs / (12 * start.rate)), seen, len(x) // 64)))
         k = len(x) // q
-        y = x[:k * q].reshape(k, q).mean(axis=1)
+        y = x[: k * q].reshape(k, q).mean(axis=1)
         y = y - 0.5 * (np.quantile(y, 0.1) + np.quantile(y, 0.9))
         var = density * fs / q
         a, rate, middle = start.amplitude, start.rate, 0.0
         drift = np.zeros(k)
         gain = None if drift_gain is None else drift_gain(2 * k, fs / q)[:k]
         waves = _cosines(y)
-        quiet = 1.0 if gain is None else 1.0 - gain           # share of the noise that is white at each ordinate
+        quiet = (
+            1.0 if gain is None else 1.0 - gain
+        )  # share of the noise that is white at each ordinate
         s = None
         for _ in range(rounds):
             if not (np.isfinite(a) and a > 0):
@@ -110,10 +135,16 @@ class Telegraph(Effect):
             states = _cosines(w)
             a, sd = _amplitude(waves, states, np.mean(s * (1 - s)), var, quiet)
             middle = 0.5 * (high + low)
-            rate = float(np.clip(-0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q, 2.0 * fs / len(x), fs / q / 4))
+            rate = float(
+                np.clip(
+                    -0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q,
+                    2.0 * fs / len(x),
+                    fs / q / 4,
+                )
+            )
             if gain is not None:
                 drift = idct((waves - a * states) * gain, norm="ortho")
-        if not (np.isfinite(a) and a > 0):                # the last round may have lost the levels
+        if not (np.isfinite(a) and a > 0):  # the last round may have lost the levels
             return None
         flip = 0.5 * -np.expm1(-2 * rate * q / fs)
         s, ll, flips = _posterior(y - drift - middle, a, flip, var)

@@ -1,4 +1,5 @@
 """A bias that follows the temperature."""
+
 from __future__ import annotations
 
 import numpy as np

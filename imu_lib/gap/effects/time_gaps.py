@@ -1,4 +1,5 @@
 """Missing samples."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -26,6 +27,13 @@ class TimeGaps(Effect):
         total = int(slots[-1]) + 1
         fraction = missing / total
         spread = 1.96 * np.sqrt(np.sum(holes.astype(float) ** 2)) / missing
-        return Finding(self, Process(fraction=fraction, length=int(max(1, np.median(holes)))), 20.0 * len(holes),
-                       f"timing: {len(holes)} gaps, {missing} of {total} samples missing, the longest gap {int(holes.max())} samples",
-                       {"fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)], "length": [float(holes.min()), float(holes.max())]})
+        return Finding(
+            self,
+            Process(fraction=fraction, length=int(max(1, np.median(holes)))),
+            20.0 * len(holes),
+            f"timing: {len(holes)} gaps, {missing} of {total} samples missing, the longest gap {int(holes.max())} samples",
+            {
+                "fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],
+                "length": [float(holes.min()), float(holes.max())],
+            },
+        )

@@ -1,4 +1,5 @@
 """The transient after switching on."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -10,16 +11,22 @@ from .base import Drift
 
 class WarmUp(Drift):
     name = "warm_up"
-    cause = "The sensor heats itself after switching on until it is in balance with its surroundings."
+    cause = (
+        "The sensor heats itself after switching on until it is in balance with its surroundings."
+    )
     shape = "time_constant"
 
     def bounds(self, data):
-        # beyond a third of the record an exponential is a ramp with a bend, and a ramp has one parameter less
+        # beyond a third of the record an exponential is a ramp with a bend, and a ramp has one
+        # parameter less
         return np.log(2 * data.m / data.fs), np.log(data.duration / 2.5)
 
     def candidates(self, data):
         low, high = self.bounds(data)
-        return [Process(amplitude=1.0, time_constant=float(t)) for t in np.exp(np.linspace(low, high, 14))]
+        return [
+            Process(amplitude=1.0, time_constant=float(t))
+            for t in np.exp(np.linspace(low, high, 14))
+        ]
 
     def penalty(self, data, snr):
         return float(np.log(np.sqrt(2 * np.pi) * 2.0 / (max(snr, 1.0) * np.log(1e3))))

@@ -1,4 +1,5 @@
 """White noise, where the base model has none."""
+
 from __future__ import annotations
 
 from imu_lib.processes import WhiteNoise as Process
