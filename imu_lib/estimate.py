@@ -68,7 +68,7 @@ class Estimate:
         )
         return f"{value} [{low}, {high}]" if self.shown else f"< {high}"
 
-    def to_json(self) -> dict:
+    def to_json(self) -> dict[str, float | None]:
         """`{"value", "low", "high"}` with numbers that JSON can hold (infinity becomes None)."""
         return {
             key: None if v is None or not np.isfinite(v) else float(v)

@@ -18,7 +18,6 @@ TO_BE_CUT = {
     "imu_lib/health.py": 372,
     "imu_lib/navigation/filter.py": 470,
     "imu_lib/navigation/kernel.py": 450,
-    "imu_lib/processes/stages.py": 356,
     "tests/gap_generator.py": 513,
     "tests/test_calibration.py": 369,
     "tests/test_malformed.py": 358,

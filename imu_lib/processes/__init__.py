@@ -4,6 +4,9 @@ realisation, a state space. `a + b` is a `Sum`; `from_json` opens an entry of an
 
 from __future__ import annotations
 
+import dataclasses
+from typing import Any
+
 from imu_lib.errors import InputError
 
 from .autoregressive import Autoregressive
@@ -11,8 +14,10 @@ from .base import POSITIVE_KINDS, Parameter, Process, StateSpace
 from .deterministic import Constant, Ramp, Sinusoid, Step, Temperature, WarmUp
 from .flicker import FLAT, Flicker
 from .gauss_markov import GaussMarkov, GaussMarkov2
+from .low_pass import LowPass
 from .on_record import CommonMode, Jitter, TimeGaps
-from .stages import LowPass, NoiseLevelChange, Resolution, Saturation, Spikes, Stage, Stuck
+from .stage import Stage
+from .stages import NoiseLevelChange, Resolution, Saturation, Spikes, Stuck
 from .sum import Sum
 from .telegraph import Telegraph
 from .walk import RandomWalk
@@ -48,7 +53,7 @@ OF_CHANNEL: dict[str, type[Process]] = {
 OF_RECORD: dict[str, type[Process]] = {cls.name: cls for cls in (CommonMode, TimeGaps, Jitter)}
 
 
-def from_json(entry: dict, *, on_record: bool = False) -> Process:
+def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
     """One entry of an error-model file as a process.
 
     Raises
@@ -66,7 +71,7 @@ def from_json(entry: dict, *, on_record: bool = False) -> Process:
     if cls is None:
         raise InputError(f"unknown process {name!r}; known are {', '.join(known)}")
     values = {key: value for key, value in entry.items() if key != "process"}
-    fields = set(cls.__dataclass_fields__)
+    fields = {field.name for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
     extra = sorted(set(values) - fields)
     if extra:
         raise InputError(

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.signal import freqz, lfilter, lfiltic
 
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError, UndefinedFormError
 
-from .base import Parameter, Process, StateSpace
+from .base import FREE, Parameter, Process, StateSpace
 from .sampled import avar_from_transition, cluster_size
+
+if TYPE_CHECKING:
+    from .gauss_markov import GaussMarkov
 
 
 @dataclass(frozen=True)
@@ -31,17 +35,17 @@ class Autoregressive(Process):
         The rate at which the equation steps; every closed form is of samples at this rate.
     """
 
-    phi: tuple[float, ...] | None = None
-    sigma: float | None = None
-    rate: float | None = None
+    phi: tuple[float, ...] = FREE
+    sigma: float = FREE
+    rate: float = FREE
     name: ClassVar[str] = "autoregressive"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("phi", "other", "coefficients phi_1 .. phi_p"),
         Parameter("sigma", "amplitude", "standard deviation of w, signal unit"),
         Parameter("rate", "frequency", "sampling rate, Hz"),
     )
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         super().__post_init__()
         if self.phi is not None:
             try:
@@ -55,7 +59,7 @@ class Autoregressive(Process):
             object.__setattr__(self, "phi", phi)
 
     @property
-    def poles(self) -> np.ndarray:
+    def poles(self) -> Array:
         """Poles, shape (p,); all inside the unit circle where the process is stationary."""
         return np.roots(np.concatenate([[1.0], -np.array(self.phi)]))
 
@@ -64,7 +68,7 @@ class Autoregressive(Process):
         """Whether the process is stationary."""
         return bool(np.all(np.abs(self.poles) < 1.0))
 
-    def _at(self, fs):
+    def _at(self, fs: float | None) -> float:
         self._require()
         if fs is not None and abs(fs / self.rate - 1.0) > 1e-6:
             raise ValueError(
@@ -72,25 +76,25 @@ class Autoregressive(Process):
             )
         return self.rate
 
-    def _stationary(self):
+    def _stationary(self) -> None:
         if not self.stable:
             raise UndefinedFormError(
                 f"the autoregressive process is not stationary: its largest pole is "
                 f"{np.max(np.abs(self.poles)):.4g}"
             )
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         fs = self._at(fs)
         self._stationary()
         f = np.asarray(f, dtype=float)
         _, h = freqz([1.0], np.concatenate([[1.0], -np.array(self.phi)]), worN=np.ravel(f), fs=fs)
         return (2.0 * self.sigma**2 / fs * np.abs(h) ** 2).reshape(f.shape)
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         space = self.state_space()
         return avar_from_transition(space.F, space.P0, space.H, cluster_size(tau, self._at(fs)))
 
-    def autocovariance(self, lag, fs=None):
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         space = self.state_space()
         d = np.rint(np.abs(np.asarray(lag, dtype=float)) * self._at(fs)).astype(int)
         right = space.P0 @ space.H
@@ -99,7 +103,15 @@ class Autoregressive(Process):
             values[k] = space.H @ np.linalg.matrix_power(space.F, int(k)) @ right
         return np.vectorize(values.get, otypes=[float])(d)
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         self._at(fs)
         space = self.state_space()
         p = len(self.phi)
@@ -108,7 +120,7 @@ class Autoregressive(Process):
         w = rng.standard_normal(n) * self.sigma
         return lfilter([1.0], denominator, w, zi=lfiltic([1.0], denominator, past))[0]
 
-    def state_space(self):
+    def state_space(self) -> StateSpace:
         self._require()
         self._stationary()
         p = len(self.phi)
@@ -124,7 +136,7 @@ class Autoregressive(Process):
             transition, step, output, 0.5 * (stationary + stationary.T), rate=self.rate
         )
 
-    def to_gauss_markov(self):
+    def to_gauss_markov(self) -> GaussMarkov:
         """The first-order Gauss-Markov process whose samples an AR(1) is (2011 paper, Eqs. 11-13).
 
         Raises

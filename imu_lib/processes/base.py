@@ -19,11 +19,19 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError, UndefinedFormError
+
+if TYPE_CHECKING:
+    from .sum import Sum
+
+#: Default of a parameter: "to be estimated", or "not of this kind". Typed as any value, since only
+#: a complete process is asked.
+FREE: Any = None
 
 
 @dataclass(frozen=True)
@@ -57,7 +65,7 @@ class Process:
     fast: ClassVar[bool] = False
 
     # -- questions -------------------------------------------------------------------------------
-    def psd(self, f, fs: float | None = None) -> np.ndarray:
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         """One-sided power spectral density, unit^2/Hz, at frequencies `f` in Hz, same shape.
 
         Raises
@@ -67,7 +75,7 @@ class Process:
         """
         raise UndefinedFormError(f"{self.name} has no power spectral density")
 
-    def avar(self, tau, fs: float | None = None) -> np.ndarray:
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         """Allan variance, unit^2, at averaging times `tau` in s, same shape.
 
         Raises
@@ -77,7 +85,7 @@ class Process:
         """
         raise UndefinedFormError(f"{self.name} has no Allan variance of the averaging time alone")
 
-    def autocovariance(self, lag, fs: float | None = None) -> np.ndarray:
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         """Autocovariance, unit^2, at `lag` in s, same shape.
 
         Raises
@@ -88,12 +96,18 @@ class Process:
         raise UndefinedFormError(f"{self.name} is not stationary, so it has no autocovariance")
 
     def simulate(
-        self, n: int, fs: float, rng: np.random.Generator, *, temperature=None, start: float = 0.0
-    ) -> np.ndarray:
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         """A realisation: ndarray, shape (n,), sampled at `fs` Hz from time `start` s on."""
         raise NotImplementedError
 
-    def state_space(self):
+    def state_space(self) -> StateSpace:
         """The process as a `StateSpace` (continuous time).
 
         Raises
@@ -103,12 +117,12 @@ class Process:
         """
         raise UndefinedFormError(f"{self.name} has no finite state space")
 
-    def mean(self, t, temperature=None) -> np.ndarray:
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         """The deterministic part at times `t` in s, same shape; zero for a noise."""
         return np.zeros_like(np.asarray(t, dtype=float))
 
     # -- parameters ------------------------------------------------------------------------------
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for parameter in self.parameters:
             value = getattr(self, parameter.name)
             if value is None:
@@ -140,7 +154,7 @@ class Process:
         """Whether every parameter has a value."""
         return all(getattr(self, p.name) is not None for p in self.parameters if not p.optional)
 
-    def _require(self):
+    def _require(self) -> None:
         if not self.complete:
             missing = [
                 p.name for p in self.parameters if getattr(self, p.name) is None and not p.optional
@@ -149,20 +163,20 @@ class Process:
                 f"`{self.name}` is a template: give {', '.join(missing)} a value first"
             )
 
-    def with_(self, **parameters) -> Process:
+    def with_(self, **parameters: Any) -> Self:
         """The same process with some parameters replaced."""
-        return dataclasses.replace(self, **parameters)
+        return dataclasses.replace(self, **parameters)  # type: ignore[type-var]
 
-    def to_json(self) -> dict:
+    def to_json(self) -> dict[str, Any]:
         """The entry of the error-model file."""
-        entry: dict = {"process": self.name}
+        entry: dict[str, Any] = {"process": self.name}
         for parameter in self.parameters:
             value = getattr(self, parameter.name)
             if value is not None:
                 entry[parameter.name] = list(value) if isinstance(value, tuple) else value
         return entry
 
-    def __add__(self, other):
+    def __add__(self, other: Any) -> Sum:
         from .sum import Sum
 
         return Sum((self,)) + other
@@ -187,10 +201,10 @@ class StateSpace:
         the transition matrix and Q the covariance of one step.
     """
 
-    F: np.ndarray
-    Q: np.ndarray
-    H: np.ndarray
-    P0: np.ndarray
+    F: Array
+    Q: Array
+    H: Array
+    P0: Array
     direct: float = 0.0
     rate: float | None = None
 
@@ -199,7 +213,7 @@ class StateSpace:
         """Number of states."""
         return len(self.H)
 
-    def discrete(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    def discrete(self, dt: float) -> tuple[Array, Array]:
         """Transition matrix and step covariance over `dt` s, exact (Van Loan 1978, Eqs. 1.1-1.4)."""
         if self.rate is not None:
             if abs(dt * self.rate - 1.0) > 1e-6:

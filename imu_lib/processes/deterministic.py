@@ -7,9 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError
 
-from .base import Parameter, Process
+from .base import FREE, Parameter, Process
 from .sampled import cluster_size
 
 
@@ -18,7 +19,15 @@ class Deterministic(Process):
 
     deterministic: ClassVar[bool] = True
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         return self.mean(start + np.arange(n) / fs, temperature)
 
 
@@ -31,15 +40,15 @@ class Constant(Deterministic):
     value : float, signal unit
     """
 
-    value: float | None = None
+    value: float = FREE
     name: ClassVar[str] = "constant"
-    parameters: ClassVar = (Parameter("value", "signed", "signal unit"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("value", "signed", "signal unit"),)
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return np.zeros(np.shape(tau))
 
-    def mean(self, t, temperature=None):
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
         return np.full(np.shape(t), self.value)
 
@@ -53,15 +62,17 @@ class Ramp(Deterministic):
     R : float, signal unit / s
     """
 
-    R: float | None = None
+    R: float = FREE
     name: ClassVar[str] = "ramp"
-    parameters: ClassVar = (Parameter("R", "signed", "slope, signal unit/s"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("R", "signed", "slope, signal unit/s"),
+    )
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return 0.5 * (self.R * np.asarray(tau, dtype=float)) ** 2
 
-    def mean(self, t, temperature=None):
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
         return self.R * np.asarray(t, dtype=float)
 
@@ -80,17 +91,17 @@ class Sinusoid(Deterministic):
     phase : float, optional, rad
     """
 
-    amplitude: float | None = None
-    frequency: float | None = None
+    amplitude: float = FREE
+    frequency: float = FREE
     phase: float | None = None
     name: ClassVar[str] = "sinusoid"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "amplitude", "signal unit"),
         Parameter("frequency", "frequency", "Hz"),
         Parameter("phase", "angle", "rad", optional=True),
     )
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         tau = np.asarray(tau, dtype=float)
         if fs is None:
@@ -100,7 +111,7 @@ class Sinusoid(Deterministic):
         x = np.pi * self.frequency / fs
         return self.amplitude**2 * (np.sin(m * x) ** 2 / (m * np.sin(x))) ** 2
 
-    def autocovariance(self, lag, fs=None):
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return (
             0.5
@@ -108,7 +119,7 @@ class Sinusoid(Deterministic):
             * np.cos(2.0 * np.pi * self.frequency * np.asarray(lag, dtype=float))
         )
 
-    def mean(self, t, temperature=None):
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
         angle = 2.0 * np.pi * self.frequency * np.asarray(t, dtype=float) + (self.phase or 0.0)
         return self.amplitude * np.sin(angle)
@@ -124,15 +135,15 @@ class WarmUp(Deterministic):
     time_constant : float, s
     """
 
-    amplitude: float | None = None
-    time_constant: float | None = None
+    amplitude: float = FREE
+    time_constant: float = FREE
     name: ClassVar[str] = "warm_up"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "signed", "value at t = 0, signal unit"),
         Parameter("time_constant", "time", "s"),
     )
 
-    def mean(self, t, temperature=None):
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
         return self.amplitude * np.exp(-np.asarray(t, dtype=float) / self.time_constant)
 
@@ -147,15 +158,15 @@ class Temperature(Deterministic):
     reference : float, degC
     """
 
-    slope: float | None = None
-    reference: float | None = None
+    slope: float = FREE
+    reference: float = FREE
     name: ClassVar[str] = "temperature"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("slope", "signed", "signal unit/degC"),
         Parameter("reference", "other", "degC"),
     )
 
-    def mean(self, t, temperature=None):
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
         if temperature is None:
             raise InputError("the model has a temperature term: give the temperature of the record")
@@ -177,14 +188,14 @@ class Step(Deterministic):
     time : float, s from the first sample
     """
 
-    amplitude: float | None = None
-    time: float | None = None
+    amplitude: float = FREE
+    time: float = FREE
     name: ClassVar[str] = "step"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "signed", "signal unit"),
         Parameter("time", "other", "s from the first sample"),
     )
 
-    def mean(self, t, temperature=None):
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
         return np.where(np.asarray(t, dtype=float) >= self.time - 1e-9, self.amplitude, 0.0)

@@ -10,7 +10,9 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import digamma
 
-from .base import Parameter, Process
+from imu_lib.arrays import Array, ArrayLike
+
+from .base import FREE, Parameter, Process
 from .sampled import avar_from_semivariogram, cluster_size
 
 #: Flat Allan variance over B^2, 2 ln2 / pi = 0.664^2 (IEEE Std 952-1997, Annex C.1.2).
@@ -32,11 +34,13 @@ class Flicker(Process):
     B : float, signal unit
     """
 
-    B: float | None = None
+    B: float = FREE
     name: ClassVar[str] = "flicker"
-    parameters: ClassVar = (Parameter("B", "amplitude", "bias instability, signal unit"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("B", "amplitude", "bias instability, signal unit"),
+    )
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         f = np.asarray(f, dtype=float)
         with np.errstate(divide="ignore"):
@@ -44,19 +48,27 @@ class Flicker(Process):
                 return self.B**2 / (np.pi * f)
             return self.B**2 / (fs * np.sin(np.pi * f / fs))
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         tau = np.asarray(tau, dtype=float)
         if fs is None:
             return np.full(tau.shape, FLAT * self.B**2)
         return self.B**2 * _avar_of_unit(cluster_size(tau, fs))
 
-    def semivariogram(self, d) -> np.ndarray:
+    def semivariogram(self, d: ArrayLike) -> Array:
         """E (x_{k+d} - x_k)^2 / 2 of samples `d` apart, unit^2, shape of `d`."""
         self._require()
         return self.B**2 / np.pi * (digamma(np.asarray(d) + 0.5) - digamma(0.5))
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         # The increments are stationary, so their circulant embedding is an exact draw.
         self._require()
         half = next_fast_len(max(n, 2), real=True)
@@ -70,7 +82,7 @@ class Flicker(Process):
 
 
 @lru_cache(maxsize=4)
-def _amplitudes(half: int) -> np.ndarray:
+def _amplitudes(half: int) -> Array:
     """Amplitudes of the circulant embedding of the increments for B = 1, shape (half + 1,); kept
     for the next draw.
     """
@@ -81,7 +93,7 @@ def _amplitudes(half: int) -> np.ndarray:
     return out
 
 
-def _avar_of_unit(m: np.ndarray) -> np.ndarray:
+def _avar_of_unit(m: Array) -> Array:
     """Exact Allan variance of samples for B = 1; beyond 1024 samples the limit with its 1/m^2
     term.
     """

@@ -8,7 +8,9 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import lfilter
 
-from .base import Parameter, Process, StateSpace
+from imu_lib.arrays import Array, ArrayLike
+
+from .base import FREE, Parameter, Process, StateSpace
 from .sampled import avar_from_semivariogram, cluster_size
 
 _PARAMETERS = (
@@ -31,12 +33,12 @@ class GaussMarkov(Process):
     correlation_time : float, s
     """
 
-    sigma: float | None = None
-    correlation_time: float | None = None
+    sigma: float = FREE
+    correlation_time: float = FREE
     name: ClassVar[str] = "gauss_markov"
     parameters: ClassVar = _PARAMETERS
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         f = np.asarray(f, dtype=float)
         T = self.correlation_time
@@ -46,7 +48,7 @@ class GaussMarkov(Process):
         numerator = 2.0 * self.sigma**2 / fs * -np.expm1(-2.0 * b)
         return numerator / (np.expm1(-b) ** 2 + 4.0 * np.exp(-b) * np.sin(np.pi * f / fs) ** 2)
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         tau = np.asarray(tau, dtype=float)
         if fs is None:
@@ -55,18 +57,26 @@ class GaussMarkov(Process):
             cluster_size(tau, fs), 1.0 / (fs * self.correlation_time)
         )
 
-    def autocovariance(self, lag, fs=None):
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return self.sigma**2 * np.exp(-np.abs(np.asarray(lag, dtype=float)) / self.correlation_time)
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         self._require()
         b = 1.0 / (fs * self.correlation_time)
         w = rng.standard_normal(n)
         w[1:] *= np.sqrt(-np.expm1(-2.0 * b))  # the first sample is drawn stationary
         return self.sigma * lfilter([1.0], [1.0, -np.exp(-b)], w)
 
-    def state_space(self):
+    def state_space(self) -> StateSpace:
         self._require()
         variance = self.sigma**2
         return StateSpace(
@@ -77,7 +87,7 @@ class GaussMarkov(Process):
         )
 
 
-def _avar_continuous(a):
+def _avar_continuous(a: Array) -> Array:
     """Allan variance over sigma^2 at a = tau / Tc; a series where the closed form would cancel."""
     a = np.asarray(a, dtype=float)
     small = np.minimum(a, 0.02)
@@ -89,7 +99,7 @@ def _avar_continuous(a):
     return np.where(a < 0.02, series, (2.0 * big - 2.0 * u - u * u) / big**2)
 
 
-def _avar_sampled(m, b):
+def _avar_sampled(m: Array, b: float) -> Array:
     """Allan variance over sigma^2 of samples b = dt / Tc apart, m to a cluster; exact.
 
     For a = m b small the closed form cancels: there the semivariogram 1 - exp(-b d) is expanded
@@ -126,8 +136,8 @@ class GaussMarkov2(Process):
     correlation_time : float, s
     """
 
-    sigma: float | None = None
-    correlation_time: float | None = None
+    sigma: float = FREE
+    correlation_time: float = FREE
     name: ClassVar[str] = "gauss_markov_2"
     parameters: ClassVar = _PARAMETERS
 
@@ -136,7 +146,7 @@ class GaussMarkov2(Process):
         """Natural frequency, rad/s."""
         return SECOND_ORDER_TIME / self.correlation_time
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         f = np.asarray(f, dtype=float)
         if fs is None:
@@ -148,7 +158,7 @@ class GaussMarkov2(Process):
         one_sided_sum = z / (1.0 - z) + b * z / (1.0 - z) ** 2
         return 2.0 * self.sigma**2 / fs * (1.0 + 2.0 * one_sided_sum.real)
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         tau = np.asarray(tau, dtype=float)
         if fs is None:
@@ -165,12 +175,20 @@ class GaussMarkov2(Process):
             out = out.reshape(m.shape)
         return self.sigma**2 * out
 
-    def autocovariance(self, lag, fs=None):
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         x = self.beta * np.abs(np.asarray(lag, dtype=float))
         return self.sigma**2 * (1.0 + x) * np.exp(-x)
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         self._require()
         space = self.state_space()
         transition, step = space.discrete(1.0 / fs)
@@ -182,7 +200,7 @@ class GaussMarkov2(Process):
             [0.0, transition[0, 1]], denominator, w[:, 1]
         )
 
-    def state_space(self):
+    def state_space(self) -> StateSpace:
         self._require()
         beta, variance = self.beta, self.sigma**2
         return StateSpace(
@@ -193,7 +211,7 @@ class GaussMarkov2(Process):
         )
 
 
-def _avar2_continuous(x):
+def _avar2_continuous(x: Array) -> Array:
     """Allan variance over sigma^2 at x = beta tau."""
     x = np.asarray(x, dtype=float)
     small = np.minimum(x, 0.3)
@@ -206,7 +224,7 @@ def _avar2_continuous(x):
         )
     big = np.maximum(x, 0.3)
 
-    def g(u):
+    def g(u: Array) -> Array:
         return 2.0 * u - 3.0 + (u + 3.0) * np.exp(-u)
 
     return np.where(x < 0.3, 2.0 * series, 2.0 * (2.0 * g(big) - 0.5 * g(2.0 * big)) / big**2)

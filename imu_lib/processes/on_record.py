@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.errors import InputError
 
-from .base import Parameter, Process
+from .base import FREE, Parameter, Process
 from .white import WhiteNoise
 
 
@@ -29,21 +30,23 @@ class CommonMode(WhiteNoise):
     channels: tuple[str, ...] = ()
     filtered: int | None = None
     name: ClassVar[str] = "common_mode"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         *WhiteNoise.parameters,
         Parameter("filtered", "count", "1: before the channels' filters", optional=True),
     )
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         super().__post_init__()
         if isinstance(self.channels, str) or not all(isinstance(c, str) for c in self.channels):
             raise InputError("process common_mode: `channels` must be a list of channel names")
         object.__setattr__(self, "channels", tuple(self.channels))
 
-    def to_json(self):
+    def to_json(self) -> dict[str, Any]:
         return {**super().to_json(), "channels": list(self.channels)}
 
-    def on(self, filters: dict, n: int, fs: float, rng) -> dict:
+    def on(
+        self, filters: dict[str, Any], n: int, fs: float, rng: np.random.Generator
+    ) -> dict[str, Any]:
         """What each of its channels (name -> low-pass filter or None) gets of one draw: name ->
         ndarray, shape (n,).
         """
@@ -69,15 +72,15 @@ class TimeGaps(Process):
     length : int, optional, samples; 1 where not given
     """
 
-    fraction: float | None = None
+    fraction: float = FREE
     length: int | None = None
     name: ClassVar[str] = "time_gaps"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("fraction", "fraction", "of the samples that are missing"),
         Parameter("length", "count", "of a gap, samples", optional=True),
     )
 
-    def keep(self, n: int, rng: np.random.Generator) -> np.ndarray:
+    def keep(self, n: int, rng: np.random.Generator) -> Array:
         """Which samples are in the record: bool, shape (n,)."""
         self._require()
         length = max(self.length or 1, 1)
@@ -98,11 +101,13 @@ class Jitter(Process):
     sd : float, s
     """
 
-    sd: float | None = None
+    sd: float = FREE
     name: ClassVar[str] = "jitter"
-    parameters: ClassVar = (Parameter("sd", "amplitude", "of the time stamps, s"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("sd", "amplitude", "of the time stamps, s"),
+    )
 
-    def stamps(self, time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    def stamps(self, time: Array, rng: np.random.Generator) -> Array:
         """The stamps of the record, shape (n,), from the true times; kept in order."""
         self._require()
         return np.sort(time + self.sd * rng.standard_normal(len(time)))

@@ -13,13 +13,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.arrays import Array, ArrayLike
 
-def cluster_size(tau, fs: float) -> np.ndarray:
+
+def cluster_size(tau: ArrayLike, fs: float) -> Array:
     """Samples per cluster, m = round(tau fs), at least 1, shape of `tau`."""
     return np.maximum(np.rint(np.asarray(tau, dtype=float) * fs), 1.0)
 
 
-def avar_from_semivariogram(s: np.ndarray, m: int) -> float:
+def avar_from_semivariogram(s: Array, m: int) -> float:
     """Exact Allan variance at cluster size m from s_0 .. s_{2m-1}, shape (>= 2m,)."""
     s = np.asarray(s[: 2 * m], dtype=float)
     d = np.arange(2 * m)
@@ -28,7 +30,7 @@ def avar_from_semivariogram(s: np.ndarray, m: int) -> float:
     return float((0.5 * long - 2.0 * short) / m**2)
 
 
-def avar_from_short_memory(r: np.ndarray, m) -> np.ndarray:
+def avar_from_short_memory(r: Array, m: ArrayLike) -> Array:
     """Exact Allan variance at cluster sizes `m` of an autocovariance r_0 .. r_{L-1} that is zero
     beyond.
     """
@@ -37,14 +39,16 @@ def avar_from_short_memory(r: np.ndarray, m) -> np.ndarray:
     zeroth = np.concatenate([[0.0], np.cumsum(r[1:])])
     first = np.concatenate([[0.0], np.cumsum(d * r[1:])])
 
-    def double_sum(h):
+    def double_sum(h: Array) -> Array:
         k = np.minimum(h, len(r)).astype(int) - 1
         return h * r[0] + 2.0 * (h * zeroth[k] - first[k])
 
     return (2.0 * double_sum(m) - 0.5 * double_sum(2 * m)) / m**2
 
 
-def avar_from_transition(transition, covariance, output, m) -> np.ndarray:
+def avar_from_transition(
+    transition: Array, covariance: Array, output: Array, m: ArrayLike
+) -> Array:
     """Exact Allan variance at cluster sizes `m` of y = output . x, x' = transition x + w,
     stationary.
 
@@ -56,7 +60,7 @@ def avar_from_transition(transition, covariance, output, m) -> np.ndarray:
     right = covariance @ output
     r0 = output @ right
 
-    def double_sum(h):
+    def double_sum(h: float) -> float:
         power = np.linalg.matrix_power(transition, int(h))
         series = transition @ (h * inverse - (np.eye(k) - power) @ inverse @ inverse)
         return h * r0 + 2.0 * output @ series @ right

@@ -12,8 +12,10 @@ from scipy.linalg import block_diag
 from imu_lib.errors import InputError, UndefinedFormError
 
 from .base import Process, StateSpace
+from .low_pass import LowPass
 from .sampled import avar_from_short_memory, cluster_size
-from .stages import LowPass, NoiseLevelChange, Resolution, Spikes, Stage
+from .stage import Stage
+from .stages import NoiseLevelChange, Resolution, Spikes
 from .white import Quantization
 
 

@@ -7,7 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Parameter, Process
+from imu_lib.arrays import Array, ArrayLike
+
+from .base import FREE, Parameter, Process, StateSpace
 from .gauss_markov import GaussMarkov
 
 
@@ -27,10 +29,10 @@ class Telegraph(Process):
         Flips per second.
     """
 
-    amplitude: float | None = None
-    rate: float | None = None
+    amplitude: float = FREE
+    rate: float = FREE
     name: ClassVar[str] = "telegraph"
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "amplitude", "between the two levels, signal unit"),
         Parameter("rate", "rate", "flips per second"),
     )
@@ -41,20 +43,28 @@ class Telegraph(Process):
         self._require()
         return GaussMarkov(sigma=0.5 * self.amplitude, correlation_time=0.5 / self.rate)
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         return self.twin.psd(f, fs)
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         return self.twin.avar(tau, fs)
 
-    def autocovariance(self, lag, fs=None):
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         return self.twin.autocovariance(lag, fs)
 
-    def state_space(self):
+    def state_space(self) -> StateSpace:
         """The Gauss-Markov process of the same second-order statistics (best linear filter)."""
         return self.twin.state_space()
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         self._require()
         flips = rng.poisson(self.rate / fs, n)
         state = (np.cumsum(flips) + rng.integers(2)) % 2

@@ -7,7 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Parameter, Process, StateSpace
+from imu_lib.arrays import Array, ArrayLike
+
+from .base import FREE, Parameter, Process, StateSpace
 from .sampled import cluster_size
 
 
@@ -24,11 +26,13 @@ class RandomWalk(Process):
     K : float, signal unit / s / sqrt(Hz)
     """
 
-    K: float | None = None
+    K: float = FREE
     name: ClassVar[str] = "random_walk"
-    parameters: ClassVar = (Parameter("K", "amplitude", "density of the rate, unit/s/sqrt(Hz)"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("K", "amplitude", "density of the rate, unit/s/sqrt(Hz)"),
+    )
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         f = np.asarray(f, dtype=float)
         with np.errstate(divide="ignore"):
@@ -36,7 +40,7 @@ class RandomWalk(Process):
                 return 2.0 * self.K**2 / (2.0 * np.pi * f) ** 2
             return 2.0 * self.K**2 / (2.0 * fs * np.sin(np.pi * f / fs)) ** 2
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         tau = np.asarray(tau, dtype=float)
         if fs is None:
@@ -44,13 +48,21 @@ class RandomWalk(Process):
         m = cluster_size(tau, fs)
         return self.K**2 / fs * (2.0 * m**2 + 1.0) / (6.0 * m)
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         self._require()
         steps = rng.standard_normal(n)
         steps *= self.K / np.sqrt(fs)
         steps[:1] = 0.0
         return np.cumsum(steps, out=steps)
 
-    def state_space(self):
+    def state_space(self) -> StateSpace:
         self._require()
         return StateSpace(np.zeros((1, 1)), np.array([[self.K**2]]), np.ones(1), np.zeros((1, 1)))

@@ -7,9 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import UndefinedFormError
 
-from .base import Parameter, Process, StateSpace
+from .base import FREE, Parameter, Process, StateSpace
 
 
 @dataclass(frozen=True)
@@ -24,20 +25,22 @@ class WhiteNoise(Process):
     N : float, signal unit / sqrt(Hz)
     """
 
-    N: float | None = None
+    N: float = FREE
     name: ClassVar[str] = "white_noise"
     fast: ClassVar[bool] = True
-    parameters: ClassVar = (Parameter("N", "amplitude", "density, unit/sqrt(Hz)"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("N", "amplitude", "density, unit/sqrt(Hz)"),
+    )
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return np.full(np.shape(f), 2.0 * self.N**2)
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return self.N**2 / np.asarray(tau, dtype=float)
 
-    def autocovariance(self, lag, fs=None):
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         if fs is None:
             raise UndefinedFormError(
@@ -45,13 +48,21 @@ class WhiteNoise(Process):
             )
         return np.where(np.abs(np.asarray(lag, dtype=float)) * fs < 0.5, self.N**2 * fs, 0.0)
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         self._require()
         x = rng.standard_normal(n)
         x *= self.N * np.sqrt(fs)
         return x
 
-    def state_space(self):
+    def state_space(self) -> StateSpace:
         self._require()
         empty = np.zeros((0, 0))
         return StateSpace(empty, empty, np.zeros(0), empty, direct=self.N**2)
@@ -75,11 +86,11 @@ class Quantization(Process):
         on a grid of Q sqrt(12) fs, behind a low-pass filter if there is one.
     """
 
-    Q: float | None = None
+    Q: float = FREE
     rounded: int | None = None
     name: ClassVar[str] = "quantization"
     fast: ClassVar[bool] = True
-    parameters: ClassVar = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("Q", "amplitude", "standard deviation of the integrated output"),
         Parameter("rounded", "count", "1: by rounding the integrated output", optional=True),
     )
@@ -91,12 +102,12 @@ class Quantization(Process):
         """
         return cls(Q=float(step / (fs * np.sqrt(12.0))), rounded=1)
 
-    def round(self, x, fs: float, rng) -> np.ndarray:
+    def round(self, x: Array, fs: float, rng: np.random.Generator) -> Array:
         """The increments, shape (n,), of the rounded integral of `x`, shape (n,), at `fs` Hz."""
         step = self.Q * np.sqrt(12.0) * fs
         return np.diff(np.rint(np.cumsum(np.concatenate([[rng.random()], x / step])))) * step
 
-    def psd(self, f, fs=None):
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         if fs is None:
             raise UndefinedFormError(
@@ -104,11 +115,11 @@ class Quantization(Process):
             )
         return 8.0 * self.Q**2 * fs * np.sin(np.pi * np.asarray(f, dtype=float) / fs) ** 2
 
-    def avar(self, tau, fs=None):
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return 3.0 * self.Q**2 / np.asarray(tau, dtype=float) ** 2
 
-    def autocovariance(self, lag, fs=None):
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         if fs is None:
             raise UndefinedFormError(
@@ -117,6 +128,14 @@ class Quantization(Process):
         d = np.rint(np.abs(np.asarray(lag, dtype=float)) * fs)
         return (self.Q * fs) ** 2 * (2.0 * (d == 0) - 1.0 * (d == 1))
 
-    def simulate(self, n, fs, rng, *, temperature=None, start=0.0):
+    def simulate(
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        start: float = 0.0,
+    ) -> Array:
         self._require()
         return np.diff(rng.standard_normal(n + 1)) * (self.Q * fs)
