@@ -13,7 +13,7 @@ import numpy as np
 
 from imu_lib import processes
 from imu_lib.errors import InputError
-from imu_lib.processes import CommonMode, Jitter, Process, Sum, TimeGaps
+from imu_lib.processes import CommonMode, Jitter, Process, RateError, Sum, TimeGaps, Vibration
 from imu_lib.record import CHANNELS, Record
 
 _RESERVED = ("rate", "record", "name", "source")
@@ -27,7 +27,7 @@ class Model:
     ----------
     channels : mapping of channel name to Sum
     record : tuple of Process
-        What acts on several channels or on the clock (`CommonMode`, `TimeGaps`, `Jitter`).
+        What acts on several channels or on the clock (`CommonMode`, `Vibration`, `TimeGaps`, ...).
     rate : float or None, Hz
         Sampling rate the model was made for.
     name, source : str
@@ -203,13 +203,12 @@ class Model:
         wanted = self.channel_names if channels is None else tuple(channels)
         common = {channel: None for channel in wanted}
         for process in self.record:
-            if isinstance(process, CommonMode):
-                parts = process.on(
-                    {c: self[c].low_pass for c in process.channels if c in self.channels},
-                    n,
-                    fs,
-                    generators["record"],
-                )
+            if isinstance(process, (CommonMode, Vibration)):
+                if isinstance(process, Vibration):
+                    parts = process.on(n, fs, generators["record"])
+                else:
+                    filters = {c: self[c].low_pass for c in process.channels if c in self.channels}
+                    parts = process.on(filters, n, fs, generators["record"])
                 for channel, shared in parts.items():
                     if channel in common:
                         common[channel] = (
@@ -233,7 +232,11 @@ class Model:
         channels: Iterable[str] | None = None,
     ) -> Record:
         """A realisation as a `Record`, with the gaps and the jitter of the model's clock."""
-        signals = self.simulate(n, fs, rng, temperature=temperature, channels=channels)
+        clock = next((p for p in self.record if isinstance(p, RateError)), RateError(1.0))
+        true = self.with_channels({c: clock.paced(s) for c, s in self.channels.items()})
+        signals = true.simulate(
+            n, fs * clock.ratio, rng, temperature=temperature, channels=channels
+        )
         time = None
         (clock,) = rng.spawn(1)
         for process in self.record:

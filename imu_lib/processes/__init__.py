@@ -14,13 +14,17 @@ from .base import POSITIVE_KINDS, Parameter, Process, StateSpace
 from .deterministic import Constant, Ramp, Sinusoid, Step, Temperature, WarmUp
 from .flicker import FLAT, Flicker
 from .gauss_markov import GaussMarkov, GaussMarkov2
+from .heavy_tails import HeavyTails
 from .low_pass import LowPass
 from .on_record import CommonMode, Jitter, TimeGaps
+from .rate_error import RateError
 from .stage import Stage
 from .stages import NoiseLevelChange, Resolution, Saturation, Spikes, Stuck
 from .sum import Sum
 from .telegraph import Telegraph
+from .vibration import Vibration
 from .walk import RandomWalk
+from .wandering_level import WanderingLevel
 from .white import Quantization, WhiteNoise
 
 #: Processes of a channel, by the name in the error-model file.
@@ -42,7 +46,9 @@ OF_CHANNEL: dict[str, type[Process]] = {
         Step,
         Telegraph,
         LowPass,
+        HeavyTails,
         NoiseLevelChange,
+        WanderingLevel,
         Spikes,
         Saturation,
         Resolution,
@@ -50,7 +56,9 @@ OF_CHANNEL: dict[str, type[Process]] = {
     )
 }
 #: Processes of the whole record, by the name in the error-model file.
-OF_RECORD: dict[str, type[Process]] = {cls.name: cls for cls in (CommonMode, TimeGaps, Jitter)}
+OF_RECORD: dict[str, type[Process]] = {
+    cls.name: cls for cls in (CommonMode, Vibration, TimeGaps, Jitter, RateError)
+}
 
 
 def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
@@ -70,7 +78,7 @@ def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
     cls = known.get(name) if isinstance(name, str) else None
     if cls is None:
         raise InputError(f"unknown process {name!r}; known are {', '.join(known)}")
-    values = {key: value for key, value in entry.items() if key != "process"}
+    values = {cls.keys.get(key, key): v for key, v in entry.items() if key != "process"}
     fields = {field.name for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
     extra = sorted(set(values) - fields)
     if extra:
@@ -99,6 +107,7 @@ __all__ = [
     "Flicker",
     "GaussMarkov",
     "GaussMarkov2",
+    "HeavyTails",
     "Jitter",
     "LowPass",
     "NoiseLevelChange",
@@ -109,6 +118,7 @@ __all__ = [
     "Process",
     "Quantization",
     "Ramp",
+    "RateError",
     "RandomWalk",
     "Resolution",
     "Saturation",
@@ -122,6 +132,8 @@ __all__ = [
     "Telegraph",
     "Temperature",
     "TimeGaps",
+    "Vibration",
+    "WanderingLevel",
     "WarmUp",
     "WhiteNoise",
     "from_json",

@@ -58,6 +58,8 @@ class Process:
 
     name: ClassVar[str] = ""
     parameters: ClassVar[tuple[Parameter, ...]] = ()
+    #: Keys of the model file that are no names in Python, and the fields they stand for.
+    keys: ClassVar[dict[str, str]] = {}
     #: A deterministic process is a function of time (or temperature): it has a `mean` and no
     #: noise.
     deterministic: ClassVar[bool] = False

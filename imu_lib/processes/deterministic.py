@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.signal import lfilter
 
 from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError
@@ -150,20 +151,29 @@ class WarmUp(Deterministic):
 
 @dataclass(frozen=True)
 class Temperature(Deterministic):
-    """slope (T - reference): the bias follows the temperature of the record.
+    """slope (T - reference) + curvature (T - reference)^2: the bias follows the temperature.
+
+    With a `lag` the sensor's own temperature follows that of the record through a first-order
+    delay, which it has behind it at the first sample.
 
     Parameters
     ----------
     slope : float, signal unit / degC
     reference : float, degC
+    curvature : float, optional, signal unit / degC^2
+    lag : float, optional, s
     """
 
     slope: float = FREE
     reference: float = FREE
+    curvature: float | None = None
+    lag: float | None = None
     name: ClassVar[str] = "temperature"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("slope", "signed", "signal unit/degC"),
         Parameter("reference", "other", "degC"),
+        Parameter("curvature", "signed", "signal unit/degC^2", optional=True),
+        Parameter("lag", "time", "of the sensor behind the thermometer, s", optional=True),
     )
 
     def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
@@ -175,7 +185,24 @@ class Temperature(Deterministic):
             raise ValueError(
                 f"`temperature` must have the shape of the time, {np.shape(t)}, not {temperature.shape}"
             )
-        return self.slope * (temperature - self.reference)
+        if self.lag is not None:
+            temperature = delayed(temperature, np.asarray(t, dtype=float), self.lag)
+        above = temperature - self.reference
+        return self.slope * above + (self.curvature or 0.0) * above**2
+
+
+def delayed(x: Array, t: Array, lag: float) -> Array:
+    """`x` at the even times `t`, s, behind a first-order delay of `lag` s, shape (n,).
+
+    Exact for straight lines between the samples (the ramp-invariant form of the filter).
+    """
+    if len(x) < 2:
+        return np.array(x, dtype=float)
+    h = (t[-1] - t[0]) / (len(t) - 1) / lag
+    p = np.exp(-h)
+    mean = -np.expm1(-h) / h  # of the decay over one step
+    y, _ = lfilter([1.0 - mean, mean - p], [1.0, -p], x - x[0], zi=[0.0])
+    return y + x[0]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ class Stage(Process):
     """Base of the output stages."""
 
     #: Position in the chain.
-    place: ClassVar[int] = 0
+    place: ClassVar[float] = 0
 
     def apply(self, x: Array, fs: float, rng: np.random.Generator) -> Array:
         """The signal behind the stage: ndarray, shape (n,), from `x`, shape (n,), at `fs` Hz."""

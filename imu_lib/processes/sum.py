@@ -12,11 +12,16 @@ from scipy.linalg import block_diag
 from imu_lib.errors import InputError, UndefinedFormError
 
 from .base import Process, StateSpace
+from .heavy_tails import HeavyTails
 from .low_pass import LowPass
 from .sampled import avar_from_short_memory, cluster_size
 from .stage import Stage
 from .stages import NoiseLevelChange, Resolution, Spikes
-from .white import Quantization
+from .wandering_level import WanderingLevel
+from .white import Quantization, WhiteNoise
+
+#: Stages that act on the fast noise alone, not on the sum of all.
+ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
 
 
 @dataclass(frozen=True)
@@ -104,6 +109,11 @@ class Sum:
         return next((s for s in self.stages if isinstance(s, LowPass)), None)
 
     @property
+    def tails(self) -> HeavyTails | None:
+        """The heavy tails of its white noise, if it has them."""
+        return next((s for s in self.stages if isinstance(s, HeavyTails)), None)
+
+    @property
     def rounding(self) -> Quantization | None:
         """The quantization that comes of rounding the integrated output, if there is one."""
         return next((t for t in self.terms if getattr(t, "rounded", None)), None)
@@ -149,7 +159,7 @@ class Sum:
     # -- questions -------------------------------------------------------------------------------
     def _closed(self, what: str):
         for stage in self.stages:
-            if not isinstance(stage, (LowPass, Spikes, Resolution)):
+            if not isinstance(stage, (LowPass, Spikes, Resolution, HeavyTails, WanderingLevel)):
                 raise UndefinedFormError(
                     f"{what} behind {stage.name} has no closed form; ask the sum without it"
                 )
@@ -271,7 +281,10 @@ class Sum:
             if term is self.rounding:
                 continue
             part = quick if term.fast else slow
-            part += term.simulate(size, rate, rng, temperature=temperature, start=start)
+            drawn = term.simulate(size, rate, rng, temperature=temperature, start=start)
+            if self.tails is not None and isinstance(term, WhiteNoise):
+                drawn = drawn * self.tails.scales(size, rng)
+            part += drawn
         if low_pass is not None:
             slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
         return self.behind(slow, quick, fs, rng, common=common)
@@ -285,10 +298,12 @@ class Sum:
         for stage in self.stages:
             if isinstance(stage, NoiseLevelChange):
                 quick = quick * stage.factor(len(quick), fs)
+            elif isinstance(stage, WanderingLevel):
+                quick = quick * stage.draw(len(quick), fs, rng)
         x = slow + quick
         if common is not None:
             x = x + common
-        stages = [s for s in self.stages if not isinstance(s, (LowPass, NoiseLevelChange))]
+        stages = [s for s in self.stages if not isinstance(s, ON_NOISE)]
         chain = [(s.place, s.apply) for s in stages]
         if self.rounding is not None:  # the integral is rounded where samples would be
             chain.append((Resolution.place - 0.5, self.rounding.round))

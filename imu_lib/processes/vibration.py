@@ -1,0 +1,156 @@
+"""Vibration that several channels feel: a line, a comb of lines, a line that wanders, a band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from imu_lib.arrays import Array
+from imu_lib.errors import InputError
+
+from .base import FREE, Parameter, Process
+
+#: Bandwidth as a share of the frequency up to which a vibration is a line of steady amplitude
+#: whose phase diffuses; beyond it is a band of normal noise.
+LINE = 0.1
+
+
+@dataclass(frozen=True)
+class Vibration(Process):
+    """One vibration, felt by `channels` each with its own amplitude and phase.
+
+    A line of steady `amplitude` at `frequency` and at its whole multiples up to `harmonics` times
+    it. With a `bandwidth` (full width at half of the power) the phase diffuses, which makes the
+    line a Lorentzian one of that width (Lax 1967, Eq. 5.30) and h^2 times it at the h-th multiple;
+    wider than a tenth of the frequency it is a band of normal noise, flat in the middle. Lines
+    above half the sampling rate are folded.
+
+    Parameters
+    ----------
+    frequency : float, Hz
+    amplitude : sequence of float, one a channel, unit of the channel
+        Of the sinusoid; of a band the square root of twice its variance.
+    bandwidth : float, Hz
+    harmonics : int
+        Number of lines.
+    channels : sequence of str
+    start, stop : float, s from the first sample, optional; `from` and `to` in a file
+        When it is there; from the first and to the last sample where not given.
+    ratios : sequence of float, one a line, optional
+        Amplitudes of the lines over that of the strongest; the same for all channels. Where not
+        given, 1 / h.
+    """
+
+    frequency: float = FREE
+    amplitude: tuple[float, ...] = ()
+    bandwidth: float = 0.0
+    harmonics: int = 1
+    channels: tuple[str, ...] = ()
+    start: float | None = None
+    stop: float | None = None
+    ratios: tuple[float, ...] | None = None
+    name: ClassVar[str] = "vibration"
+    keys: ClassVar[dict[str, str]] = {"from": "start", "to": "stop"}
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("frequency", "frequency", "of the first line, Hz"),
+        Parameter("bandwidth", "amplitude", "full width at half of the power, Hz"),
+        Parameter("harmonics", "count", "number of lines"),
+        Parameter("start", "other", "from, s", optional=True),
+        Parameter("stop", "other", "to, s", optional=True),
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isinstance(self.channels, str) or not all(isinstance(c, str) for c in self.channels):
+            raise InputError("process vibration: `channels` must be a list of channel names")
+        object.__setattr__(self, "channels", tuple(self.channels))
+        amplitude = np.atleast_1d(np.asarray(self.amplitude, dtype=object)).tolist()
+        if len(amplitude) == 1 and len(self.channels) > 1:
+            amplitude = amplitude * len(self.channels)
+        object.__setattr__(self, "amplitude", _numbers("amplitude", amplitude, len(self.channels)))
+        if self.harmonics is not None and self.harmonics < 1:
+            raise InputError("process vibration: `harmonics` counts the lines, 1 or more")
+        if self.ratios is not None:
+            object.__setattr__(self, "ratios", _numbers("ratios", self.ratios, self.harmonics))
+
+    def to_json(self) -> dict[str, Any]:
+        entry = {**super().to_json(), "amplitude": list(self.amplitude)}
+        entry["channels"] = list(self.channels)
+        if self.ratios is not None:
+            entry["ratios"] = list(self.ratios)
+        for key, field in self.keys.items():
+            if field in entry:
+                entry[key] = entry.pop(field)
+        return entry
+
+    @property
+    def complete(self) -> bool:
+        return self.frequency is not None and bool(self.channels)
+
+    @property
+    def shape(self) -> Array:
+        """Amplitudes of the lines over that of the strongest, shape (harmonics,)."""
+        if self.ratios is None:
+            return 1.0 / np.arange(1, self.harmonics + 1)
+        return np.array(self.ratios)
+
+    @property
+    def band(self) -> bool:
+        """Whether it is a band of noise rather than a line."""
+        return self.bandwidth > LINE * self.frequency
+
+    def active(self, n: int, fs: float) -> Array:
+        """When it is there: bool, shape (n,)."""
+        t = np.arange(n) / fs
+        out = np.ones(n, dtype=bool)
+        if self.start is not None:
+            out &= t >= self.start - 1e-9
+        if self.stop is not None:
+            out &= t <= self.stop + 1e-9
+        return out
+
+    def analytic(self, n: int, fs: float, rng: np.random.Generator) -> list[Array]:
+        """One draw of each line as a complex signal of amplitude 1, shape (n,) each."""
+        self._require()
+        if self.band:
+            return [self._noise(n, fs, h, rng) for h in range(1, self.harmonics + 1)]
+        phase = 2 * np.pi * self.frequency / fs * np.arange(n)
+        if self.bandwidth > 0:
+            phase += np.cumsum(rng.standard_normal(n)) * np.sqrt(2 * np.pi * self.bandwidth / fs)
+        return [
+            np.exp(1j * (h * phase + 2 * np.pi * rng.random()))
+            for h in range(1, self.harmonics + 1)
+        ]
+
+    def _noise(self, n: int, fs: float, h: int, rng: np.random.Generator) -> Array:
+        """Analytic normal noise of the band around the h-th multiple, mean square 1."""
+        f = np.fft.fftfreq(n, 1 / fs)
+        u = (np.abs(f) - h * self.frequency) / (0.5 * h * self.bandwidth)
+        gain = np.where(f > 0, 1.0 / np.sqrt(1.0 + u**4), 0.0)
+        gain *= np.sqrt(n / np.sum(gain**2)) if gain.any() else 0.0
+        z = (rng.standard_normal(n) + 1j * rng.standard_normal(n)) * np.sqrt(0.5)
+        return np.fft.ifft(z * gain) * np.sqrt(n)
+
+    def on(self, n: int, fs: float, rng: np.random.Generator) -> dict[str, Array]:
+        """What each of its channels gets of one draw: name -> ndarray, shape (n,)."""
+        lines, active, shape = self.analytic(n, fs, rng), self.active(n, fs), self.shape
+        out = {}
+        for channel, amplitude in zip(self.channels, self.amplitude):
+            turn = np.exp(2j * np.pi * rng.random(len(lines)))
+            x = sum(r * (z * e).real for r, z, e in zip(shape, lines, turn))
+            out[channel] = amplitude * np.where(active, x, 0.0)
+        return out
+
+
+def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
+    try:
+        out = tuple(float(v) for v in values)
+    except (TypeError, ValueError):
+        raise InputError(f"process vibration: `{name}` must be a list of numbers") from None
+    if len(out) != count or not np.all(np.isfinite(out)) or min(out, default=0.0) < 0:
+        raise InputError(
+            f"process vibration: `{name}` must be {count} numbers, none below zero, not {out}"
+        )
+    return out
