@@ -141,7 +141,7 @@ def absorbed(state: State) -> list[str]:
                 np.concatenate(
                     [
                         quick,
-                        slow.spectrum_difference(slow.covariance(process, data.k, data.m, data.fs))
+                        slow.spectrum_difference(process.block_covariance(data.k, data.m, data.fs))
                         / slow_s,
                     ]
                 )
@@ -152,7 +152,7 @@ def absorbed(state: State) -> list[str]:
             names.append(effect.name)
     # a drift that shows in the fast noise alone may be part of a fitted slow noise
     quick = sum(
-        (slow.covariance(t, data.k, data.m, data.fs) for t in fit.terms if t.fast), np.zeros(data.k)
+        (t.block_covariance(data.k, data.m, data.fs) for t in fit.terms if t.fast), np.zeros(data.k)
     )
     for effect in DRIFTS:
         shapes = [] if effect.sharp else effect.candidates(data)

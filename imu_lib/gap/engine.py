@@ -150,8 +150,10 @@ class Likelihood:
         self.nu = data.layout.nu[data.layout.slow :]
         self.free_index = {s.index for s in self.slots}
         held = [t for i, t in enumerate(self.terms) if i not in self.free_index]
-        self.held_c = sum(
-            (slow.covariance(t, data.k, data.m, data.fs) for t in held), np.zeros(data.k)
+        self.held_c = (
+            None
+            if self.low_pass is not None
+            else slow.covariance(held, None, data.layout, data.k, data.m, data.fs)
         )
         self.filter_free = -1 in self.free_index
         self.held_s = (
@@ -189,9 +191,10 @@ class Likelihood:
         data = self.data
         terms, low_pass = self.unpack(vector)
         free = [terms[i] for i in sorted(self.free_index) if i >= 0]
-        c = self.held_c.copy()
-        for t in free:
-            c += slow.covariance(t, data.k, data.m, data.fs)
+        if low_pass is None:
+            c = self.held_c + slow.covariance(free, None, data.layout, data.k, data.m, data.fs)
+        else:
+            c = slow.covariance(terms, low_pass, data.layout, data.k, data.m, data.fs)
         # coarse rounding may add less than nothing: it leaves a tenth
         v = max(data.white / data.m, -0.45 * c[0])
         c[0] += 2 * v

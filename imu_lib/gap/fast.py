@@ -31,6 +31,7 @@ class Bins:
     nu: np.ndarray
     nodes: np.ndarray
     slow: int
+    samples: int
 
 
 @lru_cache(maxsize=8)
@@ -60,7 +61,7 @@ def bins(n: int, fs: float, m: int) -> Bins:
     middle, half = (left + right) / 2, (right - left) / 2
     nodes = middle[:, None] + half[:, None] * _NODES
     return Bins(
-        edge, middle, 2.0 * np.diff(edge) * efficiency, nodes, int(np.searchsorted(edge, cut))
+        edge, middle, 2.0 * np.diff(edge) * efficiency, nodes, int(np.searchsorted(edge, cut)), n
     )
 
 

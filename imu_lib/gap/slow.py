@@ -11,6 +11,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from imu_lib.gap import fast
+from imu_lib.processes import Sum
+
+#: Cutoff times the length of a block from which on the memory of a filter is short beside it.
+SHORT_MEMORY = 2.0
+
 
 @njit(cache=True, nogil=True, fastmath=True, inline="always")
 def _step(c, phi, old, v, k):
@@ -97,40 +103,28 @@ def block_means(x, m: int) -> np.ndarray:
     return x[: k * m].reshape(k, m).mean(axis=1)
 
 
-def covariance(process, n: int, m: int, fs: float) -> np.ndarray:
-    """Autocovariance, shape (n,), of the differenced means of blocks of `m` samples."""
-    T = m / fs
-    half = float(process.avar(np.array([T]), fs)[0])
-    c = np.zeros(max(n, 3))
-    name = process.name
-    if name == "quantization":
-        q2 = (process.Q / T) ** 2
-        c[:3] = 6 * q2, -4 * q2, q2
-    elif name == "random_walk":
-        c[1] = process.K**2 * T / 6
-    elif name == "gauss_markov":
-        b = 1.0 / (fs * process.correlation_time)
-        q = -np.expm1(-m * b)
-        a = process.sigma**2 * np.exp(-b) * (q / (m * -np.expm1(-b))) ** 2
-        c[1] = a * q - half
-        c[2:] = -a * q**2 * np.exp(-m * b * np.arange(len(c) - 2))
-    elif name == "flicker":
-        j = np.arange(len(c) + 2, dtype=float)
-        g = np.zeros_like(j)
-        g[1:] = process.B**2 / (2 * np.pi) * j[1:] ** 2 * np.log(j[1:])
-        c[2:] = g[4:] - 4 * g[3:-1] + 6 * g[2:-2] - 4 * g[1:-3] + g[:-4]
-        c[1] = g[3] - 4 * g[2] + 7 * g[1] - 4 * g[0]
-    elif name == "gauss_markov_2":
-        u = process.beta * T * np.arange(len(c) + 2)
-        g = process.sigma**2 / (process.beta * T) ** 2 * (3 + u) * np.exp(-u)
-        r = g[2:] - 2 * g[1:-1] + g[:-2]  # r[j - 1]: covariance of block means j apart
-        c[1] = r[0] - r[1] - half
-        c[2:] = (2 * r[1:] - r[:-1] - np.append(r[2:], 0.0))[: len(c) - 2]
-        c[-1] = 0.0 if len(c) > 3 else c[-1]
-    else:  # white noise and anything white over blocks
-        c[1] = -half
-    c[0] = 2 * half
-    return c[:n]
+def covariance(terms, low_pass, layout, n: int, m: int, fs: float) -> np.ndarray:
+    """Autocovariance, shape (n,), of the differenced means of blocks of `m` samples: the terms',
+    and what a filter takes from them.
+    """
+    c = sum((t.block_covariance(n, m, fs) for t in terms), np.zeros(n))
+    if low_pass is None:
+        return c
+    before = tuple(t for t in terms if t.name != "common_mode" or t.filtered)
+    width = m / fs
+    if low_pass.cutoff is not None and low_pass.cutoff * width < SHORT_MEMORY:
+        bare, filtered = Sum(before), Sum(before, (low_pass,))
+        return c + filtered.block_covariance(n, m, fs) - bare.block_covariance(n, m, fs)
+    # the filter's memory is short beside a block: what it adds at zero frequency (images folded by
+    # the sampling) is white, and beyond that it moves noise across the edges alone, as a
+    # quantization does, by the first moment of the autocovariance that it adds
+    added = fast.spectrum(before, low_pass, layout, fs) - fast.spectrum(before, None, layout, fs)
+    size = fast.padded(layout.samples)
+    share = np.diff(layout.edge) * fs / size / (4.0 * np.sin(np.pi * layout.f / fs) ** 2)
+    moment = -float((added - added[0]) @ share)
+    c[:3] += np.array([-6.0, 4.0, -1.0])[:n] * moment / m**2
+    c[:2] += np.array([2.0, -1.0])[:n] * added[0] * fs / (2 * m)
+    return c
 
 
 def spectrum(c) -> np.ndarray:

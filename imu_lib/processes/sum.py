@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import irfft
@@ -11,6 +12,7 @@ from scipy.linalg import block_diag
 
 from imu_lib.errors import InputError, UndefinedFormError
 
+from . import blocks
 from .base import Process, StateSpace
 from .heavy_tails import HeavyTails
 from .low_pass import LowPass
@@ -22,6 +24,11 @@ from .white import Quantization, WhiteNoise
 
 #: Stages that act on the fast noise alone, not on the sum of all.
 ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
+
+#: Share of its largest value to which the autocovariance that a filter adds has to have fallen
+#: where it is cut off, and the time constants of the filter, and samples, to which it is followed
+#: at the most (flicker never falls so far).
+FORGOTTEN, MAX_TIME_CONSTANTS, MAX_MEMORY_SAMPLES = 1e-12, 256, 2**20
 
 
 @dataclass(frozen=True)
@@ -207,15 +214,23 @@ class Sum:
             out = np.maximum(out + avar_from_short_memory(self._filter_effect(fs), m), 0.0)
         return out + self._added(fs) / m
 
-    def _filter_effect(self, fs, size: int = 4096):
-        """Autocovariance that the filter adds (negative: removes), shape (size/2,): short, since
-        gain(0) = 1.
-        """
-        f = np.arange(1, size // 2 + 1) * fs / size
-        bare = Sum(tuple(t for t in self.terms if not t.deterministic))
-        difference = Sum(bare.terms, (self.low_pass,)).psd(f, fs) - bare.psd(f, fs)
-        at_zero = difference[0] - (difference[1] - difference[0]) / 3.0  # even in f, so parabolic
-        return irfft(np.concatenate([[at_zero], difference]) * (fs / 2.0), size)[: size // 2]
+    def block_covariance(self, n: int, m: int, fs: float) -> np.ndarray:
+        """Autocovariance of the differences of block means; see `Process.block_covariance`."""
+        self._closed("the covariance of block means")
+        out = np.zeros(n)
+        for term in self.terms:
+            if term.name != "constant":
+                out += term.block_covariance(n, m, fs)
+        if self.low_pass is not None:
+            out += blocks.from_short_memory(self._filter_effect(fs), n, m)
+        white = self._added(fs) / m
+        out[:2] += np.array([2.0 * white, -white])[:n]
+        return out
+
+    def _filter_effect(self, fs):
+        """Autocovariance that the filter adds (negative: removes), shape (k,), zero beyond."""
+        noise = tuple(t for t in self.terms if not t.deterministic)
+        return _filter_effect(Sum(noise, (self.low_pass,)), float(fs))
 
     def autocovariance(self, lag, fs: float | None = None) -> np.ndarray:
         """Autocovariance, unit^2; see `Process.autocovariance`."""
@@ -310,3 +325,27 @@ class Sum:
         for _, act in sorted(chain, key=lambda link: link[0]):
             x = act(x, fs, rng)
         return x
+
+
+@lru_cache(maxsize=32)
+def _filter_effect(filtered: Sum, fs: float) -> np.ndarray:
+    """Autocovariance of a filtered sum of noises less that of the bare one, shape (k,), zero
+    beyond.
+
+    It is the transform of a spectrum that vanishes at zero frequency, since gain(0) = 1; the grid
+    of frequencies is made finer until the memory of filter and noises ends within it.
+    """
+    bare, size = Sum(filtered.terms), 2048
+    low_pass = filtered.low_pass
+    cutoff = low_pass.cutoff or 0.443 * fs / low_pass.taps
+    longest = np.clip(MAX_TIME_CONSTANTS * fs / (2 * np.pi * cutoff), 8192, 2 * MAX_MEMORY_SAMPLES)
+    while True:
+        size *= 2
+        f = np.arange(1, size // 2 + 1) * fs / size
+        difference = filtered.psd(f, fs) - bare.psd(f, fs)
+        at_zero = difference[0] - (difference[1] - difference[0]) / 3.0  # even in f, so parabolic
+        r = irfft(np.concatenate([[at_zero], difference]) * (fs / 2.0), size)[: size // 2]
+        end = np.max(np.abs(r[size // 4 :]))
+        if end <= FORGOTTEN * np.max(np.abs(r)) or size >= longest:
+            r.setflags(write=False)
+            return r

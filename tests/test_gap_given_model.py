@@ -1,0 +1,137 @@
+"""Given the model that a record was drawn from, the workflow finds nothing: each process answers for
+its own covariance of block means. The records are drawn by plain numpy.
+"""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from imu_lib import processes
+from imu_lib.errors import UndefinedFormError
+from imu_lib.gap.channel import analyse
+from imu_lib.processes import (
+    Autoregressive,
+    Flicker,
+    GaussMarkov,
+    GaussMarkov2,
+    LowPass,
+    Quantization,
+    RandomWalk,
+    Sum,
+    Telegraph,
+    WhiteNoise,
+)
+
+FS = 100.0
+RESONANCE = (2 * 0.999 * np.cos(0.05), -(0.999**2))
+NOISES = [
+    WhiteNoise(1e-3),
+    Quantization(1e-3),
+    Flicker(1e-3),
+    RandomWalk(1e-4),
+    GaussMarkov(1e-3, 0.3),
+    GaussMarkov(1e-3, 60.0),
+    GaussMarkov2(1e-3, 20.0),
+    Telegraph(1e-3, 0.05),
+    Autoregressive((np.exp(-1 / 2000),), 1.0, FS),
+    Autoregressive((-0.9,), 1.0, FS),
+    Autoregressive(RESONANCE, 1.0, FS),
+    Autoregressive((0.5, 0.3, 0.19), 1.0, FS),
+]
+
+
+def integral(psd, lags, m, fs, points=800_000):
+    """Covariance of differenced block means from a spectrum, by the midpoint rule."""
+    f = (np.arange(points) + 0.5) / points * fs / 2
+    half = np.pi * f * m / fs
+    density = psd(f) * (2 * np.sin(half) ** 2 / (m * np.sin(np.pi * f / fs))) ** 2
+    return np.array([np.mean(density * np.cos(2 * half * j)) for j in lags]) * fs / 2
+
+
+@pytest.mark.parametrize("m", [16, 400])
+@pytest.mark.parametrize("process", NOISES, ids=lambda p: f"{p.name}")
+def test_covariance_of_block_means_is_the_integral_of_the_spectrum(process, m):
+    c = process.block_covariance(40, m, FS)
+    lags = [0, 1, 2, 3, 10, 30]
+    want = integral(lambda f: process.psd(f, FS), lags, m, FS)
+    assert np.allclose(c[lags], want, atol=1e-5 * c[0])  # the grid of the integral
+    assert np.isclose(c[0], 2 * process.avar(np.array([m / FS]), FS)[0], rtol=1e-9)
+    # what a process does that has no form of its own
+    own = processes.Process.block_covariance(process, 40, m, FS)
+    assert np.allclose(own, c, atol=5e-5 * c[0])
+
+
+def test_every_process_of_the_catalogue_answers_or_says_that_it_cannot():
+    answered = {p.name for p in NOISES}
+    for name, kind in {**processes.OF_CHANNEL, **processes.OF_RECORD}.items():
+        if name in answered:
+            continue
+        values = {p.name: 0.5 for p in kind.parameters if not p.optional}
+        process = kind(**values) if name != "low_pass" else LowPass(order=1, cutoff=1.0)
+        try:
+            c = process.block_covariance(8, 16, FS)
+        except UndefinedFormError:
+            continue
+        want = integral(partial(process.psd, fs=FS), [0, 1, 5], 16, FS)
+        assert np.allclose(c[[0, 1, 5]], want, atol=1e-4 * c[0]), name
+
+
+@pytest.mark.parametrize(
+    "low_pass",
+    [
+        LowPass(order=1, cutoff=0.01),
+        LowPass(order=4, cutoff=0.02),
+        LowPass(smoothing=1, cutoff=0.5),
+        LowPass(taps=15, rate=1000.0),
+    ],
+    ids=repr,
+)
+def test_allan_variance_and_block_means_behind_a_filter_are_the_integral_of_the_spectrum(low_pass):
+    model = Sum((WhiteNoise(1.0), RandomWalk(0.02), GaussMarkov(0.1, 30.0)), (low_pass,))
+    sizes = np.array([1, 10, 100, 1000])
+    want = [integral(lambda f: model.psd(f, FS), [0], m, FS)[0] / 2 for m in sizes]
+    # the lowest cell of the grid is wide beside the walk's: 0.1 %
+    assert np.allclose(model.avar(sizes / FS, FS), want, rtol=2e-3)
+    c = model.block_covariance(20, 400, FS)
+    wanted = integral(lambda f: model.psd(f, FS), [0, 1, 2, 9], 400, FS)
+    assert np.allclose(c[[0, 1, 2, 9]], wanted, atol=1e-4 * c[0])
+
+
+def drawn(process, n, rng):
+    """A realisation by code that shares nothing with the package's."""
+    if process.name == "telegraph":
+        waits = rng.exponential(1 / process.rate, int(4 * process.rate * n / FS) + 20)
+        flips = np.searchsorted(np.cumsum(waits), np.arange(n) / FS)
+        return process.amplitude * ((flips + rng.integers(2)) % 2 - 0.5)
+    phi = np.array(process.phi)
+    x = lfilter([1.0], np.concatenate([[1.0], -phi]), rng.standard_normal(n + 60_000))
+    return process.sigma * x[-n:]
+
+
+SLOW = [
+    Telegraph(3e-3, 0.05),
+    Autoregressive((np.exp(-1 / 2000),), 1e-4, FS),
+    Autoregressive((2 * 0.9995 * np.cos(1e-3), -(0.9995**2)), 3e-6, FS),
+]
+
+
+@pytest.mark.parametrize("process", SLOW, ids=lambda p: f"{p.name}{len(getattr(p, 'phi', []))}")
+def test_nothing_is_found_in_a_record_of_the_given_model(process):
+    rng = np.random.default_rng(7)
+    n = 120_000
+    x = 1e-2 * rng.standard_normal(n) + drawn(process, n, rng)
+    found = analyse("gyro_x", x, FS, Sum((WhiteNoise(1e-2 / np.sqrt(FS)), process)), seed=1)
+    assert [s.effect for s in found.steps] == [] and found.unexplained is None
+
+
+def test_nothing_is_found_behind_a_given_slow_filter():
+    rng = np.random.default_rng(8)
+    a = 1 - np.exp(-2 * np.pi * 0.05 / FS)
+    x = lfilter([a], [1.0, a - 1.0], rng.standard_normal(150_000))[-120_000:]
+    # the cutoff at which |a / (1 - (1 - a) e^-iw)|^2 is one half
+    cutoff = FS / (2 * np.pi) * np.arccos(1 - a * a / (2 * (1 - a)))
+    base = Sum((WhiteNoise(1 / np.sqrt(FS)),), (LowPass(smoothing=1, cutoff=cutoff),))
+    found = analyse("gyro_x", x, FS, base, seed=1)
+    assert [s.effect for s in found.steps] == [] and found.unexplained is None
