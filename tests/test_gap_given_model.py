@@ -68,7 +68,8 @@ def test_every_process_of_the_catalogue_answers_or_says_that_it_cannot():
     for name, kind in {**processes.OF_CHANNEL, **processes.OF_RECORD}.items():
         if name in answered:
             continue
-        values = {p.name: 0.5 for p in kind.parameters if not p.optional}
+        least = {"count": 1, "other": 4.0, "ratio": 4.0}
+        values = {p.name: least.get(p.kind, 0.5) for p in kind.parameters if not p.optional}
         process = kind(**values) if name != "low_pass" else LowPass(order=1, cutoff=1.0)
         try:
             c = process.block_covariance(8, 16, FS)
