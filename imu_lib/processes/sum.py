@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
-from scipy.fft import irfft
 from scipy.linalg import block_diag
 
 from imu_lib.errors import InputError, UndefinedFormError
 
-from . import blocks
+from . import blocks, filter_memory
 from .base import Process, StateSpace
 from .heavy_tails import HeavyTails
 from .low_pass import LowPass
@@ -24,11 +22,6 @@ from .white import Quantization, WhiteNoise
 
 #: Stages that act on the fast noise alone, not on the sum of all.
 ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
-
-#: Share of its largest value to which the autocovariance that a filter adds has to have fallen
-#: where it is cut off, and the time constants of the filter, and samples, to which it is followed
-#: at the most (flicker never falls so far).
-FORGOTTEN, MAX_TIME_CONSTANTS, MAX_MEMORY_SAMPLES = 1e-12, 256, 2**20
 
 
 @dataclass(frozen=True)
@@ -230,7 +223,7 @@ class Sum:
     def _filter_effect(self, fs):
         """Autocovariance that the filter adds (negative: removes), shape (k,), zero beyond."""
         noise = tuple(t for t in self.terms if not t.deterministic)
-        return _filter_effect(Sum(noise, (self.low_pass,)), float(fs))
+        return filter_memory.added(Sum(noise, (self.low_pass,)), Sum(noise), float(fs))
 
     def autocovariance(self, lag, fs: float | None = None) -> np.ndarray:
         """Autocovariance, unit^2; see `Process.autocovariance`."""
@@ -325,27 +318,3 @@ class Sum:
         for _, act in sorted(chain, key=lambda link: link[0]):
             x = act(x, fs, rng)
         return x
-
-
-@lru_cache(maxsize=32)
-def _filter_effect(filtered: Sum, fs: float) -> np.ndarray:
-    """Autocovariance of a filtered sum of noises less that of the bare one, shape (k,), zero
-    beyond.
-
-    It is the transform of a spectrum that vanishes at zero frequency, since gain(0) = 1; the grid
-    of frequencies is made finer until the memory of filter and noises ends within it.
-    """
-    bare, size = Sum(filtered.terms), 2048
-    low_pass = filtered.low_pass
-    cutoff = low_pass.cutoff or 0.443 * fs / low_pass.taps
-    longest = np.clip(MAX_TIME_CONSTANTS * fs / (2 * np.pi * cutoff), 8192, 2 * MAX_MEMORY_SAMPLES)
-    while True:
-        size *= 2
-        f = np.arange(1, size // 2 + 1) * fs / size
-        difference = filtered.psd(f, fs) - bare.psd(f, fs)
-        at_zero = difference[0] - (difference[1] - difference[0]) / 3.0  # even in f, so parabolic
-        r = irfft(np.concatenate([[at_zero], difference]) * (fs / 2.0), size)[: size // 2]
-        end = np.max(np.abs(r[size // 4 :]))
-        if end <= FORGOTTEN * np.max(np.abs(r)) or size >= longest:
-            r.setflags(write=False)
-            return r
