@@ -12,7 +12,7 @@ afterwards.
   refresh [NOTEBOOKS]     re-execute chapters (default: all) and store their outputs
   bench [NAMES]           run benchmarks/NAME.py (default: all) and store their tables
   pdf                     the whole book as one PDF (needs Chromium or Chrome)
-  lint                    ruff over the code: rules and format
+  lint                    ruff over the code, rules and format; mypy over the rooms that are typed
 """
 
 import contextlib
@@ -118,8 +118,10 @@ def pdf(arguments):
 
 def lint(arguments):
     files = arguments or ["."]
-    return run(PYTHON, "-m", "ruff", "check", *files) or run(
-        PYTHON, "-m", "ruff", "format", "--check", *files
+    return (
+        run(PYTHON, "-m", "ruff", "check", *files)
+        or run(PYTHON, "-m", "ruff", "format", "--check", *files)
+        or (0 if arguments else run(PYTHON, "-m", "mypy"))  # the rooms that pyproject.toml names
     )
 
 

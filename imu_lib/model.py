@@ -5,13 +5,16 @@ them.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from imu_lib import processes
+from imu_lib.arrays import Array
 from imu_lib.errors import InputError
 from imu_lib.processes import CommonMode, Jitter, Process, RateError, Sum, TimeGaps, Vibration
 from imu_lib.record import CHANNELS, Record
@@ -42,7 +45,7 @@ class Model:
     source: str = ""
     extra: Mapping[str, object] = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         ordered = {}
         for channel in CHANNELS:
             if channel in self.channels:
@@ -89,7 +92,7 @@ class Model:
 
     # -- files -----------------------------------------------------------------------------------
     @classmethod
-    def from_json(cls, content: Mapping, *, where: str = "the error model") -> Model:
+    def from_json(cls, content: Mapping[str, Any], *, where: str = "the error model") -> Model:
         """From the decoded content of an error-model file.
 
         Raises
@@ -130,9 +133,9 @@ class Model:
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
 
-    def to_json(self) -> dict:
+    def to_json(self) -> dict[str, Any]:
         """The content of the error-model file."""
-        content: dict = {}
+        content: dict[str, Any] = {}
         for key in ("name", "source", "rate"):
             if getattr(self, key):
                 content[key] = getattr(self, key)
@@ -143,7 +146,7 @@ class Model:
         return content
 
     @classmethod
-    def load(cls, path) -> Model:
+    def load(cls, path: str | os.PathLike[str]) -> Model:
         """From a file, or a preset where `path` is `preset:NAME`.
 
         Raises
@@ -178,7 +181,7 @@ class Model:
             ) from None
         return cls.from_json(content, where=str(path))
 
-    def save(self, path) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Write the error-model file; it appears whole or not at all."""
         path = Path(path)
         temporary = path.with_name(f".{path.name}.part")
@@ -192,7 +195,7 @@ class Model:
         fs: float,
         rng: np.random.Generator,
         *,
-        temperature=None,
+        temperature: Array | None = None,
         channels: Iterable[str] | None = None,
     ) -> dict[str, np.ndarray]:
         """A realisation of the channels: dict of ndarray, shape (n,), at `fs` Hz.
@@ -201,7 +204,7 @@ class Model:
         """
         generators = dict(zip((*CHANNELS, "record"), rng.spawn(len(CHANNELS) + 1)))
         wanted = self.channel_names if channels is None else tuple(channels)
-        common = {channel: None for channel in wanted}
+        common: dict[str, Array | None] = {channel: None for channel in wanted}
         for process in self.record:
             if isinstance(process, (CommonMode, Vibration)):
                 if isinstance(process, Vibration):
@@ -211,9 +214,8 @@ class Model:
                     parts = process.on(filters, n, fs, generators["record"])
                 for channel, shared in parts.items():
                     if channel in common:
-                        common[channel] = (
-                            shared if common[channel] is None else common[channel] + shared
-                        )
+                        before = common[channel]
+                        common[channel] = shared if before is None else before + shared
         return {
             channel: self[channel].simulate(
                 n, fs, generators[channel], temperature=temperature, common=common[channel]
@@ -227,16 +229,14 @@ class Model:
         fs: float,
         rng: np.random.Generator,
         *,
-        temperature=None,
+        temperature: Array | None = None,
         name: str = "",
         channels: Iterable[str] | None = None,
     ) -> Record:
         """A realisation as a `Record`, with the gaps and the jitter of the model's clock."""
-        clock = next((p for p in self.record if isinstance(p, RateError)), RateError(1.0))
-        true = self.with_channels({c: clock.paced(s) for c, s in self.channels.items()})
-        signals = true.simulate(
-            n, fs * clock.ratio, rng, temperature=temperature, channels=channels
-        )
+        pace = next((p for p in self.record if isinstance(p, RateError)), RateError(1.0))
+        true = self.with_channels({c: pace.paced(s) for c, s in self.channels.items()})
+        signals = true.simulate(n, fs * pace.ratio, rng, temperature=temperature, channels=channels)
         time = None
         (clock,) = rng.spawn(1)
         for process in self.record:
@@ -259,7 +259,7 @@ class Model:
         )
 
 
-def _entries(value, where: str, *, on_record: bool) -> list[Process]:
+def _entries(value: Any, where: str, *, on_record: bool) -> list[Process]:
     if not isinstance(value, list):
         raise InputError(f"{where}: must be a list of processes")
     out = []

@@ -11,9 +11,12 @@ transition costs `miss`, every segment costs `change`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from imu_lib.arrays import Array, ArrayLike
 
 
 @dataclass(frozen=True)
@@ -42,16 +45,26 @@ class Segment:
     scatter: float
 
     @property
-    def decades(self):
+    def decades(self) -> float:
         """Length on the logarithmic axis."""
         return float(np.log10(self.stop / self.start))
 
-    def at(self, x):
+    def at(self, x: ArrayLike) -> Array:
         """The line at x."""
         return 10**self.intercept * np.asarray(x, dtype=float) ** self.slope
 
 
-def segments(x, y, relative_sd, slopes, *, least=0.3, floor=0.03, miss=4.0, change=12.0):
+def segments(
+    x: Array,
+    y: Array,
+    relative_sd: Array,
+    slopes: Sequence[float],
+    *,
+    least: float = 0.3,
+    floor: float = 0.03,
+    miss: float = 4.0,
+    change: float = 12.0,
+) -> tuple[Segment, ...]:
     """Cut a log-log curve into segments of given slopes.
 
     Parameters
@@ -83,7 +96,7 @@ def segments(x, y, relative_sd, slopes, *, least=0.3, floor=0.03, miss=4.0, chan
         r = v - s * u
         total[s] = [np.concatenate([[0.0], np.cumsum(t)]) for t in (w, w * r, w * r * r)]
     best = np.zeros(n + 1)
-    step = [None] * (n + 1)
+    step: list[tuple[int, float] | None] = [None] * (n + 1)
     for j in range(1, n + 1):
         best[j], step[j] = best[j - 1] + miss, None
         starts = np.flatnonzero(u[j - 1] - u[:j] >= least - 1e-9)
@@ -98,10 +111,11 @@ def segments(x, y, relative_sd, slopes, *, least=0.3, floor=0.03, miss=4.0, chan
                 best[j], step[j] = cost[k], (int(starts[k]), s)
     found, j = [], n
     while j > 0:
-        if step[j] is None:
+        last = step[j]
+        if last is None:
             j -= 1
             continue
-        i, s = step[j]
+        i, s = last
         weight, line = w[i:j], v[i:j] - s * u[i:j]
         level = float(np.average(line, weights=weight))
         scatter = float(np.sqrt(np.average((line - level) ** 2, weights=weight)) * np.log(10))
@@ -110,7 +124,7 @@ def segments(x, y, relative_sd, slopes, *, least=0.3, floor=0.03, miss=4.0, chan
     return tuple(reversed(found))
 
 
-def rising(found):
+def rising(found: Sequence[Segment]) -> tuple[Segment, ...]:
     """The longest chain (in decades) of segments whose slopes do not fall: what slow noises follow
     fast ones in.
 
@@ -118,12 +132,12 @@ def rising(found):
     are stretches, but
     no noise of their own is read from them.
     """
-    best = []
+    best: list[tuple[float, tuple[Segment, ...]]] = []
     for i, segment in enumerate(found):
+        no_segment: tuple[float, tuple[Segment, ...]] = (0.0, ())
         before = max(
-            (best[k] for k in range(i) if found[k].slope <= segment.slope),
+            [no_segment, *(best[k] for k in range(i) if found[k].slope <= segment.slope)],
             key=lambda b: b[0],
-            default=(0.0, ()),
         )
         best.append((before[0] + segment.decades, before[1] + (segment,)))
-    return max(best, key=lambda b: b[0], default=(0.0, ()))[1]
+    return max(best, key=lambda b: b[0])[1] if best else ()

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from imu_lib.allan.confidence import interval
-from imu_lib.allan.deviation import deviation
-from imu_lib.allan.fit import fit_best
+from imu_lib.allan.deviation import AllanCurve, deviation
+from imu_lib.allan.fit import AllanFit, fit_best
 from imu_lib.allan.flat import flat_time
 from imu_lib.allan.read_off import FLAT
+from imu_lib.arrays import Array
 from imu_lib.estimate import Estimate
-from imu_lib.processes import Flicker, GaussMarkov, Quantization, Ramp, RandomWalk, Sum, WhiteNoise
+from imu_lib.processes import (
+    Flicker,
+    GaussMarkov,
+    Quantization,
+    Ramp,
+    RandomWalk,
+    Stage,
+    Sum,
+    WhiteNoise,
+)
 
 _FAST, _SLOW = Quantization() + WhiteNoise(), RandomWalk() + Ramp()
 #: Relative error of a model's Allan variance that is allowed, taken in turn.
@@ -24,7 +36,7 @@ TEMPLATES = (
 )
 
 
-def short_filter(curve):
+def short_filter(curve: AllanCurve) -> float | None:
     """Averaging time, s, from which an on-chip filter no longer shapes the curve; None where there
     is none to see.
 
@@ -51,7 +63,9 @@ def short_filter(curve):
     return float(curve.tau[octaves[turn]]) if slopes[turn:].min() < slopes[0] - 0.05 else None
 
 
-def fit_any(curve, *, templates=TEMPLATES, stages=()):
+def fit_any(
+    curve: AllanCurve, *, templates: Sequence[Sum] = TEMPLATES, stages: Sequence[Stage] = ()
+) -> AllanFit:
     """The best of the usual sums by criterion, an on-chip filter allowed for: an AllanFit.
 
     `stages` (a known low-pass filter) enter every sum; without them the curve is used from where
@@ -69,7 +83,7 @@ def fit_any(curve, *, templates=TEMPLATES, stages=()):
     )
 
 
-def characterise(x, fs, *, stages=()):
+def characterise(x: Array, fs: float, *, stages: Sequence[Stage] = ()) -> dict[str, Estimate]:
     """N, B, K, Q, R of a record by a joint fit to its Allan curve.
 
     B is the flat level over 0.664, of flicker or of a Gauss-Markov process where that makes the
@@ -108,7 +122,7 @@ def characterise(x, fs, *, stages=()):
     return {symbol: out[symbol] for symbol in ("N", "B", "K", "Q", "R")}
 
 
-def _is_flat(found):
+def _is_flat(found: AllanFit) -> bool:
     """Whether the fitted deviation really has a flat part at the process's bump: slope below 0.15
     either way.
     """

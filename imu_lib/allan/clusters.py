@@ -19,11 +19,13 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numba import njit
 
+from imu_lib.arrays import Array
+
 BLOCK = 4096
 
 
 @njit(cache=True, nogil=True)
-def _integrate(x, centre, theta):
+def _integrate(x: Array, centre: float, theta: Array) -> float:
     """theta[k] = sum of the first k centred samples (Neumaier's compensated sum); returns the
     number missing.
     """
@@ -47,14 +49,14 @@ def _integrate(x, centre, theta):
 
 
 @njit(cache=True, nogil=True)
-def _count_missing(x, gone):
+def _count_missing(x: Array, gone: Array) -> None:
     gone[0] = 0
     for k in range(x.size):
         gone[k + 1] = gone[k] + (0 if np.isfinite(x[k]) else 1)
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
-def _full(theta, m, start, stop):
+def _full(theta: Array, m: int, start: int, stop: int) -> float:
     """Sum of (theta[k+2m] - 2 theta[k+m] + theta[k])^2 for k in start..stop-1."""
     total = 0.0
     a = theta[start:stop]
@@ -67,7 +69,7 @@ def _full(theta, m, start, stop):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
-def _whole(theta, gone, m, start, stop):
+def _whole(theta: Array, gone: Array, m: int, start: int, stop: int) -> tuple[float, int]:
     """The same over the windows that miss nothing; returns sum and count."""
     total = 0.0
     count = 0
@@ -82,7 +84,9 @@ def _whole(theta, gone, m, start, stop):
 
 
 @njit(cache=True, nogil=True)
-def _gappy(theta, gone, m, start, stop, allowed):
+def _gappy(
+    theta: Array, gone: Array, m: int, start: int, stop: int, allowed: int
+) -> tuple[float, int]:
     """The same over windows of which each cluster misses at most `allowed` samples; returns sum
     and count.
 
@@ -105,7 +109,17 @@ def _gappy(theta, gone, m, start, stop, allowed):
 
 
 @njit(cache=True, nogil=True)
-def _pass(theta, gone, lengths, allowed, first, last, block, sums, counts):
+def _pass(
+    theta: Array,
+    gone: Array,
+    lengths: Array,
+    allowed: Array,
+    first: int,
+    last: int,
+    block: int,
+    sums: Array,
+    counts: Array,
+) -> None:
     """Blocks first..last-1 of the windows, all cluster lengths over each block."""
     n = theta.size - 1
     for b in range(first, last):
@@ -125,7 +139,9 @@ def _pass(theta, gone, lengths, allowed, first, last, block, sums, counts):
                     counts[i] += stop - start
 
 
-def squared_differences(x, lengths, *, present=1.0, threads=None):
+def squared_differences(
+    x: Array, lengths: Array, *, present: float = 1.0, threads: int | None = None
+) -> tuple[Array, Array]:
     """Mean squared difference of adjacent cluster means over all overlapped windows.
 
     Parameters
@@ -159,7 +175,7 @@ def squared_differences(x, lengths, *, present=1.0, threads=None):
     threads = threads or min(4, os.cpu_count() or 1)
     pieces = np.linspace(0, blocks, min(blocks, 16 * threads) + 1).astype(int)
 
-    def work(bounds):
+    def work(bounds: tuple[int, int]) -> tuple[Array, Array]:
         sums, counts = np.zeros(lengths.size), np.zeros(lengths.size, dtype=np.int64)
         _pass(theta, gone, lengths, allowed, bounds[0], bounds[1], BLOCK, sums, counts)
         return sums, counts
@@ -167,14 +183,14 @@ def squared_differences(x, lengths, *, present=1.0, threads=None):
     with ThreadPoolExecutor(threads) as pool:
         parts = list(pool.map(work, zip(pieces[:-1], pieces[1:], strict=True)))
     sums = np.array([p[0] for p in parts])
-    counts = sum(p[1] for p in parts)
+    counts = np.sum([p[1] for p in parts], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(
             counts > 0, sums.sum(axis=0) / counts / lengths.astype(float) ** 2, np.nan
         ), counts
 
 
-def _centre(x):
+def _centre(x: Array) -> float:
     """A value near the mean, taken from finite samples without a copy of the record."""
     head = x[:: max(1, x.size // 20000)]
     head = head[np.isfinite(head)]

@@ -14,24 +14,26 @@ from functools import lru_cache
 import numpy as np
 from scipy import stats
 
+from imu_lib.arrays import Array, ArrayLike
+
 #: Exponent of tau in the Allan variance, and alpha, the exponent in Greenhall and Riley's density
 #: f^(alpha - 2).
 SLOPES = {-2: 2, -1: 0, 0: -1, 1: -2}
 _STEPS = 100  # windows per cluster length where there are more than this
 
 
-def _power(t, alpha):
+def _power(t: Array, alpha: int) -> Array:
     """Generalised autocovariance |t|^(3 - alpha), with ln|t| for odd alpha (Eq. 7; a common factor does not matter)."""
     t = np.abs(t)
     return t ** (3 - alpha) * (np.log(np.where(t > 0, t, 1.0)) if alpha % 2 else 1.0)
 
 
-def _covariance(t, alpha, m=None):
+def _covariance(t: Array, alpha: int, m: int | None = None) -> Array:
     """Covariance of two windows t cluster lengths apart (Eqs. 8-9; m None where the cluster is
     very long).
     """
 
-    def between(u):
+    def between(u: Array) -> Array:
         if m is None:
             return _power(u, alpha + 2)
         return m**2 * (2 * _power(u, alpha) - _power(u - 1 / m, alpha) - _power(u + 1 / m, alpha))
@@ -40,14 +42,14 @@ def _covariance(t, alpha, m=None):
 
 
 @lru_cache(maxsize=16)
-def _squares(alpha, steps, m):
+def _squares(alpha: int, steps: int, m: int | None) -> Array:
     """Squared correlation of windows 0, 1/steps, 2/steps, ... cluster lengths apart, up to three."""
     t = np.arange(3 * steps + 1) / steps
     covariance = _covariance(t, alpha, m)
     return (covariance / covariance[0]) ** 2
 
 
-def _edf(alpha, m, windows):
+def _edf(alpha: int, m: int, windows: float) -> float:
     """Degrees of freedom of one averaging time (Eqs. 10-13)."""
     if alpha == 2:
         if windows <= 2 * m:
@@ -61,7 +63,7 @@ def _edf(alpha, m, windows):
     return count / (squares[0] + 2 * np.sum((1 - lag / count) * squares[lag]))
 
 
-def degrees_of_freedom(m, windows, slope):
+def degrees_of_freedom(m: Array, windows: Array, slope: Array) -> Array:
     """Equivalent degrees of freedom of overlapped Allan variance estimates.
 
     Parameters
@@ -96,7 +98,7 @@ def degrees_of_freedom(m, windows, slope):
     return np.maximum(out, 1.0)
 
 
-def local_slope(tau, variance, *, decades=0.5):
+def local_slope(tau: Array, variance: Array, *, decades: float = 0.5) -> Array:
     """Exponent of tau in the Allan variance around each averaging time, by a straight line in
     log-log.
 
@@ -127,7 +129,7 @@ def local_slope(tau, variance, *, decades=0.5):
     return np.where(turned, np.maximum(out, -1.0), out)
 
 
-def interval(deviation, edf, *, level=0.95):
+def interval(deviation: ArrayLike, edf: ArrayLike, *, level: float = 0.95) -> tuple[Array, Array]:
     """Two-sided chi-square interval of a deviation (or, squared, of a variance) with `edf` degrees
     of freedom.
     """
@@ -137,7 +139,7 @@ def interval(deviation, edf, *, level=0.95):
     return low, high
 
 
-def papers_error(n, m):
+def papers_error(n: int, m: ArrayLike) -> Array:
     """Relative standard error of an Allan deviation as the papers give it: 1 / sqrt(2 (n/m - 1)).
 
     Quinchia et al. 2013, Eq. 15 and Zhao et al. 2011, Eq. 23 (there in per cent). It counts

@@ -22,6 +22,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from imu_lib.arrays import Array
+
 # Frequencies per octave, spread through the lobes of h by the golden ratio: few where all
 # responses are smooth (below
 # a quarter of a cycle in the record), many at the top, where quantization has its power.
@@ -44,16 +46,16 @@ class Quadrature:
         Hz.
     """
 
-    def __init__(self, m, n, windows, fs):
+    def __init__(self, m: Array, n: int, windows: Array, fs: float) -> None:
         self.m = np.asarray(m, dtype=float)
         self.n, self.fs = int(n), float(fs)
         self.windows = np.asarray(windows, dtype=float)
         self.f, self.weight, self.response = _grid(tuple(int(k) for k in m), self.n)
         self.f = self.f * self.fs
-        self._mean = None
+        self._mean: Array | None = None
         self.long = np.flatnonzero(self.m > self.n / _LONG)
 
-    def covariance(self, density):
+    def covariance(self, density: Array) -> Array:
         """Covariance of the Allan variances, ndarray, shape (j, j).
 
         Parameters
@@ -69,7 +71,7 @@ class Quadrature:
             self._replace_long(out, density, power, share)
         return out
 
-    def mean_covariance(self, density):
+    def mean_covariance(self, density: Array) -> Array:
         """Covariance of the plain means of the windows D_i (the square root's linear term),
         ndarray, shape (j, j).
         """
@@ -79,7 +81,7 @@ class Quadrature:
             self._mean = self.response * np.sin(x * count) / (count * np.sin(x))
         return (self._mean * (density * self.fs * self.weight)) @ self._mean.T
 
-    def _replace_long(self, out, density, power, share):
+    def _replace_long(self, out: Array, density: Array, power: Array, share: Array) -> None:
         """The block of long clusters, summed over lags with the true number of pairs of windows.
 
         What varies faster than the grid of lags resolves adds its part by Parseval's theorem as
@@ -117,7 +119,7 @@ class Quadrature:
 
 
 @lru_cache(maxsize=8)
-def _grid(m, n):
+def _grid(m: tuple[int, ...], n: int) -> tuple[Array, Array, Array]:
     """Frequencies (cycles per sample), quadrature weights, and h of each cluster length."""
     pieces = []
     for low, high, density in (
@@ -131,13 +133,13 @@ def _grid(m, n):
         f = low * 2.0 ** ((np.arange(count) + shift) * octaves / max(count, 1))
         pieces.append((f, np.log(2) * octaves / max(count, 1) * f))
     f, weight = (np.concatenate(part) for part in zip(*pieces, strict=True))
-    m = np.asarray(m, dtype=float)[:, None]
-    response = np.sqrt(2) * np.sin(np.pi * f * m) ** 2 / (m * np.sin(np.pi * f))
+    length = np.asarray(m, dtype=float)[:, None]
+    response = np.sqrt(2) * np.sin(np.pi * f * length) ** 2 / (length * np.sin(np.pi * f))
     return f, weight, response
 
 
 @lru_cache(maxsize=8)
-def _cosines(m, n):
+def _cosines(m: tuple[int, ...], n: int) -> tuple[Array, Array, float]:
     """cos(2 pi f d) on the grid of lags, for the frequencies that long clusters see; the indices;
     the step.
     """

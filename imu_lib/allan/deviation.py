@@ -8,6 +8,8 @@ import numpy as np
 
 from imu_lib.allan import confidence
 from imu_lib.allan.clusters import squared_differences
+from imu_lib.arrays import Array, ArrayLike
+from imu_lib.processes import Process, Sum
 
 
 @dataclass(frozen=True)
@@ -36,28 +38,28 @@ class AllanCurve:
         Sampling rate, Hz.
     """
 
-    tau: np.ndarray
-    m: np.ndarray
-    adev: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    edf: np.ndarray
-    slope: np.ndarray
-    n: np.ndarray
+    tau: Array
+    m: Array
+    adev: Array
+    low: Array
+    high: Array
+    edf: Array
+    slope: Array
+    n: Array
     samples: int
     fs: float
 
     @property
-    def avar(self):
+    def avar(self) -> Array:
         """Allan variance, ndarray, shape (j,)."""
         return self.adev**2
 
     @property
-    def duration(self):
+    def duration(self) -> float:
         """Length of the record, s."""
         return self.samples / self.fs
 
-    def holds(self, model):
+    def holds(self, model: Sum | Process) -> Array:
         """Whether the 95 % interval at each averaging time holds the deviation of a model, ndarray
         of bool, shape (j,).
         """
@@ -65,18 +67,20 @@ class AllanCurve:
         return (self.low <= deviation) & (deviation <= self.high)
 
     @property
-    def papers_error(self):
+    def papers_error(self) -> Array:
         """Relative standard error by the papers' formula (2013 Eq. 15, 2011 Eq. 23), ndarray,
         shape (j,).
         """
         return confidence.papers_error(self.samples, self.m)
 
-    def at(self, tau):
+    def at(self, tau: float) -> int:
         """Index of the averaging time nearest to `tau` (s) on the logarithmic axis."""
         return int(np.argmin(np.abs(np.log(self.tau / tau))))
 
 
-def cluster_lengths(n, *, per_decade=20, limit=100, longest=None):
+def cluster_lengths(
+    n: int, *, per_decade: int = 20, limit: int = 100, longest: int | None = None
+) -> Array:
     """Log-spaced cluster lengths 1 ... n // 3, at most `limit` of them, ndarray of int."""
     longest = min(max(1, n // 3), longest or n)
     count = max(2, int(np.ceil(np.log10(longest) * per_decade)) + 1)
@@ -87,7 +91,16 @@ def cluster_lengths(n, *, per_decade=20, limit=100, longest=None):
         count -= max(1, (m.size - limit) // 2)
 
 
-def deviation(x, fs, *, taus=None, per_decade=20, limit=100, present=1.0, threads=None):
+def deviation(
+    x: Array,
+    fs: float,
+    *,
+    taus: ArrayLike | None = None,
+    per_decade: int = 20,
+    limit: int = 100,
+    present: float = 1.0,
+    threads: int | None = None,
+) -> AllanCurve:
     """Overlapped Allan deviation at log-spaced averaging times (Quinchia et al. 2013, Eq. 13).
 
     Parameters

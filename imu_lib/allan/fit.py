@@ -4,15 +4,19 @@ result.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import stats
 
+from imu_lib.allan.deviation import AllanCurve
 from imu_lib.allan.limits import drop_absent, estimates
 from imu_lib.allan.problem import Problem, Terms, iterate
+from imu_lib.arrays import Array
 from imu_lib.estimate import Estimate
-from imu_lib.processes import Sum
+from imu_lib.processes import Process, Sum
 
 
 @dataclass(frozen=True)
@@ -44,21 +48,23 @@ class AllanFit:
     """
 
     model: Sum
-    parameters: dict
+    parameters: dict[str, Estimate]
     flat: Estimate
     misfit: float
     dof: int
     p_value: float
     criterion: float
-    tau: np.ndarray
-    predicted: np.ndarray
-    sd: np.ndarray
+    tau: Array
+    predicted: Array
+    sd: Array
 
-    def __getitem__(self, label) -> Estimate:
+    def __getitem__(self, label: str) -> Estimate:
         return self.parameters[label]
 
 
-def choose(curve, *, ratio=2.0, shortest=0.0, longest=np.inf):
+def choose(
+    curve: AllanCurve, *, ratio: float = 2.0, shortest: float = 0.0, longest: float = np.inf
+) -> Array:
     """Indices of the averaging times that a fit uses: one an octave, beyond which
     more change the parameters' standard errors by less than a per cent."""
     ok = np.flatnonzero((curve.tau >= shortest) & (curve.tau <= longest) & (curve.adev > 0))
@@ -69,7 +75,14 @@ def choose(curve, *, ratio=2.0, shortest=0.0, longest=np.inf):
     return ok[np.unique(np.abs(log[None, :] - goal[:, None]).argmin(axis=1))]
 
 
-def fit(curve, terms, *, shortest=0.0, longest=np.inf, filtered=False):
+def fit(
+    curve: AllanCurve,
+    terms: Sum | Process,
+    *,
+    shortest: float = 0.0,
+    longest: float = np.inf,
+    filtered: bool = False,
+) -> AllanFit:
     """Fit a sum of processes to an Allan curve by iterated generalised least squares.
 
     Parameters
@@ -100,15 +113,15 @@ def fit(curve, terms, *, shortest=0.0, longest=np.inf, filtered=False):
 
 
 def fit_best(
-    curve,
-    templates,
+    curve: AllanCurve,
+    templates: list[Sum],
     *,
-    shortest=0.0,
-    longest=np.inf,
-    filtered=False,
-    enough=0.05,
-    discrepancies=(0.0,),
-):
+    shortest: float = 0.0,
+    longest: float = np.inf,
+    filtered: bool = False,
+    enough: float = 0.05,
+    discrepancies: Sequence[float] = (0.0,),
+) -> AllanFit:
     """The first of several templates that describes the curve (p-value above `enough`), or else
     the best of them.
 
@@ -127,10 +140,10 @@ def fit_best(
     AllanFit
     """
 
-    def p_value(tried):
+    def p_value(tried: tuple[Any, ...]) -> float:
         return stats.chi2.sf(tried[1][2], tried[0].tau.size - tried[2])
 
-    best = None
+    best: tuple[float, float, tuple[Any, ...]] | None = None
     for discrepancy in discrepancies:
         for template in templates:
             try:
@@ -146,19 +159,27 @@ def fit_best(
             raise ValueError("`curve` has too few averaging times to fit anything")
         if p_value(best[2]) > 0.01:
             break
+    assert best is not None  # `discrepancies` is not empty
     return _finished(*best[2])
 
 
-def _found(curve, terms, shortest, longest, filtered, discrepancy=0.0):
+def _found(
+    curve: AllanCurve,
+    terms: Sum | Process,
+    shortest: float,
+    longest: float,
+    filtered: bool,
+    discrepancy: float = 0.0,
+) -> tuple[Problem, tuple[Array, Array, float, float], int]:
     """Problem, (shape, squares, misfit, criterion) at the minimum, number of parameters."""
-    terms = Terms(terms, filtered=filtered)
+    template = Terms(terms, filtered=filtered)
     index = choose(curve, shortest=shortest, longest=longest)
-    count = len(terms.linear) + len(terms.shape)
+    count = len(template.linear) + len(template.shape)
     if index.size <= count:
         raise ValueError(
             f"`curve` has {index.size} averaging times in the range, too few to fit {count} parameters"
         )
-    problem = Problem(curve, terms, index, discrepancy)
+    problem = Problem(curve, template, index, discrepancy)
     found = min(
         (iterate(problem, start, rounds=2) for start in _starts(problem, curve)),
         key=lambda one: one[3],
@@ -166,7 +187,7 @@ def _found(curve, terms, shortest, longest, filtered, discrepancy=0.0):
     return problem, iterate(problem, found[0]), count
 
 
-def _finished(problem, found, count):
+def _finished(problem: Problem, found: tuple[Array, Array, float, float], count: int) -> AllanFit:
     """The result, with absent terms taken out and intervals."""
     shape, squares, misfit, criterion = drop_absent(problem, found)
     parameters, flat = estimates(problem, shape, squares)
@@ -188,7 +209,7 @@ def _finished(problem, found, count):
     )
 
 
-def _starts(problem, curve, *, points=16, best=3):
+def _starts(problem: Problem, curve: AllanCurve, *, points: int = 16, best: int = 3) -> list[Array]:
     """Shape parameters to start from: the best few, well apart, of a logarithmic grid."""
     shape = problem.terms.shape
     if not shape:
@@ -209,7 +230,7 @@ def _starts(problem, curve, *, points=16, best=3):
             grid = grid[grid[:, i] > grid[:, i - 1]]
     white = problem.first_whitener()
     misfit = np.array([problem.solve(p, white)[1] for p in grid])
-    chosen = []
+    chosen: list[Array] = []
     for p in grid[np.argsort(misfit)]:
         if all(np.abs(p - q).max() > 1.5 * (axis[1] - axis[0]) for q in chosen):
             chosen.append(p)

@@ -9,11 +9,16 @@ noises cover the top, the least steep place near it stands for it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy import optimize
 
+from imu_lib.arrays import Array
+from imu_lib.processes import GaussMarkov, GaussMarkov2, Sum
 
-def flat_time(model, shortest, longest, *, beside=None):
+
+def flat_time(model: Sum, shortest: float, longest: float, *, beside: float | None = None) -> float:
     """Averaging time, s, at which a sum's Allan deviation is flat.
 
     Parameters
@@ -29,7 +34,7 @@ def flat_time(model, shortest, longest, *, beside=None):
         top and trough would else take turns.
     """
 
-    def slope(u, step=1e-3):
+    def slope(u: float, step: float = 1e-3) -> float:
         ends = model.avar(np.exp(np.array([u - step, u + step])))
         return np.log(ends[1] / ends[0]) / (2 * step)
 
@@ -42,7 +47,9 @@ def flat_time(model, shortest, longest, *, beside=None):
     near = np.full(log.size, beside is not None)
     if beside is None:
         for time in (
-            p.correlation_time for p in model.terms if p.name.startswith("gauss_markov") and p.sigma
+            p.correlation_time
+            for p in model.terms
+            if isinstance(p, GaussMarkov | GaussMarkov2) and p.sigma
         ):
             near |= (log >= np.log(time)) & (log <= np.log(6 * time))
         tops = np.flatnonzero(near[:-1] & near[1:] & (rough[:-1] > 0) & (rough[1:] <= 0))
@@ -58,7 +65,9 @@ def flat_time(model, shortest, longest, *, beside=None):
     return float(np.exp(found.x))
 
 
-def flat_gradient(model_of, log, place, step=0.01):
+def flat_gradient(
+    model_of: Callable[[Array], Sum], log: Array, place: float, step: float = 0.01
+) -> Array:
     """Derivative of the logarithm of the flat level by the logarithms of parameters, the place
     moving along, (p,).
 
@@ -74,7 +83,7 @@ def flat_gradient(model_of, log, place, step=0.01):
         Where the deviation is flat at `log`, s.
     """
 
-    def log_variance(moved):
+    def log_variance(moved: Array) -> float:
         model = model_of(moved)
         return np.log(model.avar(np.array([flat_time(model, place, place, beside=place)])))[0]
 

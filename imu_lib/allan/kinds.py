@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+
+from imu_lib.arrays import Array, ArrayLike
 
 #: What a deviation is called here, and in `allantools`.
 KINDS = {"Allan": "oadev", "modified": "mdev", "Hadamard": "ohdev", "total": "totdev"}
 
 
-def by_allantools(x, fs, *, taus=None, kinds=tuple(KINDS)):
+def by_allantools(
+    x: Array, fs: float, *, taus: ArrayLike | None = None, kinds: Sequence[str] = tuple(KINDS)
+) -> dict[str, tuple[Array, Array]]:
     """Allan, modified, Hadamard and total deviation of a record, all overlapped.
 
     `allantools` takes its input for a phase unless it is told that it is a rate; here it is told
@@ -27,7 +33,7 @@ def by_allantools(x, fs, *, taus=None, kinds=tuple(KINDS)):
 
     Returns
     -------
-    dict of str to (ndarray, ndarray)
+    dict of str to (ndarray, Array)
         Averaging times (s) and deviation by kind. A kind that a record is too short for at some
         time leaves that time out.
 

@@ -14,17 +14,23 @@ along.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from imu_lib.allan.flat import flat_gradient, flat_time
-from imu_lib.allan.problem import iterate
+from imu_lib.allan.problem import Problem, iterate
+from imu_lib.arrays import Array
 from imu_lib.estimate import Z95, Estimate
+from imu_lib.processes import Sum
 
 ONE_SIDED = 1.6448536269514722  # 95 % point of the standard normal distribution
 AMPLITUDE = 2 / 3  # the power of an amplitude that is the cube root of its square
 
 
-def drop_absent(problem, found, *, needed=2.706):
+def drop_absent(
+    problem: Problem, found: tuple[Array, Array, float, float], *, needed: float = 2.706
+) -> tuple[Array, Array, float, float]:
     """Take out, one after the other, terms without which the misfit grows by less than `needed`.
 
     2.706 is the 95 % point for an amplitude that cannot be negative. Returns shape, squares,
@@ -54,14 +60,16 @@ def drop_absent(problem, found, *, needed=2.706):
         problem.active[i] = False
 
 
-def estimates(problem, shape, squares):
+def estimates(
+    problem: Problem, shape: Array, squares: Array
+) -> tuple[dict[str, Estimate], Estimate]:
     """Estimates of all free parameters by label, and of the flat level."""
     linear, shapes = problem.terms.linear, problem.terms.shape
     cov = problem.information(shape, squares)
     moving = problem.moving()
     parameters = {}
 
-    def ends(i, value, power):
+    def ends(i: int, value: float, power: float) -> Estimate:
         unit = np.eye(len(cov))[i]
         return _ends(problem, shape, squares, cov, value, lambda *_: unit, power)
 
@@ -81,7 +89,15 @@ def estimates(problem, shape, squares):
     return {label: parameters[label] for label in order}, _flat(problem, shape, squares, cov)
 
 
-def _ends(problem, shape, squares, cov, value, gradient, power):
+def _ends(
+    problem: Problem,
+    shape: Array,
+    squares: Array,
+    cov: Array,
+    value: float,
+    gradient: Callable[[Array, Array], Array],
+    power: float,
+) -> Estimate:
     """Interval of a positive quantity, its standard error taken at the ends.
 
     `gradient(shape, squares)` is the derivative of its logarithm by the logarithms of the
@@ -110,14 +126,14 @@ def _ends(problem, shape, squares, cov, value, gradient, power):
     return Estimate(float(value), float(ends[0]), float(ends[1]))
 
 
-def _log_step(z, power):
+def _log_step(z: float, power: float) -> float:
     """ln(v0 / v) where v^p lies z p v0^p from v0^p (power 0: the logarithm itself)."""
     if not power:
         return z
     return -np.log(max(1 - z * power, 0.05)) / power
 
 
-def _upper(problem, shape, squares, i):
+def _upper(problem: Problem, shape: Array, squares: Array, i: int) -> float:
     """95 % upper limit of an amplitude that is out of the fit; infinite where the record sets
     none.
 
@@ -133,7 +149,7 @@ def _upper(problem, shape, squares, i):
     problem.active[i] = True
     seen = problem.solve(shape, white)[0][i]
 
-    def sd(c):
+    def sd(c: float) -> float:
         trial = squares.copy()
         trial[i] = c
         return 2 * c * np.sqrt(problem.information(shape, trial, moving)[i, i])
@@ -153,16 +169,16 @@ def _upper(problem, shape, squares, i):
     return float(np.sqrt(c))
 
 
-def _flat(problem, shape, squares, cov):
+def _flat(problem: Problem, shape: Array, squares: Array, cov: Array) -> Estimate:
     """The model's Allan deviation where it is flat, the place moving along with the parameters."""
     model = problem.terms.model(shape, squares)
     first = flat_time(model, problem.tau[0], problem.tau[-1])
     moves = np.diag(cov) > 0
 
-    def gradient(shape, squares):
+    def gradient(shape: Array, squares: Array) -> Array:
         log = np.concatenate([0.5 * np.log(np.maximum(squares, 1e-300)), shape])
 
-        def model_of(moved):
+        def model_of(moved: Array) -> Sum:
             every = log.copy()
             every[moves] = moved
             return problem.terms.model(every[squares.size :], np.exp(2 * every[: squares.size]))

@@ -14,12 +14,16 @@ scattered curve, which keeps the solution unbiased.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy import linalg, optimize
 
 from imu_lib.allan.covariance import Quadrature
+from imu_lib.allan.deviation import AllanCurve
+from imu_lib.arrays import Array
 from imu_lib.errors import UndefinedFormError
-from imu_lib.processes import LowPass, Sum
+from imu_lib.processes import LowPass, Process, Sum
 
 
 class Terms:
@@ -31,9 +35,10 @@ class Terms:
     averaging times beyond its length.
     """
 
-    def __init__(self, template, *, filtered=False):
+    def __init__(self, template: Sum | Process, *, filtered: bool = False) -> None:
         self.template = template if isinstance(template, Sum) else Sum((template,))
-        self.linear, self.shape = [], []
+        self.linear: list[tuple[int, str, str | None]] = []
+        self.shape: list[tuple[int, str, str]] = []
         labels = {(index, name): label for label, index, name in self.template.labels()}
         for t, process in enumerate(self.template.terms):
             for p in process.parameters:
@@ -53,9 +58,9 @@ class Terms:
             self.linear.append((len(self.template.terms) + 1, "Q", None))
         self.filter = tuple(s for s in self.template.stages if isinstance(s, LowPass))
         self.stages = tuple(s for s in self.template.stages if not isinstance(s, LowPass))
-        self.cache = {}
+        self.cache: dict[Any, Any] = {}
 
-    def model(self, shape, squares):
+    def model(self, shape: Array, squares: Array) -> Sum:
         """The complete sum for log shape parameters and squared amplitudes."""
         values = {
             label: float(np.exp(v)) for (_, _, label), v in zip(self.shape, shape, strict=True)
@@ -67,7 +72,7 @@ class Terms:
         }
         return self.template.with_values(values)
 
-    def parts(self, shape, tau, f, fs):
+    def parts(self, shape: Array, tau: Array, f: Array, fs: float) -> tuple[Array, Array]:
         """Allan variance (terms + 1, j) and density (terms + 1, k) at unit amplitude; after the
         terms, what the stages add.
         """
@@ -86,7 +91,9 @@ class Terms:
             rows.append((-3 / tau**2, -8 * fs * np.sin(np.pi * f / fs) ** 2))
         return np.array([a for a, _ in rows]), np.array([s for _, s in rows])
 
-    def _part(self, t, shape, tau, f, fs):
+    def _part(
+        self, t: int | None, shape: tuple[float, ...], tau: Array, f: Array, fs: float
+    ) -> tuple[Array, Array]:
         key = (t, shape)
         if key not in self.cache:
             if len(self.cache) > 300:
@@ -122,7 +129,9 @@ class Problem:
     `discrepancy` is a relative error of the model itself, independent at each averaging time.
     """
 
-    def __init__(self, curve, terms, index, discrepancy=0.0):
+    def __init__(
+        self, curve: AllanCurve, terms: Terms, index: Array, discrepancy: float = 0.0
+    ) -> None:
         self.discrepancy = discrepancy
         # a time constant below a few samples is white noise, one beyond the record a walk
         self.bounds = np.log(
@@ -143,22 +152,22 @@ class Problem:
         self.held = [t for t in range(len(terms.template.terms) + 1) if t not in self.free]
         self.active = np.ones(len(terms.linear), dtype=bool)  # terms that are in the fit at all
 
-    def moving(self):
+    def moving(self) -> Array:
         """Which shape parameters are fitted: all but those of a term that is out, (s,) of bool."""
         out = {t for t, here in zip(self.free, self.active, strict=True) if not here}
         return np.array([t not in out for t, _, _ in self.terms.shape], dtype=bool)
 
-    def design(self, shape):
+    def design(self, shape: Array) -> tuple[Array, Array]:
         """Allan variance of the free terms (j, terms) and of what is held (j,)."""
         avar, _ = self.terms.parts(shape, self.tau, self.quad.f, self.fs)
         return avar[self.free].T, avar[self.held].sum(axis=0)
 
-    def predict(self, shape, squares):
+    def predict(self, shape: Array, squares: Array) -> Array:
         """Allan variance of the model (j,)."""
         basis, held = self.design(shape)
         return basis @ squares + held
 
-    def covariance(self, shape, squares):
+    def covariance(self, shape: Array, squares: Array) -> Array:
         """Covariance of the estimates under the model (j, j), with a ramp's cross terms."""
         avar, density = self.terms.parts(shape, self.tau, self.quad.f, self.fs)
         weight = np.ones(len(avar))
@@ -167,7 +176,7 @@ class Problem:
         if self.terms.filtered:  # no filter takes away more than there is
             total = np.maximum(total, 1e-3 * np.maximum(density, 0).T @ weight)
         out = self.quad.covariance(total)
-        trend = np.maximum(weight @ np.where(density.any(axis=1)[:, None], 0.0, avar), 0.0)
+        trend = np.maximum(weight @ np.where(np.any(density, axis=1)[:, None], 0.0, avar), 0.0)
         if trend.any():
             mean = np.sqrt(trend)
             out += 4 * np.outer(mean, mean) * self.quad.mean_covariance(total)
@@ -175,7 +184,7 @@ class Problem:
             out[np.diag_indices_from(out)] += (self.discrepancy * (weight @ avar)) ** 2
         return out
 
-    def whitener(self, covariance):
+    def whitener(self, covariance: Array) -> Array:
         """Inverse square root of the covariance; eigenvalues of the correlation below 1e-4 are
         lifted to that.
         """
@@ -183,7 +192,7 @@ class Problem:
         value, vector = linalg.eigh(covariance / np.outer(scale, scale))
         return (vector / np.sqrt(np.maximum(value, 1e-4))).T / scale
 
-    def solve(self, shape, white):
+    def solve(self, shape: Array, white: Array) -> tuple[Array, float]:
         """Squared amplitudes >= 0 and the misfit at held shape."""
         basis, held = self.design(shape)
         a, b = white @ basis, white @ (self.v - held)
@@ -193,7 +202,7 @@ class Problem:
         squares[self.active] = found
         return squares / norm, rest**2
 
-    def information(self, shape, squares, moving=None):
+    def information(self, shape: Array, squares: Array, moving: Array | None = None) -> Array:
         """Covariance of the logarithms of the amplitudes and shape parameters at this model (p,
         p).
 
@@ -220,42 +229,44 @@ class Problem:
         out[np.ix_(kept, kept)] = inverse
         return out
 
-    def first_whitener(self):
+    def first_whitener(self) -> Array:
         """For the starts: the curve's own scatter, as if averaging times were independent."""
         return np.diag(np.sqrt(self.edf / 2) / self.v)
 
 
-def iterate(problem, shape, *, rounds=15, white=None):
+def iterate(
+    problem: Problem, shape: Array, *, rounds: int = 15, white: Array | None = None
+) -> tuple[Array, Array, float, float]:
     """Fit and covariance in turn from one start: shape, squares, misfit, misfit + log determinant.
 
     With `white` given, that covariance is kept.
     """
     held = white is not None
-    white = white if held else problem.first_whitener()
-    squares, _ = problem.solve(shape, white)
+    inverse = problem.first_whitener() if white is None else white
+    squares, _ = problem.solve(shape, inverse)
     last = None
     for _ in range(rounds):
         if not held:
-            white = problem.whitener(problem.covariance(shape, squares))
-        shape = _best_shape(problem, shape, white)
-        squares, misfit = problem.solve(shape, white)
+            inverse = problem.whitener(problem.covariance(shape, squares))
+        shape = _best_shape(problem, shape, inverse)
+        squares, misfit = problem.solve(shape, inverse)
         now = np.concatenate([np.exp(shape), np.sqrt(squares)])
         if held or last is not None and np.allclose(now, last, rtol=1e-3, atol=0):
             break
         last = now
-    return shape, squares, misfit, misfit - 2 * np.linalg.slogdet(white)[1]
+    return shape, squares, misfit, misfit - 2 * np.linalg.slogdet(inverse)[1]
 
 
-def _best_shape(problem, shape, white):
+def _best_shape(problem: Problem, shape: Array, white: Array) -> Array:
     """Shape parameters of least misfit under a given covariance, near `shape`."""
     moving = problem.moving()
 
-    def put(part):
+    def put(part: Array) -> Array:
         out = shape.copy()
         out[moving] = problem.sign[moving] * np.clip(problem.sign[moving] * part, *problem.bounds)
         return out
 
-    def rest(part):
+    def rest(part: Array) -> float:
         return problem.solve(put(part), white)[1]
 
     start = shape[moving]

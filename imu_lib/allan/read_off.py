@@ -5,12 +5,15 @@ intervals.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from imu_lib.allan.confidence import interval
-from imu_lib.allan.deviation import deviation
+from imu_lib.allan.deviation import AllanCurve, deviation
+from imu_lib.arrays import Array
 from imu_lib.estimate import Estimate
+from imu_lib.record import Record
 from imu_lib.slopes import Segment, rising, segments
 
 #: Flat Allan deviation over B, sqrt(2 ln2 / pi).
@@ -50,19 +53,19 @@ class Reading:
         The flat part read as the peak of a Gauss-Markov process: level / 0.617 and time / 1.893.
     """
 
-    coefficients: dict
+    coefficients: dict[str, Estimate]
     segments: tuple[Segment, ...]
-    used: dict
+    used: dict[str, Any]
     flat: Estimate
     correlation_time: Estimate
     sigma: Estimate
     peak_correlation_time: Estimate
 
-    def __getitem__(self, symbol) -> Estimate:
+    def __getitem__(self, symbol: str) -> Estimate:
         return self.coefficients[symbol]
 
 
-def read_off(curve, *, least=0.3, longest=None):
+def read_off(curve: AllanCurve, *, least: float = 0.3, longest: float | None = None) -> Reading:
     """Find the straight stretches of an Allan curve and read the coefficients at the standard's
     averaging times.
 
@@ -118,7 +121,7 @@ def read_off(curve, *, least=0.3, longest=None):
     )
 
 
-def of_record(record):
+def of_record(record: Record) -> tuple[dict[str, AllanCurve], dict[str, Reading]]:
     """Curve and reading of every channel of a `Record`: (dict of AllanCurve, dict of Reading) by
     channel.
     """
@@ -126,7 +129,7 @@ def of_record(record):
     return curves, {channel: read_off(curve) for channel, curve in curves.items()}
 
 
-def _on_line(line, edf, place):
+def _on_line(line: Segment, edf: Array, place: float) -> Estimate:
     points = slice(line.first, line.last + 1)
     relative = np.sqrt(0.5 / edf[points].max() + line.scatter**2 / (line.last - line.first + 1))
     value = float(line.at(place))
