@@ -4,6 +4,7 @@ model.
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from imu_lib.cli import common
@@ -12,7 +13,8 @@ from imu_lib.errors import InputError
 NAME = "simulate"
 HELP = "A record drawn from an error model (a file or preset:NAME), written as .npz, .csv, .tsv or .parquet."
 FORMATS = (".npz", ".csv", ".tsv", ".txt", ".parquet")
-MOST = 1_000_000_000
+#: Samples: a hundred days at 200 Hz.
+MOST = 2_000_000_000
 
 
 def add_arguments(parser):
@@ -43,7 +45,9 @@ def add_arguments(parser):
 def run(args):
     import numpy as np
 
+    from imu_lib import drawing
     from imu_lib.model import Model
+    from imu_lib.stream import LONG
     from imu_lib.writers import write_record
 
     common.check_writable(args.out)
@@ -63,40 +67,89 @@ def run(args):
         raise InputError(
             f"--hours {args.hours:g} at {rate:g} Hz are {n} samples; at least two are needed."
         )
-    if n * max(1, len(model.channel_names)) > MOST:
-        raise InputError(
-            f"--hours {args.hours:g} at {rate:g} Hz are {n:,} samples of {len(model.channel_names)} channels, more than memory "
-            f"takes; draw shorter records."
-        )
+    _check_room(args, n, rate, model)
     temperature = None
     if args.temperature:
         temperature = _temperature(args.temperature, np.arange(n) / rate)
     elif any(p.name == "temperature" for c in model.channel_names for p in model[c].terms):
         raise InputError(f"{args.model} has a temperature term; give --temperature FILE.")
-    record = model.simulate_record(
-        n,
-        rate,
-        np.random.default_rng(args.seed),
-        temperature=temperature,
-        name=model.name or Path(args.model).stem,
-    )
+    name = model.name or Path(args.model).stem
+    generator = np.random.default_rng(args.seed)
     with common.atomic_path(args.out) as part:
-        write_record(record, part)
+        if n > LONG and drawing.by_pieces(model):
+            size, duration, sd = _by_pieces(model, n, rate, generator, temperature, part)
+        else:
+            record = model.simulate_record(n, rate, generator, temperature=temperature, name=name)
+            write_record(record, part)
+            size, duration = record.n, record.duration
+            sd = {c: float(x.std()) for c, x in record.channels.items()}
     summary = {
         "model": args.model,
         "seed": args.seed,
         "rate": rate,
-        "samples": record.n,
-        "duration": record.duration,
-        "channels": list(record.channel_names),
+        "samples": size,
+        "duration": duration,
+        "channels": list(sd),
         "out": args.out,
-        "sd": {c: float(x.std()) for c, x in record.channels.items()},
+        "sd": sd,
     }
     common.write_json(summary, args.json)
     if args.json != "-":
-        print(
-            f"{args.out}: {record.n:,} samples at {rate:g} Hz ({record.duration:.6g} s) of {', '.join(record.channel_names)}"
+        print(f"{args.out}: {size:,} samples at {rate:g} Hz ({duration:.6g} s) of {', '.join(sd)}")
+
+
+def _check_room(args, n, rate, model):
+    """InputError where the record does not fit on the disk."""
+    import shutil
+
+    values = n * (len(model.channel_names) + 1)
+    free = shutil.disk_usage(Path(args.out).resolve().parent).free
+    width = 8 if Path(args.out).suffix.lower() in (".npz", ".parquet") else 20
+    # the file itself, each channel's scratch file, and the terms of one channel
+    need = values * (width + 8) + 8 * 7 * n
+    if n > MOST or need > free:
+        raise InputError(
+            f"--hours {args.hours:g} at {rate:g} Hz are {n:,} samples of {len(model.channel_names)} "
+            f"channels, more than memory and disk take ({need / 1e9:.3g} GB; {free / 1e9:.3g} GB are "
+            f"free beside {args.out}); draw shorter records."
         )
+
+
+def _by_pieces(model, n, rate, generator, temperature, part):
+    """Draw and write a long record: samples, duration in s, standard deviations by channel."""
+    from imu_lib import drawing
+    from imu_lib.stream import CHUNK
+    from imu_lib.writers import write_pieces
+
+    bar = common.progress(about="channels", total=len(model.channel_names))
+    if bar.disable:
+        print(f"drawing {', '.join(model.channel_names)} ...", file=sys.stderr)
+    options = {"temperature": temperature, "folder": part.resolve().parent}
+    drawn = drawing.draw(
+        model, n, rate, generator, progress=lambda channel: bar.update(1), **options
+    )
+    bar.close()
+    sums, last = {}, [0.0]
+
+    def told():
+        for piece in drawn.pieces(2 * CHUNK):
+            for name in drawn.channels if len(piece["time"]) else ():
+                x = piece[name]
+                first, total, squares = sums.setdefault(name, (float(x[0]), 0.0, 0.0))
+                sums[name] = (
+                    first,
+                    total + float((x - first).sum()),
+                    squares + float(((x - first) ** 2).sum()),
+                )
+            last[0] = float(piece["time"][-1]) if len(piece["time"]) else last[0]
+            yield piece
+
+    write_pieces(part, told(), drawn.n, simulated=True)
+    sd = {
+        name: max(squares / drawn.n - (total / drawn.n) ** 2, 0.0) ** 0.5
+        for name, (_, total, squares) in sums.items()
+    }
+    return drawn.n, last[0] + 1 / rate if drawn.time is not None else drawn.n / rate, sd
 
 
 def _temperature(path, time):

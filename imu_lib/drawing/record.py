@@ -1,0 +1,246 @@
+"""Draw a record into scratch files: channels, clock, and the pieces of the whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.signal import lfilter, sosfilt
+
+from imu_lib.drawing.stages import level, passed, rounded
+from imu_lib.drawing.terms import chunks
+from imu_lib.model import Model
+from imu_lib.processes import CommonMode, Jitter, LowPass, NoiseLevelChange, Sum, TimeGaps
+from imu_lib.processes.stages import Resolution, Saturation, Spikes, Stuck
+from imu_lib.record import CHANNELS
+from imu_lib.stream import CHUNK, Scratch, bounds
+
+_STAGES = (LowPass, NoiseLevelChange, Spikes, Saturation, Resolution, Stuck)
+_ON_RECORD = (CommonMode, Jitter, TimeGaps)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A record on disk: channels, and what its clock did.
+
+    Attributes
+    ----------
+    channels : dict of str to Scratch
+    rate : float, Hz
+    size : int
+        Samples drawn.
+    time : ndarray (size,) or None
+        Stamps, s; None means even.
+    keep : ndarray of bool (size,) or None
+        Samples that are in the record; None means all.
+    temperature : ndarray (size,) or None
+    """
+
+    channels: dict
+    rate: float
+    size: int
+    time: np.ndarray | None
+    keep: np.ndarray | None
+    temperature: np.ndarray | None
+
+    @property
+    def n(self) -> int:
+        """Samples in the record."""
+        return self.size if self.keep is None else int(self.keep.sum())
+
+    def pieces(self, size=CHUNK):
+        """Dicts of `time` (s from the first sample), channels, `temperature`, ndarray (k,) each."""
+        for low, high in bounds(self.size, size):
+            t = np.arange(low, high) / self.rate if self.time is None else self.time[low:high]
+            out = {"time": t - (self.time[0] if self.time is not None else 0.0)}
+            out |= {name: x.read(low, high) for name, x in self.channels.items()}
+            if self.temperature is not None:
+                out["temperature"] = self.temperature[low:high]
+            keep = slice(None) if self.keep is None else self.keep[low:high]
+            yield {name: x[keep] for name, x in out.items()}
+
+
+def by_pieces(model: Model) -> bool:
+    """Whether all that acts on the model's record is known here; else it is drawn in memory."""
+    return all(type(process) in _ON_RECORD for process in model.record)
+
+
+def draw(
+    model: Model, n, fs, rng, *, folder=None, temperature=None, size=CHUNK, progress=None
+) -> Drawn:
+    """The record that `model.simulate_record(n, fs, rng)` draws, on disk.
+
+    Equal to it to the last digit but for flicker noise and moving averages, whose sums are made in
+    another order (1e-9 of the noise).
+
+    Parameters
+    ----------
+    model : Model
+        One for which `by_pieces` is true.
+    n, fs, rng, temperature
+        As for `Model.simulate_record`.
+    folder : path or None
+        Of the scratch files.
+    size : int
+        Samples of a piece; they do not depend on it.
+    progress : callable, optional
+        Called with the name of each channel that is done.
+    """
+    generators = dict(zip((*CHANNELS, "record"), rng.spawn(len(CHANNELS) + 1)))
+    common = {}
+    for process in model.record:
+        if isinstance(process, CommonMode):
+            filters = {c: model[c].low_pass for c in process.channels if c in model.channels}
+            parts = process.on(filters, n, fs, generators["record"])
+            for channel in list(parts):
+                _add(common, channel, parts.pop(channel), folder)
+    channels = {}
+    for name in model.channel_names:
+        channels[name] = Scratch(n, folder=folder)
+        at = 0
+        more = {"temperature": temperature, "common": common.pop(name, None)}
+        for x in draw_channel(
+            model[name], n, fs, generators[name], size=size, folder=folder, **more
+        ):
+            channels[name].write(at, x)
+            at += x.size
+        if progress is not None:
+            progress(name)
+    time, keep = _clock(model, n, fs, rng)
+    return Drawn(channels, float(fs), n, time, keep, temperature)
+
+
+def _add(common, channel, values, folder):
+    known = common.setdefault(channel, Scratch(values.size, folder=folder))
+    for low, high in bounds(values.size):
+        known.write(low, known.read(low, high) + values[low:high])
+
+
+def _clock(model, n, fs, rng):
+    """Stamps and samples kept, in the order in which `simulate_record` asks for them."""
+    time = keep = None
+    (clock,) = rng.spawn(1)
+    for process in model.record:
+        if isinstance(process, Jitter):
+            time = process.stamps(np.arange(n) / fs if time is None else time, clock)
+            time = time - time[0]
+    for process in model.record:
+        if isinstance(process, TimeGaps):
+            present = process.keep(n if keep is None else int(keep.sum()), clock)
+            if keep is None:
+                keep = present
+            else:
+                keep[np.flatnonzero(keep)[~present]] = False
+    return time, keep
+
+
+def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=None, common=None):
+    """One channel in pieces: what `Sum.simulate` gives at once. `common` is a Scratch or None."""
+    if not all(type(stage) in _STAGES for stage in sum_.stages):
+        whole = None if common is None else common.read(0, n)
+        x = sum_.simulate(n, fs, rng, temperature=temperature, common=whole)
+        return (x[low:high] for low, high in bounds(n, size))
+    low_pass = sum_.low_pass
+    steps, before = (1, 0) if low_pass is None else low_pass.grid(fs)
+    total, rate = n * steps + before, fs * steps
+    start = -before / rate
+    if temperature is not None and (steps, before) != (1, 0):
+        temperature = _Resampled(temperature, fs, start, rate)
+    parts = {}
+    for term in sum_.terms:
+        if term is sum_.rounding:
+            continue
+        part, first = parts.get(term.fast), term.fast not in parts
+        if first:
+            part = parts[term.fast] = Scratch(total, folder=folder)
+        at = 0
+        options = {"size": size, "temperature": temperature, "start": start, "folder": folder}
+        for x in chunks(term, total, rate, rng, **options):
+            part.write(at, x if first else part.read(at, at + x.size) + x)
+            at += x.size
+    return _behind(sum_, parts, n, total, fs, rng, size, common)
+
+
+def _behind(sum_, parts, n, total, fs, rng, size, common):
+    def read(fast):
+        part = parts.get(fast)
+        for low, high in bounds(total, size):
+            yield np.zeros(high - low) if part is None else part.read(low, high)
+
+    slow, quick = read(False), read(True)
+    if sum_.low_pass is not None:
+        slow, quick = (_filtered(sum_.low_pass, x, fs, n, size) for x in (slow, quick))
+    x = _joined(sum_, slow, quick, fs, common)
+    chain = [
+        (s.place, partial(passed, s))
+        for s in sum_.stages
+        if not isinstance(s, (LowPass, NoiseLevelChange))
+    ]
+    if sum_.rounding is not None:
+        rounding = sum_.rounding
+        chain.append((Resolution.place - 0.5, lambda x, fs, rng, n: rounded(rounding, x, fs, rng)))
+    for _, act in sorted(chain, key=lambda link: link[0]):
+        x = act(x, fs, rng, n)
+    return x
+
+
+def _joined(sum_, slow, quick, fs, common):
+    change = next((s for s in sum_.stages if isinstance(s, NoiseLevelChange)), None)
+    at = 0
+    for a, b in zip(slow, quick, strict=True):
+        if change is not None:
+            b = b * level(change, b.size, fs, at)
+        x = a + b
+        if common is not None:
+            x = x + common.read(at, at + x.size)
+        at += x.size
+        yield x
+
+
+def _filtered(low_pass, pieces, fs, n, size):
+    """`LowPass.run` by pieces, put together again to `size` samples each."""
+    steps, before = low_pass.grid(fs)
+    state, first, at, given = None, None, 0, 0
+    waiting = []
+    for x in pieces:
+        if first is None:
+            first = 0.0 if low_pass.taps is not None else x[0]
+        if low_pass.taps is not None:
+            width = before + 1
+            known = np.zeros(width - 1) if state is None else state
+            y = lfilter(np.full(width, 1.0 / width), [1.0], np.concatenate([known, x]))[width - 1 :]
+            state = np.concatenate([known, x])[x.size :]
+        elif low_pass.smoothing:
+            b = low_pass._memory(steps * fs)
+            y, state = lfilter(
+                [1.0 - b], [1.0, -b], x - first, zi=np.zeros(1) if state is None else state
+            )
+        else:
+            sos = low_pass._sos(steps * fs)
+            y, state = sosfilt(
+                sos, x - first, zi=np.zeros((len(sos), 2)) if state is None else state
+            )
+        offset = (before - at) % steps if at > before else before - at
+        at += x.size
+        waiting.append(y[offset::steps] + first if offset < x.size else y[:0])
+        while sum(map(len, waiting)) >= size or (at >= n * steps + before and given < n):
+            ready = np.concatenate(waiting)
+            out, waiting = ready[: min(size, n - given)], [ready[min(size, n - given) :]]
+            given += out.size
+            yield out
+            if given >= n:
+                return
+
+
+class _Resampled:
+    """Temperature on the filter's grid, by slices."""
+
+    def __init__(self, values, fs, start, rate):
+        self.values, self.fs, self.start, self.rate = values, fs, start, rate
+
+    def __getitem__(self, part):
+        at = self.start + np.arange(part.start, part.stop) / self.rate
+        low = max(int(at[0] * self.fs) - 2, 0)
+        high = min(int(at[-1] * self.fs) + 3, len(self.values))
+        return np.interp(at, np.arange(low, high) / self.fs, self.values[low:high])

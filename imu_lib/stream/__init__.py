@@ -1,0 +1,10 @@
+"""Series longer than memory: kept in scratch files, taken in chunks, summed up in one pass.
+
+`Scratch` holds a series on disk, `Windowed` is the base of every one-pass statistic: a pass over
+two halves, merged, equals a pass over the whole.
+"""
+
+from imu_lib.stream.fourier import inverse
+from imu_lib.stream.scratch import CHUNK, LONG, Scratch, bounds
+
+__all__ = ["CHUNK", "LONG", "Scratch", "bounds", "inverse"]

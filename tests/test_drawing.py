@@ -1,0 +1,133 @@
+"""A record drawn piece by piece is the record drawn at once."""
+
+import json
+
+import numpy as np
+import pytest
+
+from imu_lib import drawing
+from imu_lib.drawing import terms
+from imu_lib.model import Model
+from imu_lib.processes import Flicker
+from imu_lib.stream import Scratch, inverse
+
+N, FS = 20_000, 100.0
+
+#: Everything that is drawn by pieces: in each channel several terms, so that the order in which
+#: they ask the generator shows.
+CONTENT = {
+    "gyro_x": [
+        {"process": "constant", "value": 0.3},
+        {"process": "white_noise", "N": 1e-3},
+        {"process": "random_walk", "K": 1e-4},
+        {"process": "gauss_markov", "sigma": 1e-3, "correlation_time": 20.0},
+        {"process": "spikes", "rate": 0.5, "scale": 0.1},
+        {"process": "resolution", "lsb": 1e-3},
+    ],
+    "gyro_y": [
+        {"process": "telegraph", "amplitude": 1e-2, "rate": 0.2},
+        {"process": "quantization", "Q": 1e-4},
+        {"process": "sinusoid", "amplitude": 1e-3, "frequency": 3.3},
+        {"process": "autoregressive", "phi": [0.5, 0.3], "sigma": 1e-3, "rate": FS},
+        {"process": "noise_level_change", "ratio": 3.0, "time": 50.0},
+        {"process": "saturation", "limit": 0.01},
+    ],
+    "gyro_z": [
+        {"process": "white_noise", "N": 1e-3},
+        {"process": "quantization", "Q": 1e-5, "rounded": 1},
+        {"process": "gauss_markov_2", "sigma": 1e-3, "correlation_time": 5.0},
+        {"process": "step", "amplitude": 0.01, "time": 99.0},
+        {"process": "stuck", "fraction": 0.02, "length": 7},
+    ],
+    "accel_x": [
+        {"process": "white_noise", "N": 1e-3},
+        {"process": "flicker", "B": 1e-3},
+        {"process": "low_pass", "order": 2, "cutoff": 30.0, "rate": 3 * FS},
+    ],
+    "accel_y": [
+        {"process": "white_noise", "N": 1e-3},
+        {"process": "temperature", "slope": 1e-3, "reference": 20.0},
+        {"process": "low_pass", "taps": 15, "rate": 10 * FS},
+    ],
+    "accel_z": [
+        {"process": "white_noise", "N": 1e-3},
+        {"process": "warm_up", "amplitude": 0.1, "time_constant": 30.0},
+        {"process": "low_pass", "smoothing": 1, "cutoff": 10.0},
+    ],
+    "record": [
+        {"process": "common_mode", "N": 1e-3, "channels": ["gyro_x", "accel_z"]},
+        {"process": "jitter", "sd": 1e-3},
+        {"process": "time_gaps", "fraction": 0.01, "length": 3},
+    ],
+}
+
+
+@pytest.mark.parametrize("size", [997, 20_000])
+def test_the_pieces_make_the_record(size, tmp_path):
+    model = Model.from_json(CONTENT)
+    temperature = 20 + np.sin(np.arange(N) / 3000)
+    whole = model.simulate_record(N, FS, np.random.default_rng(5), temperature=temperature)
+    drawn = drawing.draw(
+        model,
+        N,
+        FS,
+        np.random.default_rng(5),
+        temperature=temperature,
+        size=size,
+        folder=tmp_path,
+    )
+    pieces = list(drawn.pieces(1234))
+    got = {key: np.concatenate([p[key] for p in pieces]) for key in pieces[0]}
+    assert drawn.n == whole.n
+    np.testing.assert_array_equal(got["time"], whole.times())
+    np.testing.assert_array_equal(got["temperature"], whole.temperature)
+    for name, x in whole.channels.items():
+        if name == "accel_y":  # the moving average adds in another order
+            np.testing.assert_allclose(got[name], x, rtol=0, atol=1e-14)
+        else:
+            np.testing.assert_array_equal(got[name], x, err_msg=name)
+    assert not list(tmp_path.iterdir())  # scratch files have no name
+
+
+def test_long_flicker_is_the_flicker_drawn_at_once(monkeypatch):
+    """The embedding's amplitudes in closed form, its transform over the disk."""
+    n = 50_000
+    whole = Flicker(B=2.0).simulate(n, FS, np.random.default_rng(3))
+    monkeypatch.setattr(terms, "LONG_FLICKER", 1000)
+    for size in (999, 1 << 16):
+        pieces = terms.chunks(Flicker(B=2.0), n, FS, np.random.default_rng(3), size=size)
+        # the amplitudes of the transform at once are known to 1e-9 at the slow end
+        np.testing.assert_allclose(np.concatenate(list(pieces)), whole, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("h", [1, 7, 1000, 12_288])
+def test_transform_over_the_disk(h):
+    rng = np.random.default_rng(h)
+    spectrum = rng.standard_normal(h + 1) + 1j * rng.standard_normal(h + 1)
+    scratch = Scratch(h + 1, dtype=complex)
+    scratch.write(0, spectrum)
+    got = np.concatenate(list(inverse(scratch)))
+    np.testing.assert_allclose(got, np.fft.irfft(spectrum, 2 * h), atol=1e-14)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".parquet", ".csv"])
+def test_simulate_streams_the_same_file(suffix, tmp_path, monkeypatch, capsys):
+    """`imu-lib simulate` of a long record writes what it writes of a short one."""
+    from imu_lib import read_record, stream
+    from imu_lib.cli.main import main
+
+    model = {key: value for key, value in CONTENT.items() if key not in ("accel_y", "record")}
+    Model.from_json(model).save(tmp_path / "model.json")
+    call = ["simulate", str(tmp_path / "model.json"), "--hours", "0.02", "--rate", "100"]
+    call += ["--seed", "4"]
+    assert main([*call, "--out", str(tmp_path / f"whole{suffix}")]) == 0
+    monkeypatch.setattr(stream, "LONG", 1000)
+    out = tmp_path / f"pieces{suffix}"
+    assert main([*call, "--out", str(out), "--json", str(tmp_path / "s.json")]) == 0
+    whole = read_record(tmp_path / f"whole{suffix}", trust_units=True)
+    pieces = read_record(out, trust_units=True)
+    assert pieces.n == whole.n == 7200 and pieces.rate == whole.rate
+    for name, x in whole.channels.items():
+        np.testing.assert_array_equal(pieces[name], x)
+    summary = json.loads((tmp_path / "s.json").read_text())
+    assert summary["sd"]["gyro_x"] == pytest.approx(whole["gyro_x"].std(), rel=1e-9)
