@@ -15,11 +15,15 @@ import numpy as np
 
 from imu_lib import processes
 from imu_lib.arrays import Array
+from imu_lib.drive_effects import DriveEffect, from_entries
 from imu_lib.errors import InputError
 from imu_lib.processes import CommonMode, Jitter, Process, RateError, Sum, TimeGaps, Vibration
 from imu_lib.record import CHANNELS, Record
+from imu_lib.units import DEG
 
-_RESERVED = ("rate", "record", "name", "source")
+_RESERVED = ("rate", "record", "name", "source", "drive", "turn_on")
+#: Bias left at switch-on, standard deviation, where a model does not say: 0.1 deg/s and 0.05 m/s^2.
+TURN_ON = {"gyro": 0.1 * DEG, "accel": 0.05}
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,10 @@ class Model:
     name, source : str
     extra : mapping
         Unknown reserved keys of a file, kept.
+    drive : tuple of DriveEffect
+        What is wrong with a drive beyond the noise of its sensors; the navigation filter holds it.
+    turn_on : (gyro rad/s, accelerometer m/s^2) or None
+        Standard deviation of the bias left at switch-on.
     """
 
     channels: Mapping[str, Sum]
@@ -44,6 +52,8 @@ class Model:
     name: str = ""
     source: str = ""
     extra: Mapping[str, object] = field(default_factory=dict)
+    drive: tuple[DriveEffect, ...] = ()
+    turn_on: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         ordered = {}
@@ -64,6 +74,7 @@ class Model:
             raise InputError("the error model has no channel; channels are " + ", ".join(CHANNELS))
         object.__setattr__(self, "channels", ordered)
         object.__setattr__(self, "record", tuple(self.record))
+        object.__setattr__(self, "drive", tuple(self.drive))
 
     def __getitem__(self, channel: str) -> Sum:
         if channel not in self.channels:
@@ -89,6 +100,10 @@ class Model:
             channels={**self.channels, **channels},
             record=self.record if record is None else record,
         )
+
+    def with_drive(self, effects: Iterable[DriveEffect]) -> Model:
+        """The same model with other effects on the drive."""
+        return replace(self, drive=tuple(effects))
 
     # -- files -----------------------------------------------------------------------------------
     @classmethod
@@ -129,6 +144,8 @@ class Model:
                 str(content.get("name", "")),
                 str(content.get("source", "")),
                 extra,
+                from_entries(content.get("drive", []), f"{where}, drive"),
+                _turn_on(content.get("turn_on"), where),
             )
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
@@ -143,6 +160,10 @@ class Model:
         content.update({channel: entry.to_json() for channel, entry in self.channels.items()})
         if self.record:
             content["record"] = [process.to_json() for process in self.record]
+        if self.drive:
+            content["drive"] = [effect.to_json() for effect in self.drive]
+        if self.turn_on is not None:
+            content["turn_on"] = dict(zip(("gyro", "accel"), self.turn_on))
         return content
 
     @classmethod
@@ -257,6 +278,21 @@ class Model:
             name=name or self.name,
             source=f"simulated from the error model {self.name or 'given'}",
         )
+
+
+def _turn_on(value: Any, where: str) -> tuple[float, float] | None:
+    """(gyro, accelerometer) of the key `turn_on`; what it does not name is the usual one."""
+    if value is None:
+        return None
+    known = isinstance(value, Mapping) and not set(value) - set(TURN_ON)
+    pair = [value.get(k, v) for k, v in TURN_ON.items()] if known else []
+    if not known or any(isinstance(v, bool) or not isinstance(v, (int, float)) for v in pair):
+        raise InputError(
+            f"{where}: `turn_on` is an object of two numbers, `gyro` rad/s and `accel` m/s^2, not {value!r}"
+        )
+    if not all(0.0 <= v < np.inf for v in pair):
+        raise InputError(f"{where}: `turn_on` holds standard deviations, 0 or above, not {value!r}")
+    return float(pair[0]), float(pair[1])
 
 
 def _entries(value: Any, where: str, *, on_record: bool) -> list[Process]:

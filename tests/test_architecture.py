@@ -16,8 +16,6 @@ TO_BE_CUT = {
     "imu_lib/calibration/whole.py": 378,
     "imu_lib/gap/channel.py": 363,
     "imu_lib/health.py": 372,
-    "imu_lib/navigation/filter.py": 470,
-    "imu_lib/navigation/kernel.py": 450,
     "tests/gap_generator.py": 513,
     "tests/test_calibration.py": 369,
     "tests/test_malformed.py": 358,

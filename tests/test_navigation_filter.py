@@ -23,9 +23,11 @@ from imu_lib.navigation import (
     trajectory,
     turin,
 )
+from imu_lib.navigation.covariance import van_loan
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Gnss
-from imu_lib.navigation.states import sensor_states, van_loan
+from imu_lib.navigation.states import sensor_states
+from imu_lib.navigation.structures import Pieces, Room
 from imu_lib.processes import (
     Autoregressive,
     Constant,
@@ -150,7 +152,7 @@ def test_propagation_agrees_with_full_van_loan(model):
     p, v, angles, _, force = moving_state()
     dt, steps, m = 0.01, 100, sensors.count
     c = attitude.matrix(angles)
-    weight = np.where(sensors.scale, sensors.output * 0.7, sensors.output)
+    weight = np.where(sensors.driver >= 0, sensors.output * 0.7, sensors.output)
     root = np.diag(
         np.concatenate(
             [
@@ -170,9 +172,7 @@ def test_propagation_agrees_with_full_van_loan(model):
     covariance.fill_transition(f, c, dt, a, d, room)
     for _ in range(steps):
         covariance.add_white(nn, c, sensors.white, 0.5 * dt)
-        covariance.propagate(
-            nn, ns, ss, a, d, weight, sensors.first, sensors.transition, sensors.noise, *w
-        )
+        covariance.propagate(Pieces(nn, ns, ss), Room(*w), a, d, weight, sensors.arrays())
         covariance.add_white(nn, c, sensors.white, 0.5 * dt)
     fast = np.block([[nn, ns], [ns.T, ss]])
     # the whole system at once: continuous where every process is; a difference equation (AR) steps
@@ -348,7 +348,7 @@ def test_scale_factor_states_find_a_scale_factor(path, motion):
     )
     engine = LooselyCoupled(drive, FilterModel("18AV+scale", PAPER, scale_sd=(0.02, 0.0)))
     solution = engine.solve()
-    index = solution.names.index("gyro_z scale factor")
+    index = solution.names.index("gyro_scale z")
     rng = np.random.default_rng(5)
     PAPER.simulate(motion[0].size - 1, 100.0, rng)
     truth = rng.standard_normal((3, 6))[1][2] * 0.02

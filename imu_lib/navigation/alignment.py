@@ -53,8 +53,11 @@ def velocity_of(fixes: Fixes, *, span=1.0):
     """NED velocity at each fix, (m, 3): as received, or from positions `span` s apart where there
     is none (NaN at the ends).
     """
-    if (fixes.use & 2).any():
-        return np.where((fixes.use & 2).astype(bool)[:, None], fixes.value[:, 3:], np.nan)
+    has = (fixes.use & 2) > 0
+    if has.any():
+        of = np.full((int(fixes.index.max()) + 1, 3), np.nan)
+        of[fixes.index[has]] = fixes.value[has, 3:]
+        return of[fixes.index]
     out = np.full((fixes.time.size, 3), np.nan)
     after = np.searchsorted(fixes.time, fixes.time + span)
     before = np.searchsorted(fixes.time, fixes.time - span, side="right") - 1

@@ -120,15 +120,15 @@ def add_white(nn, c, white, weight):
 
 
 @njit(cache=True, fastmath=True)
-def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
+def propagate(pieces, room, a, d, h, sensors):
     """One interval, in place on the three pieces of the covariance.
 
-    h (m,) the states' weights in their channels' errors; first (7,) where each channel's states
-    begin; s (m, m), q (m, m)
-    transition and noise of the sensor states, zero outside the channels' blocks. The rest is room
-    to work in:
-    w9 (9, 9), vs (9, m), es (6, m), vh (9, 6), ts (m, m).
+    pieces : structures.Pieces; room : structures.Room; a (9, 9), d (9, 6) of `fill_transition`
+    h (m,) the states' weights in their channels' errors; sensors : structures.Sensors
     """
+    nn, ns, ss = pieces.nn, pieces.ns, pieces.ss
+    w9, vs, es, vh, ts = room.w9, room.vs, room.es, room.vh, room.ts
+    first, static, s, q = sensors.first, sensors.static, sensors.transition, sensors.noise
     m = ns.shape[1]
     for c in range(6):  # es = H ss
         for j in range(m):
@@ -175,8 +175,8 @@ def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
             x = 0.5 * d[i, k]
             for j in range(m):
                 vs[i, j] += x * es[k, j]
-    for c in range(6):  # ns = vs S', ss = S ss S' + q, block by block
-        b0, b1 = first[c], first[c + 1]
+    for c in range(7):  # ns = vs S', ts = S ss, block by block; a static state stays as it is
+        b0, b1, b2 = first[c], static[c], first[c + 1]
         if b1 - b0 == 1:
             x = s[b0, b0]
             for i in range(9):
@@ -198,8 +198,15 @@ def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
                     if x != 0.0:
                         for j in range(m):
                             ts[i, j] += x * ss[k, j]
-    for c in range(6):
-        b0, b1 = first[c], first[c + 1]
+        if b2 > b1:
+            for i in range(9):
+                for j in range(b1, b2):
+                    ns[i, j] = vs[i, j]
+            for i in range(b1, b2):
+                for j in range(m):
+                    ts[i, j] = ss[i, j]
+    for c in range(7):  # ss = ts S' + q; between two static states nothing changes
+        b0, b1 = first[c], static[c]
         for j in range(b0, b1):
             for i in range(j, m):
                 x = 0.0
@@ -207,30 +214,52 @@ def propagate(nn, ns, ss, a, d, h, first, s, q, w9, vs, es, vh, ts):
                     x += ts[i, k] * s[j, k]
                 ss[i, j] = x
                 ss[j, i] = x
+            for e in range(c):  # static states of the blocks before
+                for i in range(static[e], first[e + 1]):
+                    ss[i, j] = ts[j, i]
+                    ss[j, i] = ts[j, i]
         for i in range(b0, b1):
             for j in range(b0, b1):
                 ss[i, j] += q[i, j]
 
 
 @njit(cache=True)
-def update(nn, ns, ss, h, variance, k, ph):
-    """Joseph update with one measurement h x of the navigation states, in place; returns the
-    innovation variance.
-
-    h (9,); k (9 + m,) receives the gain, ph (9 + m,) is room to work in.
-    """
+def project(pieces, h, tail, ph):
+    """P h' into ph (n,), for h (n,) that is zero on the channels' states: on columns 9 to 9 + tail."""
+    nn, ns, ss = pieces.nn, pieces.ns, pieces.ss
     m = ns.shape[1]
-    n = 9 + m
-    for j in range(n):
+    for j in range(9 + m):
         ph[j] = 0.0
     for i in range(9):
-        if h[i] != 0.0:
+        x = h[i]
+        if x != 0.0:
             for j in range(9):
-                ph[j] += h[i] * nn[i, j]
+                ph[j] += x * nn[i, j]
             for j in range(m):
-                ph[9 + j] += h[i] * ns[i, j]
+                ph[9 + j] += x * ns[i, j]
+    for i in range(tail, m):
+        x = h[9 + i]
+        if x != 0.0:
+            for j in range(9):
+                ph[j] += x * ns[j, i]
+            for j in range(m):
+                ph[9 + j] += x * ss[i, j]
+
+
+@njit(cache=True)
+def update(pieces, h, tail, variance, k, ph):
+    """Joseph update with one measurement h x, in place; returns the innovation variance.
+
+    h (n,), zero on columns 9 to 9 + tail; k (n,) receives the gain, ph (n,) is room to work in.
+    """
+    nn, ns, ss = pieces.nn, pieces.ns, pieces.ss
+    m = ns.shape[1]
+    n = 9 + m
+    project(pieces, h, tail, ph)
     s = variance
     for i in range(9):
+        s += h[i] * ph[i]
+    for i in range(9 + tail, n):
         s += h[i] * ph[i]
     for j in range(n):
         k[j] = ph[j] / s
@@ -251,3 +280,17 @@ def update(nn, ns, ss, h, variance, k, ph):
             ss[i, j] = x
             ss[j, i] = x
     return s
+
+
+def van_loan(f, q, dt):
+    """Exact transition and step covariance of dx/dt = f x + w (Van Loan 1978, Eqs. 1.1-1.4): what
+    the fast forms are checked against.
+
+    f, q : ndarray, shape (k, k), dynamics and two-sided density of w
+    """
+    from scipy.linalg import expm
+
+    k = f.shape[0]
+    block = expm(np.block([[-f, q], [np.zeros((k, k)), f.T]]) * dt)
+    transition = block[k:, k:].T
+    return transition, transition @ block[:k, k:]

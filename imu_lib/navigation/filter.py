@@ -1,16 +1,18 @@
 """The loosely coupled error-state filter: a drive and an error model in, a solution with its
 covariance out.
 
-Nine navigation errors in north-east-down and the sensor states of the model, closed loop: every
-correction goes into the
-navigation solution and into the sensor states at once (Groves 2013, section 14.1; the 2013 paper,
-section 3 and Fig. 3).
+Nine navigation errors in north-east-down, the sensor states of the model and what of the drive is
+estimated along, closed loop: every correction goes into the navigation solution and into the other
+states at once (Groves 2013, section 14.1; the 2013 paper, section 3 and Fig. 3).
 """
 
+from __future__ import annotations
+
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 from imu_lib.drive import Drive
@@ -19,101 +21,15 @@ from imu_lib.model import Model
 
 from . import attitude, kernel
 from .alignment import Alignment, align
-from .earth import horizontal
-from .preparation import Gnss, prepare
+from .filter_model import FilterModel
+from .innovations import Innovations
+from .preparation import Gnss, Speed, prepare
+from .solution import Moments, Solution
 from .states import SensorStates, sensor_states
+from .structures import Imu, Logs, Measurements, Nodes, State
+from .tables import across, fix_table, parked, speed_table
 
-
-@dataclass(frozen=True)
-class FilterModel:
-    """An error model as a filter takes it.
-
-    model : Model; levels, causal : wavelet de-noising before the mechanization (see
-    `preparation.prepare`)
-    turn_on_sd : bias left at switch-on, gyro rad/s and accelerometer m/s^2, put to the slowest
-    state of each channel
-    scale_sd : standard deviation of scale factor states (0: none); flicker : see
-    `states.sensor_states`
-    constraint_sd : m/s of velocity across the vehicle's axis; 0 leaves the vehicle constraint off
-    (it is knowledge about the car, not about the sensor)
-    """
-
-    name: str
-    model: Model
-    levels: object = None
-    causal: object = False
-    turn_on_sd: tuple = (0.0, 0.0)
-    scale_sd: tuple = (0.0, 0.0)
-    flicker: str = "refuse"
-    constraint_sd: float = 0.0
-
-    def with_(self, **changes):
-        return replace(self, **changes)
-
-
-@dataclass(frozen=True)
-class Moments:
-    """What the filter knew at some epochs of one stretch: enough to run on from each.
-
-    stretch : index; epoch (k,); time (k,) s; nav (k, 16), x (k, m), p (k, 9+m, 9+m), road (k, 4)
-    as in `kernel`;
-    prior, phi, dx : for the smoother, else empty
-    """
-
-    stretch: int
-    epoch: np.ndarray
-    time: np.ndarray
-    nav: np.ndarray
-    x: np.ndarray
-    p: np.ndarray
-    road: np.ndarray
-    prior: np.ndarray
-    phi: np.ndarray
-    dx: np.ndarray
-
-
-@dataclass(frozen=True)
-class Solution:
-    """A navigation solution: epochs of all stretches one after the other.
-
-    time (n,) s; position (n, 3); velocity (n, 3); attitude (n, 3); sd (n, 9) m, m/s, rad;
-    north_east (n,) covariance of position, m^2;
-    fix_time (f,); innovation (f, 6) normalised, NaN where not used; nis (f,), freedom (f,), bits
-    (f,) of `kernel`;
-    moments : tuple of Moments; alignments : tuple of Alignment; states : number of filter states;
-    names of the sensor states
-    """
-
-    name: str
-    time: np.ndarray
-    position: np.ndarray
-    velocity: np.ndarray
-    attitude: np.ndarray
-    sd: np.ndarray
-    north_east: np.ndarray
-    fix_time: np.ndarray
-    innovation: np.ndarray
-    nis: np.ndarray
-    freedom: np.ndarray
-    bits: np.ndarray
-    moments: tuple
-    alignments: tuple
-    states: int
-    names: tuple
-    notes: tuple = field(default=())
-
-    def at(self, time):
-        """Position (k, 3) at times within the solution, by straight lines between epochs."""
-        return np.column_stack([np.interp(time, self.time, column) for column in self.position.T])
-
-    def sensor_error(self, channel_first):
-        """Estimated error of each channel at the stored moments: (time (k,), error (k, 6))."""
-        first, output = channel_first
-        time = np.concatenate([m.time for m in self.moments])
-        x = np.vstack([m.x for m in self.moments])
-        return time, np.column_stack(
-            [x[:, first[c] : first[c + 1]] @ output[first[c] : first[c + 1]] for c in range(6)]
-        )
+__all__ = ["FilterModel", "LooselyCoupled", "Moments", "Solution", "run"]
 
 
 class LooselyCoupled:
@@ -131,52 +47,75 @@ class LooselyCoupled:
         start: Alignment | None = None,
         remove_bias=True,
         sampling="average",
+        speed: Speed | None = None,
     ):
-        """model : FilterModel or Model; heading : rad at the start, where known; start : the whole
-        alignment, where known (its epoch counts in the first
-        stretch); remove_bias : take the gyros' mean at standstill off the readings."""
-        gnss = gnss or Gnss()
+        """model : FilterModel, or Model (then without a bias at switch-on); heading : rad at the
+        start, where known; start : the whole alignment, where known (its epoch counts in the first
+        stretch); remove_bias : take the gyros' mean at standstill off the readings; speed : of the
+        wheels, used in outages too
+        """
         if isinstance(model, Model):
             model = FilterModel(model.name or "model", model)
-        self.drive, self.model, self.gnss, self.heading, self.start = (
-            drive,
-            model,
-            gnss,
-            heading,
-            start,
-        )
+        self.held = model.held
+        self.gnss = gnss = self.held.gnss(gnss or Gnss())
+        self.drive = drive = self.held.drive(drive)
+        self.model, self.start, self.speed = model, start, speed
+        self.heading = self.held.heading(drive, heading)
         self.prepared = prepare(
-            drive, levels=model.levels, causal=model.causal, gnss=gnss, sampling=sampling
-        )
-        self.sensors: SensorStates = sensor_states(
-            model.model,
-            self.prepared.rate,
-            turn_on_sd=model.turn_on_sd,
-            scale_sd=model.scale_sd,
-            flicker=model.flicker,
+            drive,
+            levels=self.held.levels(model.levels),
+            causal=model.causal,
+            gnss=gnss,
+            sampling=sampling,
         )
         self.remove_bias = remove_bias
-        self.lever = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm, float)
-        self.gates = np.full(2, chi2.ppf(gnss.gate, 3))
-        interval = float(np.median(np.diff(self.prepared.fixes.time)))
+        interval = float(np.median(np.diff(np.unique(self.prepared.fixes.time))))
         self.patience = max(int(gnss.patience / interval), 3)
         every = max(int(round(0.1 * self.prepared.rate)), 1)
-        self.constraint = np.array([model.constraint_sd, every, 3.0, max(30.0 / interval, 10.0)])
+        self.constraint = np.array([0.0, every, 3.0, max(30.0 / interval, 10.0)])
+        self._take(model)
 
-    def with_model(self, model: FilterModel):
-        """The same drive, made ready, with another model; its de-noising must be the same."""
-        if (model.levels, model.causal) != (self.model.levels, self.model.causal):
-            raise ValueError("`model` asks for another de-noising: make a new LooselyCoupled")
-        other = copy(self)
-        other.model = model
-        other.sensors = sensor_states(
-            model.model,
+    def _take(self, model: FilterModel):
+        """The sensor states and the measurements of a model."""
+        self.model = model
+        self.sensors: SensorStates = sensor_states(
+            self.held.model(model.model),
             self.prepared.rate,
             turn_on_sd=model.turn_on_sd,
             scale_sd=model.scale_sd,
             flicker=model.flicker,
+            free=model.free,
+            vibration=self.held.vibration(),
+            correlated=self.held.correlated,
         )
-        other.constraint = np.array([model.constraint_sd, *self.constraint[1:]])
+        self.arrays = self.sensors.arrays()
+        self.constraint = np.array([model.constraint_sd, *self.constraint[1:]])
+        mounting, arm = self.held.mounting, self.drive.lever_arm
+        self.turn = (
+            None if mounting is None else np.ascontiguousarray(attitude.matrix(mounting))
+        )  # the case's axes into the vehicle's
+        gate = self.gnss.gate
+        self.measurements = Measurements(
+            np.zeros(3) if arm is None else np.array(arm, float),
+            np.zeros(3) if mounting is None else mounting,
+            mounting is not None or "mounting" in model.free,
+            np.full(2, np.inf if gate is None else chi2.ppf(gate, 3)),
+            self.patience,
+            self.held.outliers,
+            self.constraint,
+            self.sensors.at,
+        )
+
+    def with_model(self, model: FilterModel):
+        """The same drive, made ready, with another model; its de-noising and what is held of the
+        drive must be the same.
+        """
+        if (model.levels, model.causal) != (self.model.levels, self.model.causal):
+            raise ValueError("`model` asks for another de-noising: make a new LooselyCoupled")
+        if model.held != self.held:
+            raise ValueError("`model` holds something else of the drive: make a new LooselyCoupled")
+        other = copy(self)
+        other._take(model)
         return other
 
     @property
@@ -191,24 +130,15 @@ class LooselyCoupled:
         moments : times (s) to keep what the filter knows at; None keeps one a second
         smooth : keep what the smoother needs, at every fix and every second
         """
-        pieces, alignments, kept, logs, notes = [], [], [], [], list(self.prepared.notes)
+        pieces, alignments, notes = [], [], list(self.prepared.notes)
         fixes, use = self.prepared.fixes, self.prepared.fixes.use.copy()
-        for start, duration in withhold:
-            use[(fixes.time > start) & (fixes.time <= start + duration)] = 0
+        for begin, duration in withhold:
+            use[(fixes.time > begin) & (fixes.time <= begin + duration)] = 0
         x, p_sensor, last = np.zeros(self.sensors.count), self.sensors.initial.copy(), None
-        offset = np.zeros(3)
+        self.offset = np.zeros(3)
         for number, stretch in enumerate(self.prepared.stretches):
             try:
-                if last is None and self.start is not None:
-                    start = self.start
-                else:
-                    start = align(
-                        stretch,
-                        fixes,
-                        heading=self.heading
-                        if last is None
-                        else self._parked(stretch, pieces[-1], fixes),
-                    )
+                start = self._aligned(stretch, pieces)
             except InputError as error:
                 if last is None and number + 1 == len(self.prepared.stretches):
                     raise
@@ -217,43 +147,25 @@ class LooselyCoupled:
                 )
                 continue
             if last is not None:
-                x, p_sensor = self._across(x, p_sensor, stretch.time[start.epoch] - last)
+                x, p_sensor = across(
+                    self.sensors, self.prepared.rate, x, p_sensor, stretch.time[start.epoch] - last
+                )
             elif self.remove_bias and start.standstill >= 2.0:
-                offset = start.gyro_offset
+                self.offset = (
+                    start.gyro_offset if self.turn is None else self.turn.T @ start.gyro_offset
+                )
                 notes.append(
                     f"Gyro means of {start.standstill:.1f} s of standstill taken off the readings."
                 )
-            nav = np.zeros(16)
-            nav[:3], nav[3:6], nav[6:10] = (
-                start.position,
-                start.velocity,
-                attitude.quaternion(start.attitude),
+            state = self._initial(start, x, p_sensor)
+            nodes = self._node_epochs(stretch, start.epoch, moments, smooth, use)
+            usable = replace(fixes, use=np.where(fixes.time <= start.used, 0, use))
+            pieces.append(
+                self._run(number, start.epoch, stretch.time.size - 1, state, usable, nodes, smooth)
             )
-            p = np.zeros((self.states, self.states))
-            p[np.arange(9), np.arange(9)] = start.sd**2
-            p[9:, 9:] = p_sensor
-            road = np.zeros(4)
-            piece, moment = self._run(
-                number,
-                start.epoch,
-                stretch.time.size - 1,
-                nav,
-                x,
-                p,
-                road,
-                fixes,
-                np.where(fixes.time <= start.used, 0, use),
-                self._node_epochs(stretch, start.epoch, moments, smooth, use),
-                smooth,
-                offset,
-            )
-            pieces.append((stretch.time[start.epoch + 1 :],) + piece[:2])
-            logs.append(piece[2])
-            kept.append(moment)
             alignments.append(start)
-            x, p_sensor, last = x, p[9:, 9:].copy(), stretch.time[-1]
-        self.offset = offset
-        return self._collect(pieces, logs, kept, alignments, notes)
+            x, p_sensor, last = state.x, state.p[9:, 9:].copy(), stretch.time[-1]
+        return self._collect(pieces, alignments, notes, x, p_sensor)
 
     def coast(self, moment: Moments, index, duration):
         """Run on from one stored moment without fixes, as in an outage.
@@ -263,24 +175,39 @@ class LooselyCoupled:
         """
         stretch = self.prepared.stretches[moment.stretch]
         begin = int(moment.epoch[index])
-        end = (
-            int(np.searchsorted(stretch.time, moment.time[index] + duration + 1e-9, side="right"))
-            - 1
-        )
-        nav, x, p, road = (
-            moment.nav[index].copy(),
-            moment.x[index].copy(),
-            moment.p[index].copy(),
-            moment.road[index].copy(),
-        )
+        stop = moment.time[index] + duration + 1e-9
+        end = int(np.searchsorted(stretch.time, stop, side="right")) - 1
+        state = State(*(getattr(moment, k)[index].copy() for k in ("nav", "x", "p", "road")))
         none = np.zeros(0, np.int64)
-        (log, sd, _), _ = self._run(
-            moment.stretch, begin, end, nav, x, p, road, None, None, none, False, self.offset
-        )
-        return stretch.time[begin + 1 : end + 1], log[:, :3], sd[:, :9], sd[:, 9]
+        time, logs, _, _ = self._run(moment.stretch, begin, end, state, None, none, False)
+        return time, logs.nav[:, :3], logs.sd[:, :9], logs.sd[:, 9]
 
-    # -- inside
-    # ------------------------------------------------------------------------------------------------
+    # -- inside ----------------------------------------------------------------------------------
+    def _aligned(self, stretch, pieces):
+        if not pieces and self.start is not None:
+            return self.start
+        fixes = self.prepared.fixes
+        heading = (
+            parked(stretch, fixes, pieces[-1][1].nav[-1], self._angles) if pieces else self.heading
+        )
+        if self.turn is not None:
+            stretch = replace(
+                stretch, dtheta=stretch.dtheta @ self.turn.T, dvel=stretch.dvel @ self.turn.T
+            )
+        return align(stretch, fixes, heading=heading)
+
+    def _initial(self, start, x, p_sensor):
+        nav = np.zeros(16)
+        nav[:3], nav[3:6] = start.position, start.velocity
+        q = attitude.quaternion(start.attitude)
+        if self.turn is not None:
+            attitude.rotate_body(q, Rotation.from_matrix(self.turn).as_rotvec())
+        nav[6:10] = q
+        p = np.zeros((self.states, self.states))
+        p[np.arange(9), np.arange(9)] = start.sd**2
+        p[9:, 9:] = p_sensor
+        return State(nav, np.array(x), p, np.zeros(4))
+
     def _node_epochs(self, stretch, begin, moments, smooth, use):
         times = (
             np.arange(np.ceil(stretch.time[begin]), stretch.time[-1], 1.0)
@@ -290,177 +217,79 @@ class LooselyCoupled:
         times = times[(times >= stretch.time[begin]) & (times <= stretch.time[-1])]
         epochs = np.searchsorted(stretch.time, times - 1e-9)
         if smooth:
-            epochs = np.concatenate(
-                [
-                    epochs,
-                    np.searchsorted(stretch.time, self.prepared.fixes.time[use > 0] - 1e-9),
-                    [stretch.time.size - 1],
-                ]
-            )
+            of_fixes = np.searchsorted(stretch.time, self.prepared.fixes.time[use > 0] - 1e-9)
+            epochs = np.concatenate([epochs, of_fixes, [stretch.time.size - 1]])
         epochs = np.unique(epochs)
         return epochs[(epochs > begin) & (epochs < stretch.time.size)].astype(np.int64)
 
-    def _run(self, number, begin, end, nav, x, p, road, fixes, use, nodes, smooth, offset):
-        stretch, sensors = self.prepared.stretches[number], self.sensors
-        n, m = self.states, sensors.count
-        if fixes is None:
-            epoch, delay, value, variance, use, count = (
-                np.zeros(0, np.int64),
-                np.zeros(0),
-                np.zeros((0, 6)),
-                np.zeros((0, 6)),
-                np.zeros(0, np.int64),
-                0,
-            )
-        else:
-            epoch = np.searchsorted(stretch.time, fixes.time - 1e-9).astype(np.int64)
-            inside = (epoch > begin) & (epoch <= end)
-            epoch, value, variance, use = (
-                epoch[inside],
-                fixes.value[inside],
-                fixes.variance[inside],
-                use[inside],
-            )
-            delay, count = stretch.time[epoch] - fixes.time[inside], int(inside.sum())
-        dtheta = (
-            stretch.dtheta if not offset.any() else stretch.dtheta - offset * stretch.dt[:, None]
-        )
-        log, sd, fix_log = (
-            np.empty((end - begin, 16)),
-            np.empty((end - begin, 10)),
-            np.zeros((count, 9)),
-        )
-        k, full = nodes.size, nodes.size if smooth else 0
-        node_x, node_p, node_road = np.empty((k, m)), np.empty((k, n, n)), np.empty((k, 4))
-        prior, phi, dx = np.empty((full, n, n)), np.empty((full, n, n)), np.empty((full, n))
+    def _run(self, number, begin, end, state, fixes, nodes, smooth):
+        """(time, logs, Innovations, Moments) of one run of the kernel."""
+        stretch = self.prepared.stretches[number]
+        dtheta = stretch.dtheta
+        if self.offset.any():
+            dtheta = dtheta - self.offset * stretch.dt[:, None]
+        table, rows = fix_table(stretch, begin, end, fixes, self.drive.time[0])
+        logs = Logs.empty(end - begin, rows.size)
+        nodes = Nodes.empty(nodes, self.states, smooth)
         kernel.run(
             begin,
             end,
-            nav,
-            x,
-            p,
-            road,
-            stretch.dt,
-            dtheta,
-            stretch.dvel,
-            sensors.transition,
-            sensors.noise,
-            sensors.output,
-            sensors.first,
-            sensors.white,
-            sensors.scale,
-            stretch.extra_noise,
-            epoch,
-            delay,
-            value,
-            variance,
-            use,
-            self.lever,
-            self.gates,
-            self.patience,
-            self.constraint,
-            log,
-            sd,
-            fix_log,
+            state,
+            Imu(stretch.dt, dtheta, stretch.dvel, stretch.extra_noise),
+            self.arrays,
+            table,
+            speed_table(stretch, begin, end, self.speed),
+            self.measurements,
+            logs,
             nodes,
-            node_x,
-            node_p,
-            prior,
-            phi,
-            dx,
-            node_road,
             smooth,
         )
-        if not np.isfinite(log[-1]).all() or not np.isfinite(sd[-1]).all():
+        if not np.isfinite(logs.nav[-1:]).all() or not np.isfinite(logs.sd[-1:]).all():
             raise InputError(
                 f"the filter {self.model.name} diverged before {stretch.time[end]:.1f} s: check the units of the drive "
                 "and the error model (an unstable process grows without bound)"
             )
-        moment = Moments(
-            number,
-            nodes,
-            stretch.time[nodes],
-            log[nodes - begin - 1],
-            node_x,
-            node_p,
-            node_road,
-            prior,
-            phi,
-            dx,
+        innovations = None
+        if fixes is not None:
+            innovations = Innovations.of(fixes.index[rows], fixes.time[rows], table.use, logs)
+        time, at = stretch.time, nodes.epoch
+        moments = Moments(
+            number, at, time[at], logs.nav[at - begin - 1], *(getattr(nodes, k) for k in _KEPT)
         )
-        times = fixes.time[inside] if fixes is not None else np.zeros(0)
-        return (log, sd, (times, fix_log, use)), moment
+        return time[begin + 1 : end + 1], logs, innovations, moments
 
-    def _parked(self, stretch, piece, fixes):
-        """The heading before a hole in the data, where the car stood before it and stands at the
-        same place after it; else None.
-        """
-        after = fixes.time >= stretch.time[0]
-        velocity = fixes.value[after, 3:5][:1]
-        stood = np.hypot(*piece[1][-1, 3:5]) < 0.5
-        if (
-            not after.any()
-            or not stood
-            or np.hypot(*velocity[0]) > 0.5
-            or horizontal(fixes.value[after, :3][0], piece[1][-1, :3]) > 5.0
-        ):
-            return None
-        return float(attitude.euler(piece[1][-1, 6:10])[2])
+    def _angles(self, q):
+        """Roll, pitch, yaw (k, 3) of the vehicle, of quaternions (k, 4) of the case."""
+        if self.turn is None:
+            return attitude.euler(q)
+        turned = Rotation.from_quat(q, scalar_first=True) * Rotation.from_matrix(self.turn.T)
+        return attitude.euler(turned.as_quat(scalar_first=True))
 
-    def _across(self, x, p, gap):
-        """Sensor states carried over a hole in the data, `gap` s."""
-        steps = max(int(round(gap * self.prepared.rate)), 0)
-        s, q = self.sensors.transition, self.sensors.noise
-        power, total = s.copy(), q.copy()
-        out_s, out_q = np.eye(s.shape[0]), np.zeros_like(q)
-        while steps:  # doubling: the noise of 2k steps is that of k, carried on, and that of k
-            if steps & 1:
-                out_q = power @ out_q @ power.T + total
-                out_s = power @ out_s
-            total = power @ total @ power.T + total
-            power = power @ power
-            steps >>= 1
-        return out_s @ x, out_s @ p @ out_s.T + out_q
-
-    def _collect(self, pieces, logs, kept, alignments: list[Alignment], notes):
-        time = np.concatenate([p[0] for p in pieces])
-        nav, sd = np.vstack([p[1] for p in pieces]), np.vstack([p[2] for p in pieces])
-        fix_time = np.concatenate([each[0] for each in logs])
-        fix_log = np.vstack([each[1] for each in logs])
-        bits = fix_log[:, 8].astype(int)
-        offered = np.concatenate([each[2] for each in logs])
-        for flag, what in (
-            (kernel.REJECTED_POSITION, "positions"),
-            (kernel.REJECTED_VELOCITY, "velocities"),
-        ):
-            if (bits & flag).any():
-                notes.append(
-                    f"{int(((bits & flag) > 0).sum())} of {int((offered > 0).sum())} fixes had their {what} rejected by the innovation test."
-                )
-        if (bits & kernel.RECOVERED).any():
-            notes.append(
-                f"The covariance was widened {int(((bits & kernel.RECOVERED) > 0).sum())} times because the fixes kept disagreeing with the filter, "
-                f"first at {fix_time[np.argmax((bits & kernel.RECOVERED) > 0)]:.1f} s."
-            )
+    def _collect(self, pieces, alignments: list[Alignment], notes, x, p):
+        nav = np.vstack([piece[1].nav for piece in pieces])
+        sd = np.vstack([piece[1].sd for piece in pieces])
+        innovations = Innovations.join([piece[2] for piece in pieces])
         return Solution(
             self.model.name,
-            time,
+            np.concatenate([piece[0] for piece in pieces]),
             nav[:, :3],
             nav[:, 3:6],
-            attitude.euler(nav[:, 6:10]),
+            self._angles(nav[:, 6:10]),
             sd[:, :9],
             sd[:, 9],
-            fix_time,
-            fix_log[:, :6],
-            fix_log[:, 6],
-            fix_log[:, 7].astype(int),
-            bits,
-            tuple(kept),
+            innovations,
+            tuple(piece[3] for piece in pieces),
             tuple(alignments),
             self.states,
             self.sensors.names,
-            tuple(notes),
+            x,
+            p,
+            self.sensors.initial,
+            tuple(notes + innovations.notes()),
         )
+
+
+_KEPT = ("x", "p", "road", "prior", "phi", "dx")
 
 
 def run(drive: Drive, model, *, withhold=(), smooth=False, **options) -> Solution:

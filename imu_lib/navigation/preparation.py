@@ -4,7 +4,7 @@ de-noised where asked.
 Nothing is repaired in silence: what was bridged, left out or cut is said in `notes`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from imu_lib.errors import InputError
 from imu_lib.record import CHANNELS
 from imu_lib.wavelet import denoise
 
-from . import earth, kernel
+from . import earth, measurement
 
 LONGEST_BRIDGE = 1.0  # s: up to here a hole in the IMU data is bridged by straight lines
 BRIDGE_NOISE = 100.0  # white noise densities are multiplied by this over a bridged hole
@@ -38,14 +38,29 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Fixes:
-    """GNSS fixes of a drive: time (m,), value (m, 6) position and NED velocity, variance (m, 6)
-    m^2 and (m/s)^2, use (m,) bits of the kernel.
+    """GNSS fixes of a drive: time (m,) at which each was taken, value (m, 6) position and NED
+    velocity, variance (m, 6) m^2 and (m/s)^2, use (m,) bits of `measurement`, index (m,) row of the
+    drive's `gnss_*`. A fix whose velocity is of another time than its position has two rows.
     """
 
     time: np.ndarray
     value: np.ndarray
     variance: np.ndarray
     use: np.ndarray
+    index: np.ndarray
+
+    def take(self, rows):
+        """Some of the rows, in the order given."""
+        return Fixes(*(getattr(self, f.name)[rows] for f in fields(self)))
+
+
+@dataclass(frozen=True)
+class Speed:
+    """Speed over ground of the wheels: time (k,) s, value (k,) m/s, sd m/s."""
+
+    time: np.ndarray
+    value: np.ndarray
+    sd: float = 0.2
 
 
 @dataclass(frozen=True)
@@ -55,10 +70,13 @@ class Gnss:
     position_sd : m (north, east, down), where the drive gives none; velocity_sd : m/s, likewise
     position_floor, velocity_floor : least standard deviation believed (receivers flatter
     themselves, lever arms are rarely surveyed)
-    latency : s, added to the fixes' time tags; correlation_time : s, of the fixes' errors: fixes
+    latency : s, added to the fixes' time tags; velocity_latency : s, to those of the velocities
+    (None: the same); correlation_time : s, of the fixes' errors: fixes
     that follow each other faster
         are given the variance that makes so many of them worth one
-    gate : probability with which a true fix passes the innovation test; patience : s of rejected
+    position_ratio, velocity_ratio : true standard deviation over the stated one, where it is known
+    (None: 1, and never below the floor)
+    gate : probability with which a true fix passes the innovation test, None for no test; patience : s of rejected
     fixes before the filter widens its covariance
     velocity : use the velocity where there is one; accept : fix codes to take (None: all)
     """
@@ -68,8 +86,11 @@ class Gnss:
     position_floor: float = 0.5
     velocity_floor: float = 0.05
     latency: float = 0.0
+    velocity_latency: float | None = None
     correlation_time: float = 0.0
-    gate: float = 1.0 - 1e-6
+    position_ratio: float | None = None
+    velocity_ratio: float | None = None
+    gate: float | None = 1.0 - 1e-6
     patience: float = 5.0
     velocity: bool = True
     accept: tuple | None = None
@@ -89,6 +110,7 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     """The usable fixes of a drive, in order of time, each once."""
     notes = []
     time = np.asarray(drive.gnss_time, float) + gnss.latency
+    own = gnss.latency if gnss.velocity_latency is None else gnss.velocity_latency
     position = np.asarray(drive.gnss_position, float)
     velocity = (
         np.full_like(position, np.nan)
@@ -97,23 +119,16 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     )
     sd = np.column_stack(
         [
-            np.broadcast_to(
-                gnss.position_sd if drive.gnss_position_sd is None else drive.gnss_position_sd,
-                position.shape,
-            ),
-            np.broadcast_to(
-                gnss.velocity_sd if drive.gnss_velocity_sd is None else drive.gnss_velocity_sd,
-                position.shape,
-            ),
+            _deviations(
+                drive.gnss_position_sd, gnss.position_sd, gnss.position_floor, gnss.position_ratio
+            )
+            * np.ones_like(position),
+            _deviations(
+                drive.gnss_velocity_sd, gnss.velocity_sd, gnss.velocity_floor, gnss.velocity_ratio
+            )
+            * np.ones_like(position),
         ]
     )
-    floor = np.repeat([gnss.position_floor, gnss.velocity_floor], 3)
-    with np.errstate(invalid="ignore"):
-        sd = np.where(
-            np.isfinite(sd) & (sd > 0.0),
-            np.maximum(sd, floor),
-            np.concatenate([gnss.position_sd, gnss.velocity_sd]),
-        )
     has_position = np.isfinite(position).all(axis=1) & (np.abs(position[:, 0]) < np.pi / 2)
     has_velocity = np.isfinite(velocity).all(axis=1)
     keep = np.isfinite(time) & (has_position | has_velocity)
@@ -131,13 +146,15 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
             f"{drive.name or 'the drive'} has {index.size} usable GNSS fixes; the filter needs at least two "
             "(look at gnss_position for NaN and at the accepted fix codes)"
         )
-    use = has_position[index] * kernel.POSITION + has_velocity[index] * kernel.VELOCITY
+    use = has_position[index] * measurement.POSITION + has_velocity[index] * measurement.VELOCITY
     codes = np.zeros(index.size) if drive.gnss_fix is None else np.asarray(drive.gnss_fix)[index]
     for code in np.unique(codes[has_velocity[index]]):
-        of = np.flatnonzero((codes == code) & (use == kernel.POSITION + kernel.VELOCITY))
-        apart = _disagreement(time[index][of], position[index][of], velocity[index][of])
+        of = np.flatnonzero((codes == code) & (use == measurement.POSITION + measurement.VELOCITY))
+        apart = _disagreement(
+            time[index][of], position[index][of], velocity[index][of], own - gnss.latency
+        )
         if apart > VELOCITY_TRUST:
-            use[codes == code] &= ~kernel.VELOCITY
+            use[codes == code] &= ~measurement.VELOCITY
             notes.append(
                 f"The velocities of fix code {code:g} disagree with their own positions by {apart:.1f} m/s and are not used."
             )
@@ -147,15 +164,42 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
             1.0, 2.0 * gnss.correlation_time / float(np.median(np.diff(time[index])))
         )
     value = np.nan_to_num(np.column_stack([position, velocity])[index])
-    return Fixes(time[index], value, variance, use.astype(np.int64)), notes
+    fixes = Fixes(time[index], value, variance, use.astype(np.int64), index)
+    return _apart(fixes, own - gnss.latency), notes
 
 
-def _disagreement(time, position, velocity):
-    """Median distance, m/s, between received velocities and those of the positions about 2 s
-    apart; 0 where the positions are too few.
+def _deviations(given, usual, floor, ratio):
+    """Standard deviations (m, 3) or (3,) of the fixes: as given, not below the floor; with a known
+    ratio to the stated ones, that alone.
     """
-    after = np.searchsorted(time, time + 1.0)
-    before = np.searchsorted(time, time - 1.0, side="right") - 1
+    if given is None:
+        return np.asarray(usual) * (1.0 if ratio is None else ratio)
+    with np.errstate(invalid="ignore"):
+        sd = np.maximum(given, floor) if ratio is None else np.asarray(given) * ratio
+        return np.where(np.isfinite(given) & (np.asarray(given) > 0.0), sd, usual)
+
+
+def _apart(fixes: Fixes, later):
+    """Velocities `later` s than their positions stand in rows of their own."""
+    both = fixes.use == measurement.POSITION + measurement.VELOCITY
+    if later == 0.0 or not (fixes.use & measurement.VELOCITY).any():
+        return fixes
+    rows = np.concatenate([np.arange(both.size), np.flatnonzero(both)])
+    second = np.arange(rows.size) >= both.size
+    out = fixes.take(rows)
+    use = np.where(
+        second, measurement.VELOCITY, np.where(both[rows], measurement.POSITION, out.use)
+    )
+    time = out.time + np.where(use == measurement.VELOCITY, later, 0.0)
+    return replace(out, time=time, use=use).take(np.argsort(time, kind="stable"))
+
+
+def _disagreement(time, position, velocity, later=0.0):
+    """Median distance, m/s, between received velocities, taken `later` s than the positions, and
+    those of the positions about 2 s apart; 0 where the positions are too few.
+    """
+    after = np.searchsorted(time, time + later + 1.0)
+    before = np.searchsorted(time, time + later - 1.0, side="right") - 1
     good = np.flatnonzero((after < time.size) & (before >= 0))
     gap = time[after[good]] - time[before[good]]
     good, gap = good[gap < 4.0], gap[gap < 4.0]
@@ -214,17 +258,12 @@ def prepare(
         missing[np.diff(t) < 1.5 / rate] = 0
         if missing.any():
             bridged += int(missing.sum())
-            whole = np.concatenate(
-                [
-                    np.linspace(t[i], t[i + 1], missing[i] + 1, endpoint=False)
-                    for i in range(t.size - 1)
-                ]
-                + [[t[-1]]]
+            parts = missing + 1
+            within = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+            whole = np.append(
+                np.repeat(t[:-1], parts) + within * np.repeat(np.diff(t) / parts, parts), t[-1]
             )
-            held = np.interp(np.arange(t.size - 1), np.arange(t.size - 1), missing)
-            noise = np.concatenate(
-                [np.repeat(np.where(held > 0, BRIDGE_NOISE, 1.0), missing + 1), [1.0]]
-            )
+            noise = np.append(np.repeat(np.where(missing > 0, BRIDGE_NOISE, 1.0), parts), 1.0)
             readings = np.column_stack([np.interp(whole, t, column) for column in readings.T])
             t = whole
         for i, channel in enumerate(CHANNELS):
