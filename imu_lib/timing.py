@@ -9,6 +9,14 @@ from scipy.ndimage import minimum_filter1d
 
 WINDOW = 64  # samples over which late stamps may be made up for by the early ones after them
 BURST_WINDOW = 512  # the same where a host read the sensor in bursts
+#: Output data rates that makers of such sensors offer, Hz.
+USUAL_RATES = (
+    *(1.0, 4.0, 5.0, 10.0, 12.5, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 75.0, 80.0, 100.0, 104.0),
+    *(119.0, 120.0, 125.0, 128.0, 150.0, 160.0, 200.0, 204.8, 208.0, 238.0, 240.0, 250.0, 256.0),
+    *(300.0, 320.0, 400.0, 416.0, 476.0, 480.0, 500.0, 512.0, 600.0, 640.0, 800.0, 819.2, 833.0),
+    *(952.0, 960.0, 1000.0, 1024.0, 1125.0, 1600.0, 1666.0, 1920.0, 2000.0, 3200.0, 4000.0),
+    *(6660.0, 6667.0, 8000.0),
+)
 
 
 class Gap(NamedTuple):
@@ -21,10 +29,56 @@ class Gap(NamedTuple):
     missing: int
 
 
+class Bursts(NamedTuple):
+    """Samples that the sensor gave in bursts: `size` rows at `rate` Hz each `period` s."""
+
+    size: int
+    rate: float
+    period: float
+
+
+def bursts(time: np.ndarray) -> Bursts | None:
+    """Regular bursts in rising stamps: as many rows each time, evenly spaced within, and the
+    bursts evenly spaced themselves; None where the stamps are anything else.
+
+    A host that was busy empties its queue in bursts of any length: these are none.
+    """
+    step = np.diff(np.asarray(time, dtype=np.float64))
+    if len(step) < 40:
+        return None
+    order = np.sort(step)
+    ratio = order[1:] / np.maximum(order[:-1], 1e-12)
+    low, high = len(order) // 4, len(order) - max(2, len(order) // 40)
+    if high - low < 2:
+        return None
+    cut = low + int(np.argmax(ratio[low:high]))
+    if ratio[cut] < 2.0:  # no two kinds of step
+        return None
+    between = np.flatnonzero(step > 0.5 * (order[cut] + order[cut + 1]))
+    size = np.diff(between)
+    if len(size) < 8:
+        return None
+    usual = int(np.median(size))
+    if usual < 2 or np.mean(size == usual) < 0.8:
+        return None
+    inner = order[: cut + 1]
+    period = step[between]
+    apart = np.add.reduceat(step, between)[:-1][size == usual]
+    for x in (inner, apart, period):
+        lower, middle, upper = np.quantile(x, (0.25, 0.5, 0.75))
+        if upper - lower > 0.3 * middle:
+            return None
+    rate = 1.0 / float(np.mean(inner[np.abs(inner - np.median(inner)) < 0.5 * np.median(inner)]))
+    near = min(USUAL_RATES, key=lambda r: abs(r / rate - 1))
+    return Bursts(usual, near if abs(near / rate - 1) < 0.03 else rate, float(np.median(apart)))
+
+
 def in_bursts(time: np.ndarray) -> bool:
     """Whether a busy host stamped the samples: steps of very different length, some over three
     times the mean one.
     """
+    if bursts(time) is not None:
+        return False
     step = np.diff(time)
     low, middle, high, long = np.quantile(step, (0.25, 0.5, 0.75, 0.98))
     return bool(high - low > 0.4 * middle and long > 3.0 * step.mean())
@@ -44,6 +98,10 @@ def slots(time: np.ndarray, rate: float) -> np.ndarray:
     step[0] = 0
     late = (time - time[0]) * rate - np.arange(len(time))  # samples by which a stamp is late
     wide = np.flatnonzero(np.diff(late) > 0.5) + 1
+    if wide.size and bursts(time) is not None:
+        count = np.arange(len(time))
+        nearest = np.rint((time - time[0]) * rate).astype(np.int64)
+        return np.maximum.accumulate(nearest - count) + count
     if wide.size and in_bursts(time):
         wide = wide[(wide > BURST_WINDOW // 8) & (wide < len(time) - BURST_WINDOW // 8)]
         total = np.r_[
@@ -93,6 +151,9 @@ def gaps(time: np.ndarray, slot: np.ndarray, rate: float) -> tuple[Gap, ...]:
 def measured_rate(time: np.ndarray) -> float:
     """Samples per second from rising stamps, gaps left out, Hz."""
     time = np.asarray(time, dtype=np.float64)
+    regular = bursts(time)
+    if regular is not None:
+        return regular.rate
     step = np.diff(time)
     low, middle, high = np.quantile(step, (0.25, 0.5, 0.75))
     if (
@@ -101,9 +162,9 @@ def measured_rate(time: np.ndarray) -> float:
         usual = step[np.abs(step - middle) < 0.5 * middle]
         rate = 1.0 / float(usual.mean())
     else:  # bursts and jitter: over many samples they average out, and gaps only lengthen
-        bursts = in_bursts(time)
-        lag = max(1, min(1000 if bursts else 100, len(time) // 4))
-        rate = lag / float(np.quantile(time[lag:] - time[:-lag], 0.5 if bursts else 0.25))
+        hosts = in_bursts(time)
+        lag = max(1, min(1000 if hosts else 100, len(time) // 4))
+        rate = lag / float(np.quantile(time[lag:] - time[:-lag], 0.5 if hosts else 0.25))
     for _ in range(8):
         new = float(slots(time, rate)[-1]) / float(time[-1] - time[0])
         if abs(new / rate - 1.0) < 1e-9:

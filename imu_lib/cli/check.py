@@ -66,7 +66,7 @@ def report(health) -> str:
     )
     rest = (
         motion.state
-        if motion.state == "at rest"
+        if motion.state in ("at rest", "touched", "moved")
         else f"{motion.state}, {100 * motion.moving_share:.3g} % of the seconds"
     )
     facts = [

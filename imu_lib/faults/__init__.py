@@ -1,0 +1,16 @@
+"""What is wrong with the data of a record, and what happened to the sensor while it was made.
+
+    findings = faults.find(record)       # drop-outs, copies, clock, knocks, tilts, restarts
+    faults.longest_stretch(record, findings)   # (start, stop) in s
+    faults.sound(record, findings).record      # masked and cut: what an estimator may be given
+
+Each detector is a file; each finding carries its kind, its times, its parameters under the names of
+the error-model file, the figures it rests on, and a sentence.
+"""
+
+from __future__ import annotations
+
+from .doors import Sound, breaks, find, longest_stretch, sound
+from .finding import BREAKS, TOLD, Finding
+
+__all__ = ["BREAKS", "TOLD", "Finding", "Sound", "breaks", "find", "longest_stretch", "sound"]

@@ -1,0 +1,249 @@
+"""It was touched: knocks and handling, found as bursts of energy, or excursions of the level, that
+stand out of the noise on both sides of them.
+
+One sample thrown off on one channel is the electronics' (a spike), a change that stays is a step or
+a tilt, a vibration that goes on is the environment's: none of them is found here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+from imu_lib.faults.finding import Finding, named, seconds
+from imu_lib.faults.levels import Prepared, sides, tail_threshold, windows
+
+#: s of the windows of energy; one sample long, too, where several channels agree.
+ENERGY = (0.02, 0.08, 0.32, 1.28)
+#: s of the windows of level.
+LEVEL = (0.5, 2.0, 8.0)
+#: Chance alarms allowed in a record: on one channel, on several together.
+ALONE, TOGETHER = 1e-4, 1e-3
+#: Noise levels by which a sample must stand out on each of several channels, and a level.
+STANDS, LEVEL_STANDS = 5.5, 7.0
+#: Ratio of energies, without the few largest samples', that one channel alone must reach.
+LOUD = 6.0
+#: Blocks of level on each side that tell what is usual, and those next to it left out.
+LEVEL_REACH, GUARD = 15, 1
+#: s between two findings that are one.
+JOINED = 0.6
+#: s up to which it is a knock.
+KNOCK = 1.0
+#: rad that a turn about one axis alone must reach, beyond its own noise.
+TURN = 4e-3
+
+
+@dataclass
+class Hit:
+    """Rows [low, high) in which channels (indices) stand out, by how much."""
+
+    low: int
+    high: int
+    channels: frozenset
+    score: float
+    slow: bool = False
+
+
+def find(channels: dict[str, Prepared], time: np.ndarray, rate: float) -> list[Finding]:
+    """Disturbances of a record, in the order of time."""
+    names = list(channels)
+    fast = np.stack([channels[c].fast for c in names])
+    n = fast.shape[1]
+    hits: list[Hit] = []
+    for length in sorted({1, *(max(4, round(s * rate)) for s in ENERGY)}):
+        if n // length >= 40 and (length <= 4 or length <= 2.5 * rate):
+            hits += _energy(fast, length)
+    x = np.stack([channels[c].x for c in names])
+    for length in sorted({max(2, round(s * rate)) for s in LEVEL}):
+        if n // length >= 24:
+            hits += _level(x, length, rate, names)
+    merged = _merged(hits, max(2, round(JOINED * rate)))
+    return [_finding(h, channels, names, time, rate) for h in merged]
+
+
+def _energy(fast: np.ndarray, length: int) -> list[Hit]:
+    """Windows of `length` samples whose energy stands out, on a grid and on one half a window off."""
+    hits = []
+    for offset in (0, length // 2) if length > 1 else (0,):
+        power, rest, peak = [], [], []
+        for y in fast:
+            w = windows(y, length, offset)
+            square = w * w
+            total = square.sum(axis=1)
+            power.append(total / length)
+            peak.append(np.sqrt(square.max(axis=1)))
+            rest.append(_without_spikes(square, total))
+        hits += _judged(np.array(power), np.array(rest), np.array(peak), length, offset)
+    return hits
+
+
+def _without_spikes(square: np.ndarray, total: np.ndarray) -> np.ndarray:
+    """Mean square of each window without its largest sample, or sixteenth; of the louder windows
+    alone, the others keep theirs.
+    """
+    length = square.shape[1]
+    out = total / length
+    if length == 1:
+        return out
+    drop = max(1, length // 16)
+    loud = total > np.quantile(total, 0.9)
+    largest = np.partition(square[loud], length - drop, axis=1)[:, length - drop :]
+    out[loud] = (total[loud] - largest.sum(axis=1)) / (length - drop)
+    return out
+
+
+def _judged(power, rest, peak, length, offset) -> list[Hit]:
+    k, count = power.shape
+    stands = peak > STANDS
+    mask = np.zeros(count, bool)
+    member = np.zeros((k, count), bool)
+    if length > 1:
+        for c in range(k):
+            value = np.log(np.maximum(rest[c], 1e-12))
+            limit = max(tail_threshold(value, ALONE), np.log(LOUD * max(np.median(rest[c]), 1e-12)))
+            own = (value > limit) & stands[c]
+            member[c] |= own
+            mask |= own
+    if k > 1:
+        both = _together(power, stands, ~mask)
+        member |= stands & both
+        mask |= both
+    return [
+        Hit(
+            offset + int(j) * length,
+            offset + (int(j) + 1) * length,
+            frozenset(np.flatnonzero(member[:, j]).tolist()),
+            float(peak[:, j].max()),
+        )
+        for j in np.flatnonzero(mask)
+    ]
+
+
+def _together(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.ndarray:
+    """Windows in which several channels are among their own loudest at once, shape (windows,).
+
+    By ranks alone, whatever the tails of the noise are: of m channels out of k, independent, the
+    probability that all are among their u loudest is at most C(k, m) u^m. Ranks are those among the
+    windows not found otherwise (`quiet`).
+    """
+    k, count = power.shape
+    at = np.flatnonzero((stands.sum(axis=0) >= 2) & quiet)
+    out = np.zeros(count, bool)
+    if not len(at):
+        return out
+    u = np.ones((k, len(at)))
+    for c in range(k):
+        order = np.sort(power[c, quiet])
+        u[c] = (len(order) - np.searchsorted(order, power[c, at], side="left")) / len(order)
+    u = np.where(stands[:, at], u, 1.0)
+    u.sort(axis=0)
+    p = np.min([comb(k, m) * u[m - 1] ** m for m in range(2, k + 1)], axis=0)
+    out[at] = p * count < TOGETHER
+    return out
+
+
+def _level(x: np.ndarray, length: int, rate: float, names) -> list[Hit]:
+    """Windows whose mean is off those of both sides, on two channels, or one gyro by an angle."""
+    hits = []
+    for offset in (0, length // 2):
+        means = np.stack([windows(v, length, offset).mean(axis=1) for v in x])
+        off, scale = zip(*(_excursion(m) for m in means))
+        score = np.array(off) / np.array(scale)
+        stands = score > LEVEL_STANDS
+        mask = stands.sum(axis=0) >= 2
+        alone = np.zeros_like(mask)
+        for c, name in enumerate(names):
+            if name.startswith("gyro"):
+                value = np.log(np.maximum(score[c], 1e-3))
+                limit = max(tail_threshold(value, ALONE), np.log(2 * LEVEL_STANDS))
+                alone |= (value > limit) & (off[c] * length / rate > TURN)
+        mask |= alone
+        hits += [
+            Hit(
+                offset + int(j) * length,
+                offset + (int(j) + 1) * length,
+                frozenset(np.flatnonzero(stands[:, j]).tolist()),
+                float(score[:, j].max()),
+                True,
+            )
+            for j in np.flatnonzero(mask)
+        ]
+    return hits
+
+
+def _excursion(mean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """By how much each mean is off both sides, and the scatter of such means around it."""
+    before, after = sides(mean, LEVEL_REACH, GUARD)
+    up = np.minimum(mean - before, mean - after)
+    down = np.minimum(before - mean, after - mean)
+    off = np.maximum(np.maximum(up, down), 0.0)
+    near = np.abs(mean - 0.5 * (before + after))
+    left, right = sides(near, LEVEL_REACH, GUARD)
+    # half the difference of the sides is drift, not scatter
+    scale = 1.4826 * np.maximum(np.maximum(left, right), np.median(near))
+    return off, np.maximum(scale, 1e-300)
+
+
+def _merged(hits: list[Hit], join: int) -> list[Hit]:
+    out: list[Hit] = []
+    for h in sorted(hits, key=lambda h: h.low):
+        if out and h.low <= out[-1].high + join:
+            last = out[-1]
+            out[-1] = Hit(
+                last.low,
+                max(last.high, h.high),
+                last.channels | h.channels,
+                max(last.score, h.score),
+                last.slow or h.slow,
+            )
+        else:
+            out.append(h)
+    return out
+
+
+def _finding(hit: Hit, channels, names, time, rate) -> Finding:
+    low, high = _edges(hit, channels, names, rate)
+    members = tuple(names[c] for c in sorted(hit.channels)) or tuple(names)
+    n = len(time)
+    peaks = []
+    for c in members:
+        x = channels[c].x
+        near = np.r_[x[max(0, low - 50) : low], x[high : high + 50]]
+        usual = float(np.median(near)) if len(near) else float(np.median(x))
+        part = x[low:high] - usual
+        peaks.append(float(part[np.argmax(np.abs(part))]))
+    start, stop = float(time[low]), float(time[min(high, n - 1)])
+    duration = stop - start
+    what = "A knock" if duration < KNOCK else "Handling or a shake"
+    return Finding(
+        "disturbance",
+        members,
+        start,
+        stop,
+        {"start": start, "duration": duration, "peak": peaks, "channels": list(members)},
+        {"peak_over_noise": hit.score},
+        f"{what} at {seconds(start)} s, {duration:.2g} s long, on {named(members)}, up to "
+        f"{hit.score:.3g} times the noise.",
+        "It is no error of the sensor; left in, it looks like spikes, heavy tails or a louder "
+        "noise. It is masked.",
+        np.arange(low, high),
+    )
+
+
+def _edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
+    """First row and the one after the last in which the fast part stands out, a margin added."""
+    n = len(channels[names[0]].x)
+    reach = max(4, int(0.3 * rate))
+    low, high = max(0, hit.low - reach), min(n, hit.high + reach)
+    loud = np.zeros(high - low, bool)
+    for c in hit.channels:
+        loud |= np.abs(channels[names[c]].fast[low:high]) > 4.0
+    if not loud.any():
+        return hit.low, min(hit.high, n)
+    first, last = np.flatnonzero(loud)[[0, -1]]
+    if hit.slow:
+        return min(hit.low, low + int(first)), min(max(hit.high, low + int(last) + 1), n)
+    margin = max(1, int(0.05 * rate))
+    return max(0, low + int(first) - margin), min(n, low + int(last) + 1 + margin)

@@ -1,0 +1,192 @@
+"""Rows that are no measurement: a constant (0, the end of the range, a code) in place of the
+reading, on all channels or some, periodic or not; and NaN.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import poisson
+
+from imu_lib.faults.chance import (
+    IMPROBABLE,
+    MANIFOLD,
+    Levels,
+    coincidences,
+    period_of,
+    run_starts,
+)
+from imu_lib.faults.finding import Finding, named, seconds
+
+#: Robust standard deviations from the usual values beyond which a value cannot be the sensor's.
+FOREIGN = 8.0
+#: Runs that a value must come in, where it is not 0.
+LEAST_RUNS = 3
+MEANS = (
+    "These rows are no measurements: left in, they look like clipping, spikes and, where they are "
+    "periodic, a comb of lines. They are taken as missing."
+)
+
+
+def find(channels: dict, time: np.ndarray, levels: dict[str, Levels]) -> list[Finding]:
+    """Drop-outs to a constant.
+
+    Parameters
+    ----------
+    channels : dict of ndarray, shape (n,)
+    time : ndarray, shape (n,), s
+    levels : dict of Levels
+    """
+    names = [c for c in channels if len(levels[c].values) > 1]
+    if not names:
+        return []
+    n = len(time)
+    events, chance, single = np.zeros((len(names), n), bool), np.zeros(len(names)), []
+    for row, name in enumerate(names):
+        atoms, p, alone = _atoms(channels[name], levels[name])
+        single.append(alone)
+        chance[row] = p
+        if atoms:
+            events[row] = np.isin(levels[name].index, atoms)
+    found = []
+    for members, rows, expected in coincidences(events, chance):
+        if len(members) == 1:
+            row = members[0]
+            own = single[row]
+            rows = rows[np.isin(levels[names[row]].index[rows], own)]
+            if not len(rows):
+                continue
+        found.append(_finding([names[m] for m in members], rows, expected, channels, time))
+    return found
+
+
+def _atoms(x: np.ndarray, levels: Levels) -> tuple[list[int], float, list[int]]:
+    """Levels at which a channel stands suspiciously often, or 0; their probability by chance; and
+    those that are suspicious on this channel alone.
+    """
+    values, runs = levels.values, levels.runs
+    total = runs.sum()
+    middle = np.median(x[~np.isnan(x)][:: max(1, len(x) // 50_000)])
+    spread = max(_spread(x), _coarse_step(levels))
+    foreign = np.abs(values - middle) > FOREIGN * spread
+    usual = np.flatnonzero(~foreign)
+    often = np.flatnonzero(runs >= LEAST_RUNS)
+    if len(often) > 200:  # a grid: only what stands out of its neighbours at all
+        mass = np.sort(runs)
+        usual_mass = mass[np.searchsorted(np.cumsum(mass), 0.5 * total)]
+        often = often[(runs[often] > usual_mass) | foreign[often]]
+        often = often[np.argsort(-runs[often], kind="stable")[:200]]
+    atoms, alone, chance = [], [], 0.0
+    for at in often:
+        p = levels.value_chance(int(at), spread)
+        standing = runs[at] > MANIFOLD * p * total and (
+            poisson.logsf(runs[at] - 1, p * total) < IMPROBABLE
+        )
+        # a clipped signal piles up at the end of what it usually does
+        clipped = len(usual) > 0 and at in (usual[0], usual[-1])
+        if standing and not (clipped and values[at] != 0):
+            atoms.append(int(at))
+            chance += p
+            if foreign[at] or not clipped and not _dead_zone(levels, int(at), spread):
+                alone.append(int(at))
+    zero = np.flatnonzero(values == 0)
+    if len(zero) and int(zero[0]) not in atoms:
+        p = levels.value_chance(int(zero[0]), spread)
+        # a common value of the sensor itself is no sign of anything
+        if p < 0.2:
+            atoms.append(int(zero[0]))
+            chance += max(p, 0.2 * runs[zero[0]] / total if not foreign[zero[0]] else 0.0)
+    return atoms, chance, alone
+
+
+def _spread(x: np.ndarray) -> float:
+    """Robust scatter about the local level, never below the grid's own."""
+    good = x[~np.isnan(x)]
+    good = good[: len(good) - len(good) % 2]
+    some = good[:: max(1, len(good) // 100_000)]
+    wide = 1.4826 * float(np.median(np.abs(some - np.median(some))))
+    return wide if wide > 0 else float(np.std(some)) or 1.0
+
+
+def _coarse_step(levels: Levels) -> float:
+    """The least distance of the commonest levels: below it the grid hides any scatter."""
+    common = np.sort(levels.values[np.argsort(-levels.runs, kind="stable")[:5]])
+    return float(np.diff(common).min()) if levels.coarse and len(common) > 1 else 0.0
+
+
+def _dead_zone(levels: Levels, at: int, spread: float) -> bool:
+    """Whether values close to a level are missing for it: the sensor rounds them to it."""
+    v, value = levels.values, levels.values[at]
+    runs = levels.runs
+    inner = (np.abs(v - value) < 0.25 * spread) & (v != value)
+    outer = (np.abs(v - value) >= 0.25 * spread) & (np.abs(v - value) < 0.75 * spread)
+    return bool(runs[inner].sum() < 0.25 * runs[outer].sum())
+
+
+def _finding(names, rows, expected, channels, time) -> Finding:
+    n = len(time)
+    starts = run_starts(rows)
+    period = period_of(starts)
+    values = [_common(channels[c][rows]) for c in names]
+    value = values[0] if len(set(values)) == 1 else values
+    fraction = len(rows) / n
+    said = "0" if value == 0 else "one value" if isinstance(value, list) else f"{value:.6g}"
+    place = (
+        f"at {seconds(time[rows[0]])} s"
+        if len(starts) == 1
+        else f"from {seconds(time[rows[0]])} to {seconds(time[rows[-1]])} s"
+    )
+    how = f", one in {period}" if period else ""
+    count = f"{len(rows):,} row{'s' if len(rows) > 1 else ''}"
+    return Finding(
+        "dropout",
+        tuple(names),
+        float(time[rows[0]]),
+        float(time[min(rows[-1] + 1, n - 1)]),
+        {"fraction": fraction, "value": value, "period": period, "channels": list(names)},
+        {"rows": len(rows), "runs": len(starts), "expected_by_chance": expected},
+        f"{count} ({100 * fraction:.2g} %{how}) stand at {said} on {named(tuple(names))}, {place}: "
+        "drop-outs of the transport or the driver.",
+        MEANS,
+        rows,
+    )
+
+
+def _common(x: np.ndarray) -> float:
+    values, count = np.unique(x, return_counts=True)
+    return float(values[np.argmax(count)])
+
+
+def missing(channels: dict, time: np.ndarray) -> list[Finding]:
+    """Values that are NaN, channels with the same rows together."""
+    lost = {c: np.isnan(x) for c, x in channels.items()}
+    groups: list[tuple[list[str], np.ndarray]] = []
+    for name, mask in lost.items():
+        if not mask.any():
+            continue
+        home = next((g for g in groups if np.array_equal(g[1], mask)), None)
+        if home is None:
+            groups.append(([name], mask))
+        else:
+            home[0].append(name)
+    found = []
+    for names, mask in groups:
+        rows = np.flatnonzero(mask)
+        starts = run_starts(rows)
+        period = period_of(starts)
+        fraction = len(rows) / len(time)
+        how = f", one in {period}" if period else ""
+        found.append(
+            Finding(
+                "dropout",
+                tuple(names),
+                float(time[rows[0]]),
+                float(time[min(rows[-1] + 1, len(time) - 1)]),
+                {"fraction": fraction, "value": None, "period": period, "channels": names},
+                {"rows": len(rows), "runs": len(starts), "expected_by_chance": 0.0},
+                f"{len(rows):,} values ({100 * fraction:.2g} %{how}) of {named(tuple(names))} are "
+                f"missing (NaN), the first at {seconds(time[rows[0]])} s.",
+                "They are taken as missing.",
+                rows,
+            )
+        )
+    return found

@@ -1,0 +1,178 @@
+"""Samples that are there more than once: a slow stream held in a fast one, copies in place of lost
+samples, a frozen output.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import binary_dilation
+
+from imu_lib.faults.chance import Levels, coincidences, period_of, run_starts
+from imu_lib.faults.finding import Finding, named, seconds
+
+#: Share of repeats from which on a stream may be held all through.
+SHARE = 0.3
+#: Scatter of the number of copies over their mean up to which they are a slower rate; copies that
+#: come at random scatter by more.
+REGULAR = 0.42
+
+
+def repeats(x: np.ndarray) -> np.ndarray:
+    """Which samples equal the one before, shape (n,), bool."""
+    return np.r_[False, x[1:] == x[:-1]]
+
+
+def find(
+    channels: dict, time: np.ndarray, rate: float, levels: dict[str, Levels], blind: np.ndarray
+) -> list[Finding]:
+    """Held streams, then copies. `blind` (n,) marks rows already known not to be measurements."""
+    names = [c for c in channels if len(levels[c].values) > 2]
+    if not names:
+        return []
+    # behind a drop-out nothing can be a copy of it
+    out = blind | np.r_[False, blind[:-1]]
+    again = {c: repeats(channels[c]) & ~out for c in names}
+    chance = {c: levels[c].repeat_chance() for c in names}
+    found, done = [], set()
+    for group in _streams(again, chance):
+        rows = np.logical_and.reduce([again[c] for c in group])
+        item = _held(group, rows, time, rate, len(group) == len(channels))
+        if item is not None:
+            found.append(item)
+            done |= set(group)
+    rest = [c for c in names if c not in done]
+    if rest:
+        events = np.stack([again[c] for c in rest])
+        p = np.array([chance[c] for c in rest])
+        for members, rows, expected in coincidences(events, p):
+            item = _copies([rest[m] for m in members], rows, expected, time)
+            if item is not None:
+                found.append(item)
+    return found
+
+
+def _streams(again: dict, chance: dict) -> list[list[str]]:
+    """Channels that repeat far beyond chance, those that do so in the same rows together."""
+    groups: list[list[str]] = []
+    for name, mask in again.items():
+        share = mask.mean()
+        if share < SHARE or share - chance[name] < 0.5 * share:
+            continue
+        home = next(
+            (
+                g
+                for g in groups
+                if (mask & again[g[0]]).sum() > 0.85 * min(mask.sum(), again[g[0]].sum())
+                and (mask & again[g[0]]).sum() > 0.7 * max(mask.sum(), again[g[0]].sum())
+            ),
+            None,
+        )
+        groups.append([name]) if home is None else home.append(name)
+    return groups
+
+
+def _held(group, rows, time, rate, whole) -> Finding | None:
+    starts = np.flatnonzero(~rows)
+    length = np.diff(starts)
+    if len(length) < 8:
+        return None
+    # readings that agree by chance make a run twice as long: the usual run tells
+    usual = float(np.median(length))
+    plain = length[length < 1.6 * usual] if usual >= 2 else length
+    mean = float(plain.mean())
+    if mean < 1.4 or float(plain.std()) > REGULAR * mean or len(plain) < 0.6 * len(length):
+        return None
+    own = rate / mean
+    return Finding(
+        "held",
+        tuple(group),
+        float(time[0]),
+        float(time[-1]),
+        {"held": True, "length": mean, "rate": own, "channels": list(group)},
+        {"repeats": int(rows.sum()), "share": float(rows.mean()), "spread": float(plain.std())},
+        f"Each reading of {named(tuple(group))} stands {mean:.3g} times: the sensor gives "
+        f"{own:.4g} Hz, the file {rate:.4g} Hz.",
+        "Copies are no measurements: noise densities would come out too high by the square root of "
+        "their number. "
+        + (
+            "The rows are thinned to the sensor's own rate."
+            if whole
+            else "Only the first of each reading is used, at its own rate."
+        ),
+        np.flatnonzero(rows),
+    )
+
+
+def _copies(names, rows, expected, time) -> Finding | None:
+    """Rows that repeat the one before: on several channels a lost sample, on one a frozen output."""
+    n = len(time)
+    starts = run_starts(rows)
+    longest = int(np.diff(np.r_[np.flatnonzero(np.r_[True, np.diff(rows) > 1]), len(rows)]).max())
+    period = period_of(starts)
+    fraction = len(rows) / n
+    many = len(names) > 1
+    where = f"from {seconds(time[rows[0]])} to {seconds(time[rows[-1]])} s"
+    how = f", one in {period}" if period else ""
+    if many:
+        kind = "dropout"
+        parameters = {
+            "fraction": fraction,
+            "held": True,
+            "period": period,
+            "channels": list(names),
+        }
+        sentence = (
+            f"{len(rows):,} rows ({100 * fraction:.2g} %{how}) repeat the one before on "
+            f"{named(tuple(names))}, {where}: copies in place of samples that were lost."
+        )
+    else:
+        kind = "stuck"
+        length = len(rows) / max(1, len(starts))
+        parameters = {"fraction": fraction, "length": int(round(length))}
+        sentence = (
+            f"{names[0]} repeats its value in {len(rows):,} samples ({100 * fraction:.2g} %), "
+            f"{where}, up to {longest + 1:,} in a row: frozen output."
+        )
+    return Finding(
+        kind,
+        tuple(names),
+        float(time[rows[0]]),
+        float(time[min(rows[-1] + 1, n - 1)]),
+        parameters,
+        {
+            "rows": len(rows),
+            "runs": len(starts),
+            "expected_by_chance": expected,
+            "longest": longest,
+        },
+        sentence,
+        "Copies are no measurements; they are taken as missing.",
+        rows,
+    )
+
+
+def constant(channels: dict, time: np.ndarray) -> list[Finding]:
+    """Channels that never change."""
+    found = []
+    for name, x in channels.items():
+        good = x[~np.isnan(x)]
+        if len(good) and np.all(good == good[0]):
+            found.append(
+                Finding(
+                    "constant",
+                    (name,),
+                    float(time[0]),
+                    float(time[-1]),
+                    {"value": float(good[0])},
+                    {"rows": len(x)},
+                    f"{name} never changes ({good[0]:.6g} in SI units): it is not connected, or "
+                    "nothing was written to it.",
+                    "The channel says nothing and is left out.",
+                )
+            )
+    return found
+
+
+def widened(mask: np.ndarray, by: int) -> np.ndarray:
+    """A mask with `by` neighbours on each side."""
+    return binary_dilation(mask, iterations=by) if by > 0 and mask.any() else mask

@@ -1,0 +1,59 @@
+"""The sensor began anew: levels of several channels, gyros among them, change at once and stay,
+which no tilt does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.faults.blocks import Blocks, peaks, sudden
+from imu_lib.faults.finding import Finding, named, seconds
+
+#: Blocks on each side, and those left out next to the change.
+WIDTH, GUARD = 40, 2
+#: Standard deviations by which each of the levels must change.
+CHANGED = 8.0
+#: Gyros, or channels, that must change at once.
+GYROS, CHANNELS = 2, 4
+
+
+def find(
+    x: dict[str, np.ndarray], time: np.ndarray, rate: float, turns: list[tuple[float, float]]
+) -> list[Finding]:
+    """Restarts within one stretch. `turns` are spans (s) known as tilts or handling."""
+    names = list(x)
+    blocks = Blocks(np.stack([x[c] for c in names]), rate)
+    if blocks.k < 3 * WIDTH:
+        return []
+    off, scale = sudden(blocks.change(WIDTH, GUARD), 2 * (WIDTH + GUARD))
+    score = np.abs(off) / scale
+    is_gyro = np.array([c.startswith("gyro") for c in names])
+    # the second largest of the gyros, the fourth of all: as many levels change at once
+    joint = np.zeros(score.shape[1])
+    for rows, least in ((is_gyro, GYROS), (np.ones(len(names), bool), CHANNELS)):
+        if rows.sum() >= least:
+            joint = np.maximum(joint, np.sort(score[rows], axis=0)[-least])
+    found = []
+    for at in peaks(joint, CHANGED, WIDTH):
+        members = score[:, at] > CHANGED
+        if not members[is_gyro].any():
+            continue
+        row = min(at * blocks.size, len(time) - 1)
+        t = float(time[row])
+        if any(low - 3.0 <= t <= high + 3.0 for low, high in turns):
+            continue
+        channels = tuple(c for c, m in zip(names, members) if m)
+        found.append(
+            Finding(
+                "restart",
+                channels,
+                t,
+                float(time[min(row + 1, len(time) - 1)]),
+                {"time": t, "channels": list(channels)},
+                {"change_over_noise": float(joint[at])},
+                f"The levels of {named(channels)} change at once at {seconds(t)} s and stay: the "
+                "sensor was restarted, or calibrated its zeros anew.",
+                "Biases before and after are two turn-on biases; in one record they are steps.",
+            )
+        )
+    return found
