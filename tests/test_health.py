@@ -68,7 +68,7 @@ def frozen(x):
         ),
         (
             {"gyro_z": lambda x: np.where(np.arange(N) % 1000 == 7, np.nan, x)},
-            "120 values (0.1 %, one in 1000) of gyro_z are missing",
+            "120 values are missing (NaN) on gyro_z",
         ),
         ({"accel_x": lambda x: np.round(x / 0.05) * 0.05}, "rounding hides"),
         ({"gyro_x": lambda x: x + 0.3 * (np.arange(N) > 100_000)}, "partly moving"),

@@ -183,8 +183,9 @@ def missing(channels: dict, time: np.ndarray) -> list[Finding]:
                 float(time[min(rows[-1] + 1, len(time) - 1)]),
                 {"fraction": fraction, "value": None, "period": period, "channels": names},
                 {"rows": len(rows), "runs": len(starts), "expected_by_chance": 0.0},
-                f"{len(rows):,} values ({100 * fraction:.2g} %{how}) of {named(tuple(names))} are "
-                f"missing (NaN), the first at {seconds(time[rows[0]])} s.",
+                f"{len(rows):,} value{'s are' if len(rows) > 1 else ' is'} missing (NaN) on "
+                f"{named(tuple(names))}, {100 * fraction:.2g} %{how}, the first at "
+                f"{seconds(time[rows[0]])} s.",
                 "They are taken as missing.",
                 rows,
             )
