@@ -134,7 +134,7 @@ def test_what_a_record_can_have_is_reported_instead(tmp_path, capsys):
     )
     assert main(["check", str(path)]) == 0
     out = capsys.readouterr().out
-    assert "1 (30 samples missing)" in out and "2 values are missing" in out
+    assert "1 (30 samples missing)" in out and out.count("1 value is missing (NaN) on gyro_") == 2
 
 
 def npz(path, **arrays):
