@@ -1,6 +1,7 @@
 """False alarms of the gap workflow on channels and on whole records in which nothing is hidden.
 
     python benchmarks/gap_null.py --channels 1000 --first 500000
+    python benchmarks/gap_null.py --wide --channels 300 --first 700000     # 20 s to 24 h, 4 Hz to 1 kHz
     python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl               # resumes; stores the table
     python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl --part 0/2    # one half, into the log only
 
@@ -23,6 +24,7 @@ import sys
 import time
 from collections import Counter
 from datetime import date
+from functools import partial
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -39,11 +41,30 @@ from imu_lib.model import Model  # noqa: E402
 from imu_lib.processes import Sum, from_json  # noqa: E402
 from imu_lib.record import Record  # noqa: E402
 
+#: Lengths, s, and rates, Hz, of the channels; the wide table has each equally often.
+USUAL = [(3600.0, 100.0), (3600.0, 100.0), (1800.0, 100.0)]
+WIDE = [
+    (20.0, 100.0),
+    (60.0, 100.0),
+    (120.0, 100.0),
+    (600.0, 100.0),
+    (7200.0, 100.0),
+    (20.0, 1000.0),
+    (120.0, 1000.0),
+    (900.0, 1000.0),
+    (60.0, 200.0),
+    (3600.0, 4.0),
+    (20000.0, 4.0),
+    (86400.0, 4.0),
+    (86400.0, 25.0),
+]
 
-def run_channel(seed, *, free=False):
+
+def run_channel(seed, *, free=False, wide=False):
     """One channel: what was found, what was left unexplained, the closest check."""
     rng = np.random.default_rng([seed, 5])
-    duration, fs = [(3600.0, 100.0), (3600.0, 100.0), (1800.0, 100.0)][int(rng.integers(3))]
+    places = WIDE if wide else USUAL
+    duration, fs = places[int(rng.integers(len(places)))]
     made = generator.make(seed, (), duration=duration, fs=fs, channels=("gyro_x",))
     base = Sum.of(from_json(e) for e in made.base["gyro_x"])
     found = analyse(
@@ -53,6 +74,7 @@ def run_channel(seed, *, free=False):
         "seed": seed,
         "base": [e["process"] for e in made.base["gyro_x"]],
         "duration": duration,
+        "rate": fs,
         "found": [_short(s) for s in found.steps],
         "unexplained": found.unexplained,
         "checks": {
@@ -102,6 +124,9 @@ def main(argv=None):
         metavar="K",
         help="count K whole records of six channels instead of single channels",
     )
+    parser.add_argument(
+        "--wide", action="store_true", help="channels of 20 s to 24 h at 4 Hz to 1 kHz"
+    )
     parser.add_argument("--first", type=int, default=500000)
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
     parser.add_argument(
@@ -123,7 +148,7 @@ def main(argv=None):
     part, parts = map(int, args.part.split("/"))
     if parts > 1 and not args.log:
         parser.error("--part needs --log")
-    run = run_channel if args.records is None else run_record
+    run = partial(run_channel, wide=args.wide) if args.records is None else run_record
     seeds = range(
         args.first, args.first + (args.channels if args.records is None else args.records)
     )
@@ -181,6 +206,8 @@ def _store(rows, args, argv):
             "by_effect": dict(Counter(e[0] for r in rows for e in r["found"])),
             "unexplained": sum(bool(r["unexplained"]) for r in rows),
         }
+        if args.wide:
+            out["table"] = _by_size(rows)
     else:
         out |= {
             "by_effect": dict(
@@ -190,10 +217,29 @@ def _store(rows, args, argv):
             "seconds": float(np.median([r["seconds"] for r in rows if "seconds" in r] or [0.0])),
         }
     RESULTS.mkdir(exist_ok=True)
-    name = args.name or ("gap_null" if args.records is None else "gap_null_records")
+    usual = "gap_null_wide" if args.wide else "gap_null"
+    name = args.name or (usual if args.records is None else "gap_null_records")
     (RESULTS / f"{name}.json").write_text(
         json.dumps({**out, "alarms": alarms}, indent=1, default=float) + "\n"
     )
+
+
+def _by_size(rows):
+    """Alarms by length and rate of the channel."""
+    out = []
+    for duration, fs in WIDE:
+        part = [r for r in rows if (r.get("duration"), r.get("rate")) == (duration, fs)]
+        alarms = sum(map(_alarm, part))
+        out.append(
+            {
+                "duration": duration,
+                "rate": fs,
+                "channels": len(part),
+                "alarms": alarms,
+                "interval": wilson(alarms, len(part)),
+            }
+        )
+    return out
 
 
 def _table(rows):

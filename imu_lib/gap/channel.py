@@ -242,7 +242,7 @@ def _analyse(
         rest = data.x - _deterministic(state)
         smooth = Smooth(rest, fs)
         return verdict.checks(
-            state, whitened(rest, smooth) / clean.swing, smooth, coarse_steps=coarse_steps
+            state, rest, whitened(rest, smooth) / clean.swing, smooth, coarse_steps=coarse_steps
         )
 
     tests = left(state)

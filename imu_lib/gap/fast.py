@@ -46,6 +46,11 @@ def taper(n: int) -> np.ndarray:
     return w
 
 
+def efficiency(n: int) -> float:
+    """Independent ordinates of the tapered and padded transform of `n` samples per ordinate."""
+    return float(1.0 / np.mean(taper(n) ** 4) * n / padded(n))
+
+
 @lru_cache(maxsize=8)
 def bins(n: int, fs: float, m: int) -> Bins:
     """Bins for `n` samples at `fs` Hz with blocks of `m` samples."""
@@ -55,13 +60,11 @@ def bins(n: int, fs: float, m: int) -> Bins:
     low = np.unique(np.round(np.geomspace(1, cut, 30)).astype(int))
     high = np.unique(np.round(cut * 2.0 ** (np.arange(0, np.log2(top / cut), 0.05))).astype(int))
     edge = np.unique(np.concatenate([low[:-1], high, [top]]))
-    w = taper(n)
-    efficiency = 1.0 / np.mean(w**4) * n / size
     left, right = (edge[:-1] - 0.5) * fs / size, (edge[1:] - 0.5) * fs / size
     middle, half = (left + right) / 2, (right - left) / 2
     nodes = middle[:, None] + half[:, None] * _NODES
     return Bins(
-        edge, middle, 2.0 * np.diff(edge) * efficiency, nodes, int(np.searchsorted(edge, cut)), n
+        edge, middle, 2.0 * np.diff(edge) * efficiency(n), nodes, int(np.searchsorted(edge, cut)), n
     )
 
 

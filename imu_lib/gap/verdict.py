@@ -279,26 +279,43 @@ def resonances(state, y) -> list[Check]:
     return out
 
 
-def echoes(y, fs, smooth, state) -> Check:
-    """Autocorrelation of the whitened noise at long lags, beyond what the filter's stop band puts
-    there.
+#: Share of the mean spectrum below which an ordinate holds more leakage than noise.
+MIN_SHARE_OF_MEAN = 1e-3
+#: Lags of the residual autocorrelation, samples: shorter ones are the spectrum's affair.
+MIN_LAG, MAX_LAG = 24, 4000
+
+
+def residual_autocorrelation(state, rest) -> Check:
+    """Autocorrelation at long lags of what is left of the samples, `rest`, shape (n,), whitened by
+    the model.
+
+    The periodogram over the model's spectrum is exponential about 1 where the model holds, and so
+    its transform is normal about zero with a variance that is known. Whitened by its own
+    periodogram a short record would be correlated with itself.
     """
-    n = len(y)
-    size = 1 << int(np.ceil(np.log2(n + 4096)))
-    z = np.fft.irfft(np.abs(np.fft.rfft(y - y.mean(), size)) ** 2, size)
-    lags = np.arange(24, min(4000, n // 8))
-    f = np.maximum(np.arange(size // 2 + 1) * fs / size, smooth.layout.f[smooth.layout.slow])
-    model = (
-        Sum(
-            tuple(state.fit.terms), () if state.fit.low_pass is None else (state.fit.low_pass,)
-        ).psd(f, fs)
-        + 2.0 * state.data.white / fs
+    data, layout = state.data, state.data.layout
+    size = fast.padded(data.n)
+    f = np.arange(1, size // 2) * data.fs / size
+    stages = () if state.fit.low_pass is None else (state.fit.low_pass,)
+    model = measured(
+        Sum(tuple(state.fit.terms), stages).psd(f, data.fs), np.interp(f, layout.f, data.extra)
     )
-    gone = np.fft.irfft(np.where(f <= f[0], 1.0, model / smooth.on(size)))
-    r = (z[lags] / z[0] - gone[lags] / gone[0]) * np.sqrt(n)
-    j = int(np.argmax(np.abs(r)))
-    where = f"autocorrelation of the innovations at a lag of {lags[j] / fs:.3g} s: {r[j] / np.sqrt(n):+.3g}"
-    return Check("autocorrelation", float(_log10_normal(r[j]) + np.log10(len(lags))), where)
+    seen = np.interp(f, layout.f, layout.nu > 0) > 0.999
+    seen &= (f > layout.f[layout.slow]) & (model > MIN_SHARE_OF_MEAN * np.mean(model))
+    power = np.abs(fast.transform(rest)[1 : len(f) + 1]) ** 2 / data.fs
+    excess = np.zeros(size // 2 + 1)
+    excess[1 : len(f) + 1] = np.where(seen, power / model - 1.0, 0.0)
+    lags = np.arange(MIN_LAG, min(MAX_LAG, data.n // 8))
+    sd = np.sqrt(2.0 * np.count_nonzero(seen) / fast.efficiency(data.n)) / size
+    z = np.fft.irfft(excess, size)[lags] / sd
+    # noise that breathes scatters more at every lag, and has other checks
+    z = z / max(1.0, 1.4826 * float(np.median(np.abs(z))))
+    j = int(np.argmax(np.abs(z)))
+    value = z[j] * sd * size / max(np.count_nonzero(seen) * 2, 1)
+    where = (
+        f"autocorrelation of the innovations at a lag of {lags[j] / data.fs:.3g} s: {value:+.3g}"
+    )
+    return Check("autocorrelation", float(_log10_normal(z[j]) + np.log10(len(lags))), where)
 
 
 def _second_order(state):
@@ -313,8 +330,9 @@ def _second_order(state):
     )
 
 
-def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
-    """All tests; `y` is the fast noise of what the state was fitted to, whitened by `smooth`.
+def checks(state, rest, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
+    """All tests; `rest` is what the state leaves of the samples as noise, `y` its fast part,
+    whitened by `smooth`.
     `coarse_steps`: the output is rounded so
     coarsely that its distribution is no longer normal."""
     second = _second_order(state)
@@ -327,7 +345,7 @@ def checks(state, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
         *slow_checks,
         *stationarity(y, fs, smooth, coarse_steps=coarse_steps),
         *resonances(state, y),
-        echoes(y, fs, smooth, state),
+        residual_autocorrelation(state, rest),
     ]
     if not coarse_steps:
         out += distribution(
