@@ -16,6 +16,7 @@ from imu_lib.gap.engine import Data, measured
 from imu_lib.gap.grown import between, grown, refits
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
+from imu_lib.gap.steadiness import stationarity
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
 from imu_lib.processes import CommonMode, Sum
 
@@ -221,7 +222,7 @@ def _analyse(
         clean.smooth.conditional_variance
     )
     unsteady = min(
-        verdict.stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps),
+        stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps),
         key=lambda c: c.log_p,
         default=None,
     )

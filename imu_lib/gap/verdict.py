@@ -4,30 +4,18 @@ sentence of where.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 from scipy.stats import chi2, norm
 
 from imu_lib.gap import fast, slow
-from imu_lib.gap.effects.noise_level_change import unsteady
+from imu_lib.gap.check import Check
 from imu_lib.gap.engine import measured
+from imu_lib.gap.steadiness import resonances, stationarity
 from imu_lib.processes import Sum
 
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests,
 #: benchmarks/gap_null.py).
 LIMIT = -5.0
-
-
-@dataclass(frozen=True)
-class Check:
-    """One test: the domain, log10 of its p-value (already corrected for the places it looked at),
-    where it disagrees.
-    """
-
-    domain: str
-    log_p: float
-    where: str
 
 
 def _log10_chi2(value, dof):
@@ -177,106 +165,6 @@ def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[
             f"distribution of the innovations: excess kurtosis {excess:+.3g}",
         ),
     ]
-
-
-def stationarity(y, fs, smooth, *, coarse_steps: bool = False) -> list[Check]:
-    """Variance at several scales, as a whole and in bands of frequency outside the stop band of a
-    filter.
-    """
-    out = []
-    # the powers of all bands move together where a few levels of the output make the energy of a
-    # block scatter
-    excess = max(float(np.mean(y**4) / np.mean(y**2) ** 2) - 3.0, 0.0) if coarse_steps else 0.0
-    found = unsteady(y, fs, smooth.independent)
-    if found is not None:
-        out.append(Check("stationarity", float(found[0] + np.log10(8)), found[1]))
-    m = 256
-    k = len(y) // m
-    if k >= 32:
-        edges = np.unique(np.round(np.geomspace(3, m // 2, 9)).astype(int))
-        passed = smooth.stop_band(m)
-        # outside of what is little but leakage from elsewhere
-        bands = [(a, b) for a, b in zip(edges[:-1], edges[1:]) if passed[a:b].mean() >= 0.9]
-        out += _levels(_block_powers(y, m), fs, bands, (4, 32), excess)
-    return out
-
-
-def _block_powers(y, m):
-    """Periodograms of successive blocks of `m` samples (even) under a sine window, shape (blocks,
-    m / 2 + 1).
-    """
-    k = len(y) // m
-    window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
-    return np.abs(np.fft.rfft(y[: k * m].reshape(k, m) * window, axis=1)) ** 2
-
-
-def _levels(power, fs, bands, joins, excess=0.0) -> list[Check]:
-    """Whether bands (first and last ordinate of the blocks' `power`) keep their level over `joins`
-    blocks, singly and all in all.
-    """
-    k, m = len(power), 2 * (power.shape[1] - 1)
-    out = []
-    for join in joins:
-        g, total = k // join, 0.0
-        if g < 8:
-            continue
-        span = f"its level changes over {join * m / fs:.3g} s"
-        for a, b in bands:
-            e = power[: g * join, a:b].sum(axis=1).reshape(g, join).mean(axis=1)
-            # neighbouring ordinates of a sine window overlap: their share of independent ones is
-            # about 0.6
-            free = 2.0 * (b - a) * join * (1.0 if b - a == 1 else 0.62)
-            z2 = np.sum((e / e.mean() - 1) ** 2) / (2 / free + excess / (m * join))
-            total += z2
-            lp = chi2.logsf(z2, g - 1) / np.log(10) + np.log10(2 * (len(bands) + 1))
-            out.append(
-                Check(
-                    "stationarity",
-                    float(lp),
-                    f"spectrum between {a * fs / m:.3g} and {b * fs / m:.3g} Hz: {span}",
-                )
-            )
-        if len(bands) > 1:
-            # the overlap ties neighbouring bands of few ordinates to one another
-            lp = chi2.logsf(total / 1.3, len(bands) * (g - 1) / 1.3) / np.log(10) + np.log10(2)
-            out.append(
-                Check(
-                    "stationarity",
-                    float(lp),
-                    f"spectrum between {bands[0][0] * fs / m:.3g} and {bands[-1][1] * fs / m:.3g} Hz: {span}",
-                )
-            )
-    return out
-
-
-#: log10 of how much likelier than other disagreements a tone that wanders is where a resonance was
-#: found.
-DOUBTFUL = 1.5
-
-
-def resonances(state, y) -> list[Check]:
-    """Whether a noise that was added at a place in the spectrum is there all the time and all over
-    its width: a tone that
-    wanders or sweeps fills the same place on average."""
-    found = [t for t in state.fit.terms[len(state.base) :] if t.name == "autoregressive"]
-    if not found:
-        return []
-    out, layout, fs = [], state.data.layout, state.data.fs
-    whole = measured(fast.spectrum(state.fit.terms, None, layout, fs), state.data.extra)
-    for term in found:
-        share = (term.psd(layout.f, fs) / whole)[layout.slow :]
-        on = layout.nodes[layout.slow :][share > 0.5 * share.max()]
-        low, high = on.min(), on.max()
-        m = int(2 ** np.floor(np.log2(min(32 * fs / max(high - low, 1e-3 * fs), len(y) / 32))))
-        k = len(y) // m
-        edges = np.unique(
-            np.round(np.linspace(low * m / fs, max(high * m / fs, low * m / fs + 1), 9)).astype(int)
-        )
-        joins = sorted({max(1, k // g) for g in (8, 32, 128)})
-        power = _block_powers(y, m)
-        for bands in ([(edges[0], edges[-1])], [*zip(edges[:-1], edges[1:])]):
-            out += [replace(c, log_p=c.log_p - DOUBTFUL) for c in _levels(power, fs, bands, joins)]
-    return out
 
 
 #: Share of the mean spectrum below which an ordinate holds more leakage than noise.
