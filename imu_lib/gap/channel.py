@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from imu_lib.gap import effects, electronics, fast, rounds, verdict
+from imu_lib.gap import effects, electronics, fast, rounds, steadiness, verdict
 from imu_lib.gap.base_fit import absorbed, free_base
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.resolution import grid_of
@@ -16,7 +16,6 @@ from imu_lib.gap.engine import Data, measured
 from imu_lib.gap.grown import between, grown, refits
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
-from imu_lib.gap.steadiness import stationarity
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
 from imu_lib.processes import CommonMode, Sum
 
@@ -222,7 +221,7 @@ def _analyse(
         clean.smooth.conditional_variance
     )
     unsteady = min(
-        stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps),
+        steadiness.stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps),
         key=lambda c: c.log_p,
         default=None,
     )
