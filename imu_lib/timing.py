@@ -201,8 +201,18 @@ def spread_repeats(time: np.ndarray) -> tuple[np.ndarray, int]:
     # a group never spreads further than the clock's usual tick: what follows is a gap and stays
     # one
     width = np.r_[np.minimum(tick, usual), usual]
+    interval = width / size
+    inner = interval[1:-1] if len(interval) > 2 else interval
+    sampling = float(np.median(inner))
     inside = np.arange(len(time)) - np.repeat(first, size)
-    return np.repeat(stamp, size) + inside * np.repeat(width / size, size), repeats
+    out = np.repeat(stamp, size) + inside * np.repeat(interval, size)
+    if len(size) > 2:
+        # the record began and ended within a tick: those groups are not whole
+        if size[0] < usual / sampling and tick[0] < 1.5 * usual:
+            out[: size[0]] = stamp[1] - (size[0] - np.arange(size[0])) * sampling
+        if size[-1] < usual / sampling:
+            out[first[-1] :] = stamp[-1] + np.arange(size[-1]) * sampling
+    return out, repeats
 
 
 def longest_run(good: np.ndarray, breaks: np.ndarray) -> tuple[int, int]:

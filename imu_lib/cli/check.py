@@ -21,14 +21,18 @@ def add_arguments(parser):
 
 def run(args):
     common.check_writable(args.json)
-    health = look(args)
-    common.write_json(health, args.json)
+    health, columns = look(args)
+    told = {"columns": columns, **health.to_json()}
+    common.write_json(told, args.json)
     if args.json != "-":
+        print(described(columns))
         print(report(health))
 
 
 def look(args):
-    """The health of what the flags name: a drive where the file has GNSS, else a record."""
+    """The health of what the flags name (a drive where the file has GNSS, else a record), and what its
+    columns were read as.
+    """
     from imu_lib import health, readers
 
     if args.file and (args.gyro or args.accel):
@@ -37,9 +41,42 @@ def look(args):
         raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
     options = common.record_options(args)
     if args.file and (args.gnss or _has_gnss(args.file)):
-        return health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options))
-    record, repeats = readers.read_counted(args.file, lenient=True, **options)
-    return health.of_record(record, repeats=repeats)
+        options.pop("only", None)
+        return health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options)), []
+    found = readers.read(args.file, lenient=True, **options)
+    return health.of_record(found.record, repeats=found.repeats), list(found.columns)
+
+
+def described(columns) -> str:
+    """What each column was read as, in which unit, on what evidence; those that are not used, with
+    the reason. Columns that are not used for one reason stand in one line.
+    """
+    rows, last = [], None
+    for c in columns:
+        reason = None if c.read_as else c.evidence
+        if reason and last is not None and last[0] == reason:
+            last[1].append(c.name)
+            continue
+        last = (reason, [c.name]) if reason else None
+        rows.append((c, last[1] if last else [c.name]))
+    if not rows:
+        return ""
+    table = [
+        (
+            names[0] if len(names) == 1 else f"{names[0]} .. {names[-1]}",
+            c.read_as or "not used",
+            c.unit or "",
+            c.evidence,
+        )
+        for c, names in rows
+    ]
+    head = ("column", "read as", "unit", "evidence")
+    widths = [max(len(r[i]) for r in (head, *table)) for i in range(3)]
+    lines = [
+        "  ".join([*(r[i].ljust(widths[i]) for i in range(3)), r[3]]).rstrip()
+        for r in (head, tuple("-" * w for w in (*widths, 8)), *table)
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def _has_gnss(path) -> bool:

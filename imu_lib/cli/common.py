@@ -45,15 +45,41 @@ def add_record_arguments(
             "file",
             nargs="?",
             metavar=positional,
-            help="the record: .npz .csv .txt .tsv .parquet .mat or a ROS bag",
+            help="the record: .npz .csv .txt .tsv .parquet .mat .ulg .rda or a ROS bag, also in gzip or zip",
         )
     group = parser.add_argument_group("what is in the file")
     group.add_argument(
         "--gyro", metavar="FILE", help="the gyro's file, where gyro and accelerometer are two files"
     )
     group.add_argument("--accel", metavar="FILE", help="the accelerometer's file")
+    add_reading_arguments(group)
+    group.add_argument(
+        "--only",
+        choices=("gyro", "accel"),
+        help="one sensor of the file, at its own rate",
+    )
+    group.add_argument(
+        "--start",
+        type=number,
+        metavar="S",
+        help="leave out what comes before, s from the first sample",
+    )
+    group.add_argument(
+        "--stop", type=number, metavar="S", help="leave out what comes from here on, s"
+    )
+
+
+def add_reading_arguments(group) -> None:
+    """The flags that say how the columns of a file are to be read, for a parser or a group of one:
+    everything that `reading_options` takes.
+    """
     group.add_argument(
         "--rate", type=positive, metavar="HZ", help="samples per second, where the file has no time"
+    )
+    group.add_argument(
+        "--time-unit",
+        metavar="UNIT",
+        help="of the time stamps: s, ms, us, ns, min or ticks:HZ (HZ ticks per second)",
     )
     group.add_argument(
         "--gyro-unit", metavar="UNIT", help="rad/s, deg/s, deg/h or counts:C (C counts per deg/s)"
@@ -70,39 +96,34 @@ def add_record_arguments(
         "--topic", metavar="NAME", help="the IMU topic of a ROS bag that has several"
     )
     group.add_argument(
-        "--start",
-        type=number,
-        metavar="S",
-        help="leave out what comes before, s from the first sample",
-    )
-    group.add_argument(
-        "--stop", type=number, metavar="S", help="leave out what comes from here on, s"
-    )
-    group.add_argument(
         "--trust-units", action="store_true", help="do not refuse units that look impossible"
     )
 
 
+READING = ("rate", "time_unit", "gyro_unit", "accel_unit", "columns", "topic", "trust_units")
+
+
+def reading_options(args: argparse.Namespace) -> dict:
+    """The keyword arguments of `read_record` and `read_drive` out of the flags of
+    `add_reading_arguments`.
+    """
+    return {k: getattr(args, k) for k in READING if getattr(args, k, None) not in (None, False)}
+
+
 def record_options(args: argparse.Namespace) -> dict:
     """The keyword arguments of `read_record` out of parsed flags."""
-    keys = (
-        "gyro",
-        "accel",
-        "rate",
-        "gyro_unit",
-        "accel_unit",
-        "columns",
-        "topic",
-        "start",
-        "stop",
-        "trust_units",
-    )
+    keys = ("gyro", "accel", "only", "start", "stop", *READING)
     return {k: getattr(args, k) for k in keys if getattr(args, k, None) not in (None, False)}
 
 
-def open_record(args: argparse.Namespace, *, tell: bool = True, **more):
-    """The record of parsed flags; what reading did to it is told on standard error."""
+def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool = True, **more):
+    """The record of parsed flags; what reading did to it is told on standard error.
+
+    With `one_rate` a record whose gyro and accelerometer come at rates of their own is refused with
+    the flag that takes one of them: an estimator needs even samples.
+    """
     from imu_lib.readers import read_record
+    from imu_lib.readers.streams import slow_kind
 
     if args.start is not None and args.stop is not None and args.stop <= args.start:
         raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
@@ -113,6 +134,10 @@ def open_record(args: argparse.Namespace, *, tell: bool = True, **more):
     if tell:
         for note in record.notes:
             print(f"note: {note}", file=sys.stderr)
+    if one_rate and slow_kind(record):
+        raise InputError(
+            f"{record.source}: gyro and accelerometer come at rates of their own; take one with --only gyro or --only accel."
+        )
     return record
 
 

@@ -87,6 +87,23 @@ def _version() -> str:
         return "(source tree)"
 
 
+#: Options whose value may begin with a minus: a skipped column, a negative time.
+SIGNED = ("--columns", "--start", "--stop", "--gnss-offset")
+
+
+def joined(argv: list[str]) -> list[str]:
+    """`--columns -,time` as `--columns=-,time`: argparse takes a word that begins with a minus for
+    an option.
+    """
+    out: list[str] = []
+    for word in argv:
+        if out and out[-1] in SIGNED and word.startswith("-") and not word.startswith("--"):
+            out[-1] = f"{out[-1]}={word}"
+        else:
+            out.append(word)
+    return out
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit status."""
     if argv is None:
@@ -94,6 +111,7 @@ def main(argv: list[str] | None = None) -> int:
         signal.signal(
             signal.SIGTERM, lambda *_: sys.exit(143)
         )  # temporary files are cleaned up on the way out
+    argv = joined(argv)
     command = next((a for a in argv if not a.startswith("-")), None)
     from imu_lib.errors import ImuLibError
 

@@ -8,11 +8,13 @@ drive = read_drive("drive.npz")
 from __future__ import annotations
 
 from imu_lib.readers.drives import read_drive
-from imu_lib.readers.static import read_counted, read_raw, read_record
+from imu_lib.readers.static import Reading, read, read_counted, read_raw, read_record
 from imu_lib.readers.temperature import NoTemperature, read_temperature
 
 __all__ = [
     "NoTemperature",
+    "Reading",
+    "read",
     "read_temperature",
     "read_counted",
     "read_drive",

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names, plausibility, stamps
+from imu_lib.readers import names, plausibility, spelling, stamps
 from imu_lib.readers.raw import Raw
 from imu_lib.record import Record
 
 _INCREMENT = {"gyro": "dtheta", "accel": "dv"}
+_RATE_OF = {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2", "g*s": "g"}
 _OTHER = {
     "gyro": "rad/s, deg/s, deg/h or counts:C (C counts per deg/s)",
     "accel": "m/s^2, g, mg or counts:C (C counts per g)",
@@ -21,21 +22,25 @@ _OTHER = {
 
 
 def assemble(
-    raw: Raw, *, rate=None, gyro_unit=None, accel_unit=None, trust=False, lenient=False
+    raw: Raw,
+    *,
+    rate=None,
+    gyro_unit=None,
+    accel_unit=None,
+    time_unit=None,
+    trust=False,
+    lenient=False,
 ) -> Record:
     """The record that a file's columns and the call's units and rate make. InputError where they
     do not make one.
     """
-    n = len(next(iter(raw.columns.values())))
+    n = raw.rows()
     # what is missing is asked for all at once, before anything is computed
-    scale = {
-        kind: _scale(raw, kind, flag)
-        for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit))
-        if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds()
-    }
-    time, rate, keep = stamps.settle(raw, rate, lenient=lenient)
+    scale = _scales(raw, gyro_unit, accel_unit)
+    found = stamps.settle(raw, rate, time_unit=time_unit, lenient=lenient, trust=trust)
+    time, rate, keep = found.time, found.rate, found.keep
     channels = {}
-    for kind, (factor, zero, _) in scale.items():
+    for kind, (factor, zero, unit) in scale.items():
         source = kind if kind in raw.kinds() else _INCREMENT[kind]
         for axis in "xyz":
             if f"{source}_{axis}" not in raw.columns:
@@ -47,13 +52,14 @@ def assemble(
                 x *= rate
             x.setflags(write=False)
             channels[f"{kind}_{axis}"] = x
+            raw.told(f"{source}_{axis}", unit)
         if source != kind:
             raw.notes += (
                 f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",
             )
     record = _record(raw, channels, rate, time, _temperature(raw, keep))
     if not (trust or raw.simulated):
-        check_units(
+        record = check_units(
             record,
             {k: s[2] for k, s in scale.items()},
             {k: s[0] for k, s in scale.items()},
@@ -83,25 +89,64 @@ def _record(raw, channels, rate, time, temperature):
         raise InputError(f"{raw.source}: {str(error).replace('`', '')}.") from None
 
 
+def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, str]]:
+    """Factor to SI, zero and unit of each kind; a unit given for what the file does not have is
+    said, and with it the columns that may be meant.
+    """
+    out = {}
+    _ask_for_both(raw, gyro_unit, accel_unit)
+    for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
+        if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds():
+            out[kind] = _scale(raw, kind, flag)
+        elif flag:
+            spelling.stated(flag, kind)  # a wrong unit is wrong all the same
+            word = "gyro" if kind == "gyro" else "accelerometer"
+            unused = [
+                c.name
+                for c in raw.described
+                if c.read_as is None and c.evidence.startswith("its name")
+            ]
+            raw.notes += (
+                f"--{kind}-unit {flag} was given, but no column of {raw.source} was read as {word}"
+                + (
+                    f" (not used: {', '.join(unused[:6])}; --columns names columns by position)."
+                    if unused
+                    else "."
+                ),
+            )
+    return out
+
+
+def _ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
+    """InputError where both units are missing: asked for at once."""
+    for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
+        family = kind if kind in raw.kinds() else _INCREMENT[kind]
+        if family not in raw.kinds() or flag or raw.unit(family) not in (None, "counts"):
+            return
+    raise InputError(
+        f"{raw.source} does not state the unit of its gyro columns; give --gyro-unit {_OTHER['gyro']}; nor that of its accelerometer columns;"
+        f" give --accel-unit {_OTHER['accel']}."
+    )
+
+
 def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
     """Factor to SI, zero and unit of a kind, from the call's flag or else from the file; asked for
-    where neither states one.
+    where neither states one. What the call says wins, with a word.
     """
     increments = kind not in raw.kinds()
-    unit = raw.unit(_INCREMENT[kind] if increments else kind)
+    family = _INCREMENT[kind] if increments else kind
     if flag:
         factor, zero, stated = names.stated(flag, kind)
-        if (
-            unit not in (None, "counts", stated)
-            and not raw.contract
-            and not (
-                increments and {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2"}[unit] == stated
-            )
-        ):
-            raise InputError(
-                f"{raw.source} states {unit} for its {kind} columns, --{kind}-unit {flag}; drop the flag or correct the header."
+        said = {
+            u for c, u in raw.units.items() if c.startswith(family + "_") and c in raw.columns and u
+        }
+        said = {_RATE_OF.get(u, u) if increments else u for u in said} - {"counts", stated}
+        if said and not stated.startswith("counts") or (said and raw.contract):
+            raw.notes += (
+                f"The file states {' and '.join(sorted(said))} for its {'gyro' if kind == 'gyro' else 'accelerometer'}; --{kind}-unit {flag} was taken.",
             )
         return factor, zero, stated
+    unit = raw.unit(family)
     if unit == "counts":
         raise InputError(
             f"{raw.source} states counts for its {kind} columns; give their scale with --{kind}-unit counts:C "
@@ -111,7 +156,7 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
         raise InputError(
             f"{raw.source} does not state the unit of its {'gyro' if kind == 'gyro' else 'accelerometer'} columns; give --{kind}-unit {_OTHER[kind]}."
         )
-    return names.UNITS[_INCREMENT[kind] if increments else kind][unit], 0.0, unit
+    return names.UNITS[family][unit], 0.0, unit
 
 
 def _values(raw: Raw, canonical: str) -> np.ndarray:
@@ -138,19 +183,39 @@ def _values(raw: Raw, canonical: str) -> np.ndarray:
 
 
 def _temperature(raw: Raw, keep):
+    """Degrees Celsius (n,), None where there is none or it cannot be one."""
     if "temperature" not in raw.columns:
         return None
-    if raw.units["temperature"] not in (None, "degC"):
+    unit = raw.units["temperature"]
+    known = spelling.UNITS["temperature"]
+    heading = raw.headings["temperature"]
+    if unit is not None and unit not in known:
         raise InputError(
-            f"{raw.source}: the temperature is in [{raw.units['temperature']}]; degC is expected."
+            f"{raw.source}: the temperature `{heading}` is in [{unit}]; degC, degF and K are known: name it temperature[degC] with --columns, or skip it with -."
         )
+    x = raw.columns["temperature"]
+    if x.dtype.kind not in "fiub" or not np.isfinite(x.astype(float)).any():
+        raw.drop("temperature", "it holds no numbers")
+        return None
     t = _values(raw, "temperature")[keep]
+    t = {"degF": lambda x: (x - 32.0) / 1.8, "K": lambda x: x - 273.15}.get(
+        unit, lambda x: x * known.get(unit, 1.0)
+    )(t)
     middle = float(np.nanmedian(t))
     if not -90 < middle < 200:
+        likely = "K" if 200 <= middle < 400 and unit is None else None
         raw.notes += (
-            f"The temperature column (median {middle:.6g}) is not in degC and was left out.",
+            f"The temperature column (median {middle:.6g}) is not in degC and was left out"
+            + ("; it looks like K: name it temperature[K] with --columns." if likely else "."),
         )
+        raw.drop("temperature", f"no temperature in degC (median {middle:.6g})")
         return None
+    raw.told("temperature", unit or "degC", None if unit else "no unit stated: taken as degC")
+    if unit is None and middle > 60:
+        raw.notes += (
+            f"The temperature `{heading}` states no unit and was taken as degC; its median of {middle:.4g} would be {(middle - 32) / 1.8:.3g} degC if it were degF "
+            "(name it temperature[degF] with --columns).",
+        )
     if np.isnan(t).any():
         good = ~np.isnan(t)
         t = np.interp(np.arange(len(t)), np.flatnonzero(good), t[good])
@@ -159,21 +224,30 @@ def _temperature(raw: Raw, keep):
 
 def check_units(
     record: Record, unit: dict[str, str], factor: dict[str, float], *, strict: bool = True
-) -> None:
-    """InputError where a stated unit is impossible, with the likely one."""
-    accel = record["accel"] if all(f"accel_{a}" in record for a in "xyz") else None
-    if accel is not None and "accel" in unit:
-        said = plausibility.accel_unit(accel, unit["accel"], factor["accel"])
-        if said:
-            raise InputError(
-                f"{record.source}: {said}; correct --accel-unit or the header (--trust-units if it is right)."
-            )
+) -> Record:
+    """InputError where a stated unit is impossible, with the likely one; a note on the record where
+    it is unusual.
+    """
+    accel = [record.channels[f"accel_{a}"] for a in "xyz" if f"accel_{a}" in record]
+    whole = record["accel"] if len(accel) == 3 else None
+    if accel and "accel" in unit:
+        told = plausibility.accel_unit(np.column_stack(accel), unit["accel"], factor["accel"])
+        record = _told(record, told, "accel")
     axes = [record.channels[c] for c in record.channels if c.startswith("gyro")]
     if axes and "gyro" in unit:
-        said = plausibility.gyro_unit(
-            np.column_stack(axes), accel, record.rate, unit["gyro"], strict=strict
+        told = plausibility.gyro_unit(
+            np.column_stack(axes), whole, record.rate, unit["gyro"], factor["gyro"], strict=strict
         )
-        if said:
-            raise InputError(
-                f"{record.source}: {said}; correct --gyro-unit or the header (--trust-units if it is right)."
-            )
+        record = _told(record, told, "gyro")
+    return record
+
+
+def _told(record: Record, told, kind: str) -> Record:
+    if told is None:
+        return record
+    if told.refused:
+        remedy = f"correct --{kind}-unit or the header" + (
+            f": --{kind}-unit {told.likely}" if told.likely else ""
+        )
+        raise InputError(f"{record.source}: {told.why}; {remedy}, or --trust-units if it is right.")
+    return record.with_note(f"{told.why[:1].upper()}{told.why[1:]}.")

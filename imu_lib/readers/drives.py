@@ -9,8 +9,9 @@ from pathlib import Path
 from imu_lib.drive import Drive, from_arrays
 from imu_lib.errors import InputError
 from imu_lib.readers import gnss as gnss_files
-from imu_lib.readers.assemble import assemble, check_units
-from imu_lib.readers.static import read_raw
+from imu_lib.readers.assemble import check_units
+from imu_lib.readers.static import of_one, read_raw
+from imu_lib.readers.streams import slow_kind
 
 
 def read_drive(
@@ -21,6 +22,7 @@ def read_drive(
     rate=None,
     gyro_unit=None,
     accel_unit=None,
+    time_unit=None,
     columns=None,
     start=None,
     stop=None,
@@ -63,9 +65,16 @@ def read_drive(
             )
     else:
         raw = read_raw(path, columns=columns, topic=topic)
-        record = assemble(
-            raw, rate=rate, gyro_unit=gyro_unit, accel_unit=accel_unit, trust=trust_units
+        record, _ = of_one(
+            raw,
+            {"gyro": gyro_unit, "accel": accel_unit},
+            {"rate": rate, "time_unit": time_unit, "trust": trust_units, "lenient": False},
         )
+        slow = slow_kind(record)
+        if slow:
+            raise InputError(
+                f"{path}: gyro and accelerometer come at rates of their own; a drive needs both in every row: resample the {slow} to the rate of the other."
+            )
         missing = [k for k in ("gyro", "accel") if not all(f"{k}_{a}" in record for a in "xyz")]
         if missing:
             raise InputError(f"{path} has not all three {missing[0]} axes; a drive needs all six.")

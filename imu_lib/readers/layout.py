@@ -1,41 +1,44 @@
-"""How a text file of numbers is laid out: delimiter, decimal mark, comments, preamble, header,
-first line of data.
+"""How a text file of numbers is laid out: delimiter, decimal mark, comments, preamble, header, row of
+units, first line of data.
 """
 
 from __future__ import annotations
 
+import csv
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
 from imu_lib.errors import InputError
+from imu_lib.readers import names
 
 HEAD = 1 << 18  # bytes looked at
 COMMENTS = ("#", "%", "//", "!")
 _NUMBER = re.compile(
     r"^[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|nan|inf|infinity|na|n/a|null)$", re.IGNORECASE
 )
-_COMMA_NUMBER = re.compile(r"^[+-]?\d+,\d+(?:[eE][+-]?\d+)?$")
-_DATE = re.compile(r"^\d{4}[-/.]\d{1,2}[-/.]\d{1,2}$|^\d{1,2}[-/.]\d{1,2}[-/.]\d{4}$")
-_CLOCK = re.compile(r"^\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d+)?)?$")
-_MOMENT = re.compile(
-    r"^\d{4}[-/]\d{1,2}[-/]\d{1,2}[T ]\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d+)?)?\s*(?:Z|[+-]\d{2}:?\d{2})?$"
-)
+_COMMA_NUMBER = re.compile(r"^[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?$")
+_D = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}\.?|\d{1,2}[-/.]\d{1,2}[-/.]\d{4}\.?|\d{4}年\d{1,2}月\d{1,2}日|\d{1,2}[-/ ][A-Za-z]{3}[-/ ]\d{4})"
+_C = r"(?:\d{1,2}:\d{2}(?::\d{2}(?:[.,:]\d+)?)?|\d{1,3}:\d{2}[.,]\d+)(?:\s*[AaPp]\.?[Mm]\.?)?"
+_DATE = re.compile(rf"^{_D}$")
+_CLOCK = re.compile(rf"^{_C}$")
+_MOMENT = re.compile(rf"^{_D}(?:[T_]|,? +){_C}\s*(?:Z|UTC|GMT|[+-]\d{{2}}:?\d{{2}})?$")
 _RATE = re.compile(
-    r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate)$",
+    r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate|output[ _]?(?:data[ _]?)?rate|odr)$",
     re.IGNORECASE,
 )
+STAMPS = ("date", "clock", "moment")
 
 
 @dataclass(frozen=True)
 class Layout:
-    """delimiter None is any white space. header: names or None. first: 0-based line of the first
-    data row; kinds: one of
-    number, date, clock, moment, empty for each column."""
+    """delimiter None is any white space. header: names or None; units: of a row of units below it.
+    first: 0-based line of the first data row; kinds: one of number, date, clock, moment, text,
+    empty for each column."""
 
     delimiter: str | None
     decimal: str
     header: tuple[str, ...] | None
+    units: tuple[str, ...] | None
     first: int
     kinds: tuple[str, ...]
     rate: float | None
@@ -43,8 +46,19 @@ class Layout:
     comment: str | None
 
     def split(self, line: str) -> list[str]:
-        fields = line.split() if self.delimiter is None else line.split(self.delimiter)
-        return [f.strip().strip('"') for f in fields]
+        return fields(line, self.delimiter)
+
+
+def fields(line: str, delimiter: str | None) -> list[str]:
+    """The fields of a line; a delimiter inside quotes is no delimiter."""
+    if delimiter is None:
+        return [f.strip().strip('"') for f in line.split()]
+    if '"' in line and line.count('"') % 2 == 0:
+        found = next(
+            csv.reader([line.rstrip("\r\n")], delimiter=delimiter, skipinitialspace=True), []
+        )
+        return [f.strip().strip('"') for f in found]
+    return [f.strip().strip('"') for f in line.split(delimiter)]
 
 
 def kind(field: str, decimal: str = ".") -> str:
@@ -64,42 +78,13 @@ def kind(field: str, decimal: str = ".") -> str:
     )
 
 
-def _candidates(lines: list[str]):
-    joined = "\n".join(lines)
-    for delimiter in ("\t", ";", ",", "|", None):
-        if delimiter is None or delimiter in joined:
-            comma_fields = (
-                delimiter != ","
-                and bool(re.search(r"\d,\d", joined))
-                and not re.search(r"\d\.\d", joined)
-            )
-            yield delimiter, "," if comma_fields else "."
-
-
-def _data_lines(lines, delimiter, decimal):
-    """For each line its field kinds where it is a row of data, else None."""
-    out = []
-    for line in lines:
-        fields = [
-            f.strip().strip('"')
-            for f in (line.split() if delimiter is None else line.split(delimiter))
-        ]
-        kinds = tuple(kind(f, decimal) for f in fields)
-        out.append(kinds if "text" not in kinds and "number" in kinds else None)
-    return out
-
-
-def sniff(path) -> Layout:
-    """The layout of a text file. InputError where it is empty, binary or holds no rows of numbers."""
-    path = Path(path)
-    with open(path, "rb") as file:
-        head = file.read(HEAD)
-    if not head.strip():
-        raise InputError(f"{path} is empty; a table with a row per sample is expected.")
+def decode(head: bytes, source: str, whole: bool) -> tuple[str, str]:
+    """The text of a file's beginning and its encoding. InputError where it is no text."""
     wide = head[:4] in (b"\xff\xfe\0\0", b"\0\0\xfe\xff")  # UTF-32 begins like UTF-16
     encoding = "utf-16" if head[:2] in (b"\xff\xfe", b"\xfe\xff") and not wide else "utf-8-sig"
     if encoding == "utf-8-sig" and (
-        b"\0" in head or sum(c < 9 or 13 < c < 32 for c in head[:4096]) > 0.01 * len(head[:4096])
+        b"\0" in head
+        or sum(c < 9 or 13 < c < 32 and c != 27 for c in head[:4096]) > 0.01 * len(head[:4096])
     ):
         if (
             b"\0" in head
@@ -107,17 +92,48 @@ def sniff(path) -> Layout:
             and head.count(b"\0") >= 0.45 * len(head)
         ):
             raise InputError(
-                f"{path} is text in an encoding of two or four bytes a character; save it as UTF-8."
+                f"{source} is text in an encoding of two or four bytes a character; save it as UTF-8."
             )
         raise InputError(
-            f"{path} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag."
+            f"{source} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag."
         )
     try:
-        text = head.decode(encoding, errors="strict" if len(head) < HEAD else "ignore")
+        return head.decode(encoding, errors="strict" if whole else "ignore"), encoding
     except UnicodeDecodeError:
-        text, encoding = head.decode("latin-1"), "latin-1"
+        return head.decode("latin-1"), "latin-1"
+
+
+def _candidates(lines: list[str]):
+    joined = "\n".join(lines)
+    for delimiter in ("\t", ";", ",", "|", None):
+        if delimiter is None or delimiter in joined:
+            bare = re.sub(
+                r"\d{1,2}\.\d{1,2}\.\d{2,4}", "", joined
+            )  # 12.03.2020 is no decimal point
+            commas = len(re.findall(r"\d,\d", bare))
+            points = len(re.findall(r"\d\.\d", bare))
+            yield delimiter, "," if delimiter != "," and commas > 2 * points else "."
+
+
+def _kinds(line: str, delimiter: str | None, decimal: str) -> tuple[str, ...]:
+    return tuple(kind(f, decimal) for f in fields(line, delimiter))
+
+
+def _is_row(kinds: tuple[str, ...]) -> bool:
+    """Whether a line could be a row of data: numbers, and no more text than numbers."""
+    numbers = kinds.count("number")
+    text = kinds.count("text")
+    return numbers > 0 and (text == 0 or (numbers >= 3 and text <= numbers))
+
+
+def sniff(head: bytes, source: str, *, whole: bool = True) -> Layout:
+    """The layout of a text file from its beginning. InputError where it is empty, binary or holds
+    no rows of numbers."""
+    if not head.strip():
+        raise InputError(f"{source} is empty; a table with a row per sample is expected.")
+    text, encoding = decode(head, source, whole)
     lines = text.splitlines()
-    if len(head) == HEAD:
+    if not whole:
         lines = lines[:-1]  # the last one may be cut
     comment = next(
         (c for c in COMMENTS if any(line.lstrip().startswith(c) for line in lines)), None
@@ -127,7 +143,8 @@ def sniff(path) -> Layout:
     ]
     best = None
     for delimiter, decimal in _candidates([lines[i] for i in kept[:200]]):
-        rows = _data_lines([lines[i] for i in kept[:400]], delimiter, decimal)
+        rows = [_kinds(lines[i], delimiter, decimal) for i in kept[:400]]
+        rows = [r if _is_row(r) else None for r in rows]
         widths = [len(r) for r in rows if r]
         if not widths:
             continue
@@ -140,34 +157,70 @@ def sniff(path) -> Layout:
                 if r
                 and len(r) == width
                 and (j + 1 == len(rows) or rows[j + 1] is None or len(rows[j + 1]) == width)
+                and _alike(r, rows[j + 1 : j + 6])
             ),
             None,
         )
         if start is None:
             continue
-        score = (sum(w == width for w in widths) / len(rows), width)
+        texts = rows[start].count("text")
+        score = (sum(w == width for w in widths) / len(rows) - 0.05 * texts, width)
         if (
             best is None
             or score[0] > best[0][0] + 0.2
-            or (score[0] > best[0][0] - 0.2 and score[1] > best[0][1])
+            or (score[0] > best[0][0] - 0.2 and score[1] > best[0][1] and texts <= best[5])
         ):
-            best = (score, delimiter, decimal, start, rows[start])
+            best = (score, delimiter, decimal, start, rows, texts)
     if best is None:
         where = f" (line {kept[0] + 1}: {lines[kept[0]][:40]!r})" if kept else ""
         raise InputError(
-            f"{path} holds no rows of numbers{where}; a table with a row per sample is expected."
+            f"{source} holds no rows of numbers{where}; a table with a row per sample is expected."
         )
-    _, delimiter, decimal, start, kinds = best
+    _, delimiter, decimal, start, rows, _ = best
+    kinds = _settled(rows[start], rows[start + 1 : start + 200])
     first = kept[start]
-    header, rate = _header(lines, first, kept, start, delimiter, len(kinds))
-    return Layout(delimiter, decimal, header, first, kinds, rate, encoding, comment)
+    header, unit_row, rate = _header(lines, first, delimiter, len(kinds))
+    return Layout(delimiter, decimal, header, unit_row, first, kinds, rate, encoding, comment)
 
 
-def _header(lines, first, kept, start, delimiter, width):
-    """Column names from the line above the data (a comment line may hold them), and the rate where
-    the preamble states one.
+def _alike(row, following) -> bool:
+    """Whether the rows below have text where this one has, and numbers where it has: a header that
+    holds numbers is no row."""
+    there = [r for r in following if r and len(r) == len(row)]
+    if not there:
+        return True
+    for i, k in enumerate(row):
+        below = [r[i] for r in there]
+        if k == "text" and not any(b in ("text", "empty") for b in below):
+            return False
+    return True
+
+
+def _settled(first, rows) -> tuple[str, ...]:
+    """The kind of each column from its first rows: an empty field takes the kind of those below,
+    and text anywhere in a column of text is text.
     """
-    rate, header = None, None
+    out = list(first)
+    for i, k in enumerate(out):
+        below = [r[i] for r in rows if r and len(r) == len(first)]
+        if k == "empty":
+            out[i] = next((b for b in below if b != "empty"), "empty")
+        elif k in STAMPS or k == "number":
+            others = [b for b in below if b not in (k, "empty")]
+            if others and len(others) > 0.3 * len(below):
+                out[i] = (
+                    "text"
+                    if k == "number" or "text" in others
+                    else max(set(others), key=others.count)
+                )
+    return tuple(out)
+
+
+def _header(lines, first, delimiter, width):
+    """Column names from the line above the data (a comment line may hold them), the row of units
+    where there is one, and the rate where the preamble states one.
+    """
+    rate, header, unit_row, above = None, None, None, None
     for i in range(first - 1, -1, -1):
         line = lines[i].strip()
         for c in COMMENTS:
@@ -175,22 +228,15 @@ def _header(lines, first, kept, start, delimiter, width):
         line = line.strip()
         if not line:
             continue
-        fields = [
-            f.strip().strip('"').strip()
-            for f in (line.split() if delimiter is None else line.split(delimiter))
-        ]
-        if (
-            delimiter is None and len(fields) != width
-        ):  # `time [s] gyro_x [deg/s]`: blanks also stand before units
-            fields = [f.strip() for f in re.findall(r"[^\s\[(]+\s*[\[(][^\])]*[\])]|\S+", line)]
-        if (
-            header is None
-            and i >= first - 3
-            and len(fields) in (width, width + 1)
-            and not (len(fields) == width + 1 and fields[-1])
-            and all(kind(f) in ("text", "empty") for f in fields)
-        ):
-            header = tuple(fields[:width])
+        names_ = _fit(line, delimiter, width)
+        if names_ and header is None and i >= first - 4:
+            if unit_row is None and _all_units(names_):
+                unit_row = tuple(names_)
+                continue
+            header = tuple(names_)
+            continue
+        if names_ and header is not None and above is None and i >= first - 5:
+            above = names_
             continue
         pair = re.match(
             r"^(.*?)\s*[:=,;\t ]\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(Hz)?$", line.rstrip(",;")
@@ -201,4 +247,59 @@ def _header(lines, first, kept, start, delimiter, width):
             rate = float(pair[2])
     if header and delimiter is None and len(header) != width:
         header = None
-    return header, rate
+    if header and above:
+        header = _two_lines(above, header)
+    if header is None and unit_row is not None:
+        header, unit_row = unit_row, None
+    return header, unit_row, rate
+
+
+def _fit(line: str, delimiter: str | None, width: int) -> list[str] | None:
+    """The fields of a heading line where they are as many as the columns, else None."""
+    found = fields(line, delimiter)
+    if delimiter is None and len(found) != width:
+        # `time [s] gyro_x [deg/s]`: blanks also stand before units
+        found = [f.strip() for f in re.findall(r"[^\s\[(]+\s*[\[(][^\])]*[\])]|\S+", line)]
+    if len(found) != width and delimiter not in (",", None) and line.count(",") == width - 1:
+        found = fields(line, ",")
+    if len(found) != width and delimiter not in (";", None) and line.count(";") == width - 1:
+        found = fields(line, ";")
+    if len(found) != width and delimiter is None and line.count(",") >= width - 1:
+        found = fields(line, ",")
+    if len(found) == width + 1 and not found[-1]:
+        found = found[:width]
+    if (
+        len(found) == width - 1
+        and found
+        and delimiter is not None
+        and line.rstrip().endswith(delimiter)
+    ):
+        found = [*found, ""]
+    if len(found) != width or not all(
+        kind(f) in ("text", "empty") or re.fullmatch(r"\d", f) for f in found
+    ):
+        return None
+    if not any(kind(f) == "text" for f in found):
+        return None
+    return found
+
+
+def _all_units(found: list[str]) -> bool:
+    return all(names.spells_unit(f) for f in found) and sum(
+        names.unit_of(f) is not None for f in found
+    ) >= max(2, len(found) // 2)
+
+
+def _two_lines(above: list[str], header: tuple[str, ...]) -> tuple[str, ...]:
+    """A header in two lines (the sensor above, x, y, z below) as one; the sensor stands over its
+    first axis only or over each.
+    """
+    bare = sum(re.fullmatch(r"[xyz123]", h.strip().lower()) is not None for h in header)
+    if bare < 3:
+        return header
+    out, last = [], ""
+    for top, name in zip(above, header):
+        last = top.strip() or last
+        is_axis = re.fullmatch(r"[xyz123]", name.strip().lower())
+        out.append(f"{last} {name}".strip() if is_axis else name)
+    return tuple(out)

@@ -1,197 +1,164 @@
-"""What a column or array is called, and the unit its name states.
+"""What a column or array is called: the quantity, the axis and the unit that its name says.
 
-`gyro_x [deg/s]`, `w_RS_S_x [rad s^-1]`, `accel_z_mps2`, `field.linear_acceleration.y`, `#timestamp
-[ns]` and their
-likes become a canonical name (`gyro_x`, `accel_z`, `time`, ...) and a unit.
+`gyro_x [deg/s]`, `w_RS_S_x [rad s^-1]`, `X Accel [x8004]`, `field.linear_acceleration.y`,
+`#timestamp [ns]`, `Gyroskop x (rad/s)` and their likes become a `Meaning`. A name alone decides
+nothing: `columns.decide` weighs it against its neighbours and the values below it.
 """
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
-from imu_lib import units
-from imu_lib.errors import InputError
-
-GYRO_UNITS = {"rad/s": 1.0, "deg/s": units.DEG_PER_S, "deg/h": units.DEG_PER_HOUR}
-ACCEL_UNITS = {"m/s^2": 1.0, "g": units.G, "mg": units.MILLI_G}
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
-UNITS = {
-    "gyro": GYRO_UNITS,
-    "accel": ACCEL_UNITS,
-    "time": TIME_UNITS,
-    "dtheta": {"rad": 1.0, "deg": units.DEG},
-    "dv": {"m/s": 1.0},
-    "temperature": {"degC": 1.0},
-}
-COUNTS = ("counts", "count", "lsb", "raw", "adc")
-
-_SPELLED = {
-    "rad/s": "rad/s rad/sec rads radps rad*s^-1 rads^-1 rads-1 r/s rad_s",
-    "deg/s": "deg/s deg/sec dps degps degs^-1 degs-1 degrees/s d/s deg_s",
-    "deg/h": "deg/h deg/hr deg/hour dph deg_h",
-    "m/s^2": "m/s^2 m/s2 m/s/s mps2 mps^2 ms^-2 ms-2 m/sec^2 m/s**2 ms2 m*s^-2 m_s2",
-    "g": "g g0 gn",
-    "mg": "mg milli-g millig",
-    "s": "s sec secs second seconds",
-    "ms": "ms msec",
-    "us": "us usec",
-    "ns": "ns nsec",
-    "min": "min",
-    "h": "h",
-    "rad": "rad",
-    "deg": "deg",
-    "m/s": "m/s mps",
-    "degC": "degc c celsius",
-    "counts": " ".join(COUNTS),
-}
-_SPELLINGS = {
-    spelling: unit for unit, spellings in _SPELLED.items() for spelling in spellings.split()
-}
-
-_SIGNAL = [
-    ("dtheta", r"(?:d(?:elta)?_?theta|d(?:elta)?_?ang(?:le)?|dtheta|dang|da|dt(?=[_ .]?[xyz]$))"),
-    ("dv", r"(?:d(?:elta)?_?v(?:el(?:ocity)?)?)"),
-    (
-        "gyro",
-        r"(?:gyros?|gyr|gyroscopes?|g|w|wib_?b?|omega|rate|ang(?:ular)?_?(?:vel(?:ocity)?|rate)|w_rs_s|angvel|gyroreading)",
-    ),
-    (
-        "accel",
-        r"(?:accels?|acc|a|f|fib_?b?|accelerometers?|accelerations?|accl"
-        r"|lin(?:ear)?_?acc(?:el(?:eration)?)?|spec(?:ific)?_?force|a_rs_s|accreading)",
-    ),
-]
-_PREFIX = (
-    r"(?:(?:imu|raw|meas|body|sensor|field|data|msg|calibrated|cal|uncalibrated|s)_?\d*[_. ])*"
+from imu_lib.readers import lexicon
+from imu_lib.readers.spelling import (
+    ACCEL_UNITS,
+    GYRO_UNITS,
+    SPELLINGS,
+    TIME_UNITS,
+    UNITS,
+    plain,
+    stated,
+    unit_of,
 )
-_AXES = {"x": "x", "y": "y", "z": "z", "1": "x", "2": "y", "3": "z"}
-_TIME = re.compile(
-    r"^" + _PREFIX + r"(?:time|times|timestamps?|time_?stamp|t|stamp|tow|sow"
-    r"|rostime|epoch|gps_?time|(?:header_)?stamp_(?:secs?|nsecs?)|elapsed|elapsed_time"
-    r"|host_?time|utc_?time|unix_?time|system_?time|seconds?|secs?|datetime|date_?time)$"
-)
-_TEMPERATURE = re.compile(r"^" + _PREFIX + r"(?:(?:imu|chip|gyro|sensor|die)_?)?temp(?:erature)?$")
-_TRAILING = re.compile(
-    r"^(.*?)[_ .](rad_s|rads|radps|rad_per_s|dps|deg_s|degps|deg_per_s|deg_h|dph"
-    r"|mps2|m_s2|ms2|m_per_s2|g|mg|counts?|lsb|raw|s|sec|ms|us|ns|degc|c)$"
-)
+from imu_lib.readers.tokens import SIGNALS, Meaning, read
+
+__all__ = ["ACCEL_UNITS", "GYRO_UNITS", "TIME_UNITS", "UNITS", "Meaning", "meaning", "parse", "stated", "unit_of"]  # fmt: skip
 
 
-def unit_of(text: str) -> str | None:
-    """The canonical unit a text spells, or None."""
-    plain = (
-        text.strip()
-        .strip("[]()")
-        .replace("°", "deg")
-        .replace("º", "deg")
-        .replace("²", "^2")
-        .replace("µ", "u")
-        .replace("μ", "u")
-        .replace("·", "*")
+def _split(name: str) -> tuple[str, str | None, str | None]:
+    """A heading without its unit, the unit as spelled, and an axis that stands in brackets."""
+    text = plain(str(name)).strip("\ufeff \t").lstrip("#%").strip().strip("\"'").strip()
+    unit = axis = None
+    for inside in re.findall(r"[\[({<]([^\])}>]*)[\])}>]", text):
+        spelled = inside.strip()
+        if re.fullmatch(r"[xyzXYZ0-3]", spelled):
+            axis = spelled.lower()
+        elif not spelled or spelled == "-":
+            pass
+        elif unit is None and (unit_of(spelled) or re.fullmatch(r"x80\d\d", spelled)):
+            unit = spelled
+        elif unit is None and not _tokens(spelled) & lexicon.REMARKS and not _known(spelled):
+            unit = spelled
+    # a remark in brackets stays a word of the name; a unit does not
+    text = re.sub(
+        r"[\[({<]([^\])}>]*)[\])}>]",
+        lambda m: (
+            "" if m[1].strip() in (unit, "-", "") or m[1].strip().lower() == axis else f" {m[1]} "
+        ),
+        text,
     )
-    plain = plain.replace("_per_", "/").replace(" per ", "/")
-    if plain in ("G", "g"):
-        return "g"
-    plain = re.sub(r"\s+", "", plain.lower())
-    return _SPELLINGS.get(plain)
+    if unit is None:
+        tail = re.match(r"^(.*?\S)\s*(?:,|/|\bin\b|:|\|)\s*(\S+(?:\s?\S+)?)$", text)
+        if tail and unit_of(tail[2]) and len(tail[1]) > 0:
+            text, unit = tail[1], tail[2]
+    return text.strip(), unit, axis
+
+
+def _tokens(text: str) -> set[str]:
+    return set(re.split(r"[^0-9a-z]+", lexicon.without_accents(text).lower())) - {""}
+
+
+def _known(text: str) -> bool:
+    tokens = _tokens(text)
+    return bool(
+        tokens
+        & (lexicon.GYRO | lexicon.ACCEL | lexicon.TEMPERATURE | set(lexicon.NOT))
+        - {"g", "a", "f", "w", "t"}
+    )
+
+
+def _key(text: str) -> str:
+    """lower_case words set apart by `_`, camel case opened."""
+    text = re.sub(
+        r"^gF_?(?=[xyzXYZ]$)", "gforce_", lexicon.without_accents(text)
+    )  # a phone's g-force
+    text = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", text)  # GyroData
+    text = re.sub(
+        r"(?<=[a-z])(?=[A-Z]{2,})|(?<=[a-z]{2})(?=[A-Z](?![A-Za-z0-9]))", "_", text
+    )  # gyroADC, gyroX
+    text = re.sub(
+        r"(?<=[\u0400-\uffff])(?=[A-Za-z0-9])|(?<=[A-Za-z0-9])(?=[\u0400-\uffff])", "_", text
+    )
+    text = re.sub(r"[^0-9A-Za-z\^\u0080-\uffff]+", "_", text).strip("_")
+    return text.lower()
+
+
+def meaning(name: str, *, signal: str | None = None) -> Meaning:
+    """What a column called `name` is.
+
+    Parameters
+    ----------
+    name : str
+        The heading, with or without a unit.
+    signal : {"gyro", "accel", "temperature"}, optional
+        What a bare x, y, z or 1, 2, 3 stands for: the file was given as that sensor's.
+    """
+    text, spelled, axis = _split(name)
+    unit = None if spelled is None else unit_of(spelled) or spelled
+    descriptor = re.search(r"x(80\d\d)", spelled or "") or re.search(r"\bx(80\d\d)\b", text)
+    if descriptor:
+        unit = None
+        text = re.sub(r"\bx80\d\d\b", "", text).strip()
+    key = _key(text)
+    found = read(key, axis, signal, str(name))
+    if descriptor and descriptor[1] in lexicon.DESCRIPTORS:
+        kind, unit = lexicon.DESCRIPTORS[descriptor[1]]
+        if kind is None:
+            return replace(found, quantity=None, why="not an inertial reading")
+        found = replace(found, quantity=kind, why=f"field descriptor 0x{descriptor[1]}")
+    if unit is None and found.unit is None and not descriptor:
+        tail = lexicon.SUFFIX.search(key)
+        if tail:
+            shorter = read(key[: tail.start()], axis, signal, str(name))
+            spelled = lexicon.SUFFIX_UNIT.get(tail[1]) or unit_of(tail[1].replace("_per_", "/"))
+            fits = shorter.quantity and (
+                shorter.quantity not in UNITS
+                or spelled in UNITS[shorter.quantity]
+                or spelled == "counts"
+            )
+            if fits and (found.quantity is None or found.quantity == shorter.quantity):
+                found, unit = shorter, spelled
+        else:
+            # the unit may stand before the axis: accelerometer_m_s2_0, gyro_rad_0, acc_g_x
+            middle = (
+                re.match(r"^(.*?)_([xyz0-3])$", key) if axis is None else re.match(r"^(.*)$", key)
+            )
+            inner = middle and lexicon.SUFFIX.search(middle[1])
+            pointed = axis or (middle[2] if middle and axis is None else None)
+            if inner or (middle and re.search(r"(gyro|gyr|omega)_(rad|deg)$", middle[1])):
+                head = middle[1][: inner.start()] if inner else middle[1].rpartition("_")[0]
+                word = inner[1] if inner else middle[1].rpartition("_")[2] + "_s"
+                spelled = lexicon.SUFFIX_UNIT.get(word) or unit_of(word)
+                shorter = read(head, pointed, signal, str(name))
+                if shorter.quantity in SIGNALS and spelled in (*UNITS[shorter.quantity], "counts"):
+                    found, unit = shorter, spelled
+    if found.quantity is None:
+        return found
+    unit = unit or found.unit
+    if found.quantity == "temperature" and unit == "deg":
+        unit = None
+    return replace(found, unit=unit)
 
 
 def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | None]:
     """Canonical name and unit of a column called `name`; (None, None) where the name says nothing.
 
     Canonical: time, date, clock, temperature, index, gyro_x.., accel_x.., dtheta_x.., dv_x.., and
-    gyro / accel for an array
-    of three axes. `signal` ("gyro" or "accel") is what a bare x, y, z or 1, 2, 3 stands for. The
-    unit is as spelled where it is
-    not known, so that it can be refused by name.
+    gyro / accel for an array of three axes; axes that are numbers count from 1 here.
     """
-    text = str(name).strip("\ufeff \t").lstrip("#%").strip().strip("\"'").strip()
-    unit = None
-    bracket = re.match(r"^(.*?)[\s_]*[\[(]([^\])]*)[\])]\s*$", text)
-    if bracket and bracket[1].strip():
-        spelled = bracket[2].strip()
-        text = bracket[1].strip()
-        if spelled and spelled.lower() not in "xyz-":
-            unit = unit_of(spelled) or spelled
-    key = re.sub(r"[\s\-]+", "_", text.lower()).strip("_")
-    key = re.sub(r"[\[(]([xyz0-9])[\])]$", r"_\1", key)
-    found = _canonical(key, signal)
-    if found is None and unit is None:
-        trailing = _TRAILING.match(key)
-        if trailing:
-            found = _canonical(trailing[1], signal)
-            unit = (
-                unit_of(trailing[2].replace("_per_", "/").replace("m/s2", "m/s^2"))
-                if found
-                else None
-            )
-    if found == "time" and unit is None and re.search(r"(?:sec(?:ond)?s?|tow|sow)$", key):
-        unit = "ns" if "nsec" in key else "s"
-    return found, (unit if found else None)
+    found = meaning(name, signal=signal)
+    quantity = {"counter": "index", "part": None, "alpha": "accel"}.get(
+        found.quantity, found.quantity
+    )
+    if quantity is None:
+        return None, None
+    axis = {"1": "x", "2": "y", "3": "z", "0": None}.get(found.axis, found.axis)
+    if quantity in SIGNALS and found.axis:
+        return (f"{quantity}_{axis}", found.unit) if axis else (None, None)
+    return quantity, found.unit
 
 
-def _canonical(key: str, signal: str | None) -> str | None:
-    if key in ("date", "day") or key == "clock":
-        return "date" if key != "clock" else "clock"
-    if _TIME.match(key):
-        return "time"
-    if _TEMPERATURE.match(key):
-        return "temperature"
-    if key in (
-        "index",
-        "n_samples",
-        "sample",
-        "samples",
-        "counter",
-        "count",
-        "frame",
-        "seq",
-        "n",
-        "i",
-        "id",
-        "packet",
-        "packetcounter",
-        "sample_number",
-    ):
-        return "index"
-    if signal and key in _AXES:
-        return f"{signal}_{_AXES[key]}"
-    for canonical, pattern in _SIGNAL:
-        match = re.match(
-            rf"^{_PREFIX}{pattern}[_. ]?(?:data_?)?(?:([xyz])(?:_?axis)?|[_.]?([123]))$", key
-        )
-        if match:
-            return f"{canonical}_{_AXES[match[1] or match[2]]}"
-        match = re.match(rf"^([xyz])[_. ](?:axis_)?{pattern}(?:_out|_data)?$", key)
-        if match and len(key) > 3:
-            return f"{canonical}_{match[1]}"
-        if re.match(rf"^{_PREFIX}{pattern}(?:_?data)?$", key) and len(key) > 1:
-            return canonical
-    return None
-
-
-def stated(flag: str, kind: str) -> tuple[float, float, str]:
-    """What `--gyro-unit` / `--accel-unit` states: factor to SI, zero (subtracted before), unit.
-    InputError where it is no unit.
-
-    `counts:C` is C counts per deg/s (gyro) or per g (accelerometer); `counts:C:ZERO` has its zero
-    at ZERO counts.
-    """
-    known = UNITS[kind]
-    option = f"--{kind}-unit"
-    counts = re.match(r"^counts(?::([^:]*))?(?::([^:]*))?$", flag.strip(), re.IGNORECASE)
-    if counts:
-        per = "deg/s" if kind == "gyro" else "g"
-        try:
-            scale, zero = float(counts[1]), float(counts[2] or 0.0)
-        except (TypeError, ValueError):
-            scale, zero = 0.0, 0.0
-        if not 0 < scale < float("inf"):
-            raise InputError(
-                f"{option} {flag} must give the counts per {per}, as in counts:{131 if kind == 'gyro' else 16384}."
-            )
-        return (units.DEG_PER_S if kind == "gyro" else units.G) / scale, zero, flag
-    unit = unit_of(flag)
-    if unit not in known:
-        raise InputError(f"{option} {flag!r} is not known; give {', '.join(known)} or counts:C.")
-    return known[unit], 0.0, unit
+def spells_unit(text: str) -> bool:
+    """Whether a field of a row of units could be one."""
+    return unit_of(text) is not None or text.strip().lower() in ("-", "", "n/a", "none", *SPELLINGS)

@@ -7,20 +7,37 @@ is converted on suspicion.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from imu_lib import units
 from imu_lib.readers import names
+from imu_lib.readers.turning import MOST, turning
 
-MOST = 200_000  # samples looked at
 GRAVITY = (7.0, 13.0)  # m/s^2; a poor accelerometer is 10 % off, a bumpy ride averages out
-GYRO_NOISE = 2e-3  # rad/s/sqrt(Hz), 7 deg/sqrt(h): above the noisiest gyro sold as one
-GYRO_BIAS = 0.6  # rad/s, 34 deg/s: MEMS data sheets allow 20
+NEAR_ONE = 0.03  # of 1 (g): a length that close to one in m/s^2 is gravity in g
+OFF_GRAVITY = 0.04  # share by which the specific force at rest may be off gravity without a word
 GYRO_FAST = 17.0  # rad/s, 1000 deg/s, for one per cent of the time: not in a vehicle
-RATIO = (
-    1.5,
-    60.0,
-)  # m/s^2 per rad/s: accelerometer over gyro noise density of the MEMS units measured (5 to 25)
+EARTH = 7.292e-5  # rad/s
+#: Noise density of gyros on the market, rad/s/sqrt(Hz): median and spread of its logarithm, from
+#: fibre-optic (3e-6) to the poorest consumer parts (3e-3), data sheets of some forty sensors.
+GYRO_NOISE = (1e-4, np.log(6.0))
+NOISY = 2.5e-3  # rad/s/sqrt(Hz), 8.6 deg/sqrt(h): hardly any gyro at rest has more
+#: Noise of the accelerometer over that of the gyro beside it, m/s^2 per rad/s: 5 to 30 in MEMS units.
+RATIO = (12.0, np.log(3.0))
+GYRO_BIAS = (0.1, 0.7)  # rad/s where a bias begins to be unusual, spread of its logarithm above it
+REFUSED = 7.0  # log-odds for another unit from which a stated one is refused
+DOUBTED = 3.5  # and from which a word is said
+
+
+class Told(NamedTuple):
+    """why: a sentence. refused: the unit cannot be; otherwise it is unusual. likely: the unit it more
+    likely is, None where none fits."""
+
+    why: str
+    refused: bool
+    likely: str | None
 
 
 def gravity(accel: np.ndarray) -> float | None:
@@ -40,89 +57,210 @@ def gravity(accel: np.ndarray) -> float | None:
     return middle if np.linalg.norm(accel.mean(axis=0)) > 0.5 * middle or spread < 0.3 else None
 
 
-def accel_unit(accel: np.ndarray, unit: str, factor: float) -> str | None:
-    """A sentence where `accel` (n, 3) m/s^2, stated in `unit`, cannot be; None where it can."""
-    size = gravity(accel)
-    if size is None or GRAVITY[0] < size < GRAVITY[1]:
+def accel_unit(accel: np.ndarray, unit: str, factor: float) -> Told | None:
+    """What is wrong with `accel` (n, k) m/s^2, stated in `unit`; None where nothing is.
+
+    With fewer than three axes the length is a lower bound of gravity: above it nothing can be, and a
+    length of one, to a few per cent, is gravity in g.
+    """
+    axes = accel.shape[1]
+    size = gravity(accel) if axes == 3 else _length(accel)
+    if size is None:
+        return None
+    if axes == 3 and GRAVITY[0] < size < GRAVITY[1]:
+        off = size / units.G - 1.0
+        if abs(off) > OFF_GRAVITY and _steady(accel):
+            return Told(
+                f"the specific force at rest is {size:.4g} m/s^2, {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} gravity: a scale factor, or offsets",
+                False,
+                None,
+            )
         return None
     read = size / factor
-    for other, scale in names.ACCEL_UNITS.items():
-        if GRAVITY[0] < read * scale < GRAVITY[1] and other != unit:
-            return f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; its unit is likely {other}"
+    if axes < 3 and size < GRAVITY[1]:
+        near = [
+            u
+            for u in ("g", "mg")
+            if u != unit and abs(read * names.ACCEL_UNITS[u] / units.G - 1.0) < NEAR_ONE
+        ]
+        if near and unit == "m/s^2":
+            return Told(
+                f"the specific force stated in {unit} has a length of {read:.4g} in its {axes} {'axes' if axes > 1 else 'axis'}, "
+                f"which is gravity in {near[0]}; its unit is likely {near[0]}",
+                True,
+                near[0],
+            )
+        return None
+    for other in ("m/s^2", "g", "mg", "cm/s^2", "ft/s^2", "ug", "mm/s^2"):
+        scale = names.ACCEL_UNITS[other]
+        fits = (
+            GRAVITY[0] < read * scale < GRAVITY[1] if axes == 3 else 0.5 < read * scale < GRAVITY[1]
+        )
+        if fits and other != unit:
+            return Told(
+                f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; its unit is likely {other}",
+                True,
+                other,
+            )
     if size < 0.5:
         return None  # what is left when gravity was taken out
-    return (
-        f"the specific force stated in {unit} has a median length of {size / units.G:.3g} times gravity; "
+    return Told(
+        f"the specific force stated in {unit} has a median length of {read:.4g}, {size / units.G:.3g} times gravity; "
         + (
             f"if these are counts, counts:{read:.5g} (per g) is near"
             if read > 50
             else "check its unit and scale"
-        )
+        ),
+        True,
+        None,
     )
 
 
-def gyro_unit(
-    gyro: np.ndarray, accel: np.ndarray | None, rate: float, unit: str, *, strict: bool
-) -> str | None:
-    """A sentence where `gyro` (n, k) rad/s, stated in `unit`, cannot be; None where it can.
+def _length(accel: np.ndarray) -> float | None:
+    """Length of the mean vector of fewer than three axes."""
+    x = _some(accel)
+    return float(np.linalg.norm(np.median(x, axis=0))) if len(x) > 1 else None
 
-    `strict` also holds the noise against that of the accelerometer, which alone tells rad/s read
-    as deg/s at rest.
+
+def _steady(accel: np.ndarray) -> bool:
+    """Whether the specific force keeps its direction and length: the sensor is at rest."""
+    x = _some(accel)
+    parts = np.array_split(x, 20) if len(x) > 200 else [x]
+    means = np.array([p.mean(axis=0) for p in parts])
+    return bool(np.ptp(means, axis=0).max() < 0.3 and np.median(x.std(axis=0)) < 1.0)
+
+
+def gyro_unit(
+    gyro: np.ndarray,
+    accel: np.ndarray | None,
+    rate: float,
+    unit: str,
+    factor: float | None = None,
+    *,
+    strict: bool,
+) -> Told | None:
+    """What is wrong with `gyro` (n, k) rad/s, stated in `unit` of `factor` rad/s; None where nothing.
+
+    Where the record turns, gravity turns with it and tells the scale. At rest the noise, the bias and
+    the accelerometer's noise are weighed for the stated unit against the others: one that loses by
+    far is refused, so two units are never both refused. `strict` also holds the noise against that
+    of the accelerometer.
     """
-    factor = names.GYRO_UNITS.get(unit)
-    turning = _turning(gyro, accel, rate)
-    if turning is not None and turning[1]:
-        slope = turning[0]
-        for other, scale in names.GYRO_UNITS.items() if factor else ():
-            if other != unit and 0.5 < slope / (scale / factor) < 2.0:
-                return f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}"
+    factor = names.GYRO_UNITS.get(unit) if factor is None or unit in names.GYRO_UNITS else None
+    turned = turning(gyro, accel, rate)
+    if turned is not None and turned[1]:
+        slope = turned[0]
+        for other in ("rad/s", "deg/s", "deg/h") if factor else ():
+            if other != unit and 0.5 < slope / (names.GYRO_UNITS[other] / factor) < 2.0:
+                return Told(
+                    f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}",
+                    True,
+                    other,
+                )
         return (
             None
             if 0.2 < slope < 5
-            else f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale"
-        )
-    still, bias = _still(gyro, rate)
-    if still > GYRO_NOISE or bias > GYRO_BIAS:
-        worst = (
-            f"a noise of {still / units.DEG_PER_SQRT_HOUR:.3g} deg/sqrt(h)"
-            if still > GYRO_NOISE
-            else f"a bias of {bias / units.DEG_PER_S:.3g} deg/s"
-        )
-        said = f"the rates stated in {unit} have {worst}, more than any gyro at rest"
-        if factor is None or _whole(gyro / factor):
-            return (
-                said + "; they are likely raw counts (counts:C, C counts per deg/s)"
-                if factor
-                else said + "; check the counts per deg/s"
+            else Told(
+                f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale",
+                True,
+                None,
             )
-        for other, scale in names.GYRO_UNITS.items():
-            if (
-                scale < factor
-                and still * scale / factor <= GYRO_NOISE
-                and bias * scale / factor <= GYRO_BIAS
-            ):
-                return f"{said}; their unit is likely {other}"
-        return f"{said}; check the unit"
-    fast = float(np.quantile(np.abs(_some(gyro)).max(axis=1), 0.99)) if len(gyro) > 200 else 0.0
-    if factor and fast > GYRO_FAST:
-        other = next((u for u, scale in names.GYRO_UNITS.items() if scale < factor), None)
-        return (
-            f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a hundred; "
-            + (f"their unit is likely {other}" if other else "check the unit")
         )
-    factor = factor or 1.0
-    if strict and accel is not None and still > 0:
-        size = gravity(accel)
+    still, bias, quiet = _still(gyro, rate)
+    whole = factor is not None and _whole(gyro / factor)
+    if whole and (still > NOISY or bias > 3 * GYRO_BIAS[0]):
+        return Told(
+            f"the rates stated in {unit} have a {_worst(still, bias)} and are whole numbers; they are likely raw counts (--gyro-unit counts:C, C counts per deg/s)",
+            True,
+            None,
+        )
+    fast = float(np.quantile(np.abs(_some(gyro)).max(axis=1), 0.99)) if len(gyro) > 200 else 0.0
+    noise = None
+    if strict and quiet and accel is not None and gravity(accel) is not None:
         noise = _noise_density(_some(accel), rate)
-        if size is not None and noise > 7e-4 and noise / still > 250:
-            for other, scale in sorted(names.GYRO_UNITS.items(), key=lambda u: u[1]):
-                if scale > factor and RATIO[0] < noise / (still * scale / factor) < RATIO[1]:
-                    return (
-                        f"the rates stated in {unit} have a noise of {still / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), "
-                        f"{noise / still:.0f} times less than these "
-                        f"accelerometers' noise would go with (usual: {RATIO[0]:g} to {RATIO[1]:g}); their unit is likely {other}"
-                    )
-    return None
+    if factor and fast > GYRO_FAST:
+        smaller = [u for u in ("deg/s", "deg/h") if names.GYRO_UNITS[u] < factor]
+        other = max(
+            smaller,
+            key=lambda u: _score(
+                *(x * names.GYRO_UNITS[u] / factor for x in (still, bias)), noise, rate
+            ),
+            default=None,
+        )
+        return Told(
+            f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a hundred; "
+            + (f"their unit is likely {other}" if other else "check the unit"),
+            True,
+            other,
+        )
+    score = _score(still, bias, noise, rate)
+    if factor is None:
+        if score < -2 * REFUSED:
+            return Told(
+                f"the rates stated in {unit} have a {_worst(still, bias)}, more than any gyro at rest; check the counts per deg/s",
+                True,
+                None,
+            )
+        return None
+    best, best_unit = max(
+        (_score(still * s / factor, bias * s / factor, noise, rate), u)
+        for u in ("rad/s", "deg/s", "deg/h")
+        for s in (names.GYRO_UNITS[u],)
+    )
+    odds = best - score
+    if best_unit == unit or odds < DOUBTED:
+        return None
+    worst = _worst(still, bias)
+    if noise and still and noise / still > 60:
+        worst = (
+            f"noise of {still / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), {noise / still:.0f} times less than the accelerometers' "
+            "(m/s^2 per rad/s; 5 to 30 is usual)"
+        )
+    said = f"the rates stated in {unit} have a {worst}"
+    tactical = (
+        gyro.shape[1] == 3
+        and 0.3 * EARTH < _mean_rate(gyro) < 3.0 * EARTH
+        and names.GYRO_UNITS[best_unit] > factor
+    )
+    if odds < REFUSED or tactical:
+        return Told(
+            f"{said}: unusual, though possible; in {best_unit} they would be usual (--gyro-unit {best_unit})",
+            False,
+            best_unit,
+        )
+    return Told(f"{said}; their unit is likely {best_unit}", True, best_unit)
+
+
+def _mean_rate(gyro: np.ndarray) -> float:
+    x = _some(gyro)
+    return float(np.linalg.norm(x.mean(axis=0))) if len(x) else 0.0
+
+
+def _worst(still: float, bias: float) -> str:
+    if still > NOISY or bias < 0.3:
+        return f"noise of {still / units.DEG_PER_SQRT_HOUR:.3g} deg/sqrt(h)"
+    return f"bias of {bias / units.DEG_PER_S:.3g} deg/s"
+
+
+def _score(still: float, bias: float, noise: float | None, rate: float) -> float:
+    """Log-likelihood, up to a constant, of a gyro at rest with this noise density, bias and
+    accelerometer noise.
+
+    The noise of a slow record is folded in from above by decimation: below 100 Hz it is taken as if
+    the sensor had a bandwidth of 50 Hz.
+    """
+    out = 0.0
+    fold = np.sqrt(min(rate, 100.0) / 100.0)
+    if still > 0:
+        n = still * fold
+        out -= 0.5 * (np.log(n / GYRO_NOISE[0]) / GYRO_NOISE[1]) ** 2
+        if n > NOISY:
+            out -= (np.log(n / NOISY) / 0.5) ** 2
+        if noise:
+            out -= 0.5 * (np.log(noise / still / RATIO[0]) / RATIO[1]) ** 2
+    if bias > GYRO_BIAS[0]:
+        out -= 0.5 * (np.log(bias / GYRO_BIAS[0]) / GYRO_BIAS[1]) ** 2
+    return out
 
 
 def _some(x: np.ndarray) -> np.ndarray:
@@ -151,15 +289,16 @@ def _noise_density(x: np.ndarray, rate: float) -> float:
     )
 
 
-def _still(gyro: np.ndarray, rate: float) -> tuple[float, float]:
-    """Noise density and largest bias of the quietest parts of a record: of a moving one, what it
-    has when it stands.
+def _still(gyro: np.ndarray, rate: float) -> tuple[float, float, bool]:
+    """Noise density and largest bias of the quietest parts of a record (of a moving one, what it has
+    when it stands), and whether the rest is as quiet.
     """
     block = max(20, int(rate))
     n = len(gyro) // block
     if n < 5:
         x = _some(gyro)
-        return _noise_density(x, rate), float(np.abs(np.median(x, axis=0)).max()) if len(x) else 0.0
+        bias = float(np.abs(np.median(x, axis=0)).max()) if len(x) else 0.0
+        return _noise_density(x, rate), bias, True
     parts = gyro[: n * block].reshape(n, block, -1)[:: max(1, n * block // (2 * MOST))]
     noise = (
         np.median(np.mean(np.abs(np.diff(parts, axis=1)), axis=1), axis=1)
@@ -169,46 +308,10 @@ def _still(gyro: np.ndarray, rate: float) -> tuple[float, float]:
     swing = np.ptp(parts, axis=1).max(axis=1)
     good = np.flatnonzero(np.isfinite(noise) & np.isfinite(swing))
     if not good.size:
-        return 0.0, 0.0
+        return 0.0, 0.0, False
     quiet = good[np.argsort(swing[good], kind="stable")[: max(1, len(good) // 10)]]
-    return float(np.median(noise[quiet])), float(
-        np.abs(np.median(parts[quiet].mean(axis=1), axis=0)).max()
+    bias = float(np.abs(np.median(parts[quiet].mean(axis=1), axis=0)).max())
+    same = bool(
+        np.median(swing[good]) < 3.0 * np.median(swing[quiet]) or np.median(swing[quiet]) == 0
     )
-
-
-def _turning(gyro, accel, rate):
-    """(slope of measured gravity's turning on the gyro's, whether the record turned), None where
-    it cannot be asked.
-    """
-    if accel is None or gyro.shape[1] != 3 or accel.shape[1] != 3:
-        return None
-    block = max(1, int(round(rate * 0.1)))
-    n = min(len(gyro), 40 * MOST) // block
-    if n < 10:
-        return None
-    a = accel[: n * block].reshape(n, block, 3).mean(axis=1)
-    w = gyro[: n * block].reshape(n, block, 3).mean(axis=1)
-    size = np.linalg.norm(a, axis=1, keepdims=True)
-    good = np.isfinite(a).all(axis=1) & np.isfinite(w).all(axis=1) & (size[:, 0] > 0)
-    if good.sum() < 10:
-        return None
-    unit_vector = np.where(good[:, None], a / np.where(size > 0, size, 1.0), 0.0)
-    dt = block / rate
-    turned = (unit_vector[2:] - unit_vector[:-2]) / (2 * dt)  # body axes: d(a)/dt = -w x a
-    w = w - np.median(w[good], axis=0)
-    smooth = (w[:-2] + 2 * w[1:-1] + w[2:]) / 4  # the rate over the span of the difference
-    said = -np.cross(np.where(np.isfinite(smooth), smooth, 0.0), unit_vector[1:-1])
-    use = (
-        good[2:]
-        & good[:-2]
-        & good[1:-1]
-        & (np.linalg.norm(turned, axis=1) > 0.1)
-        & (np.linalg.norm(turned, axis=1) < 3.0)
-    )
-    if use.sum() < 8:
-        return 0.0, False
-    x, y = said[use].ravel(), turned[use].ravel()
-    if (x @ x) == 0:
-        return 0.0, False
-    r = float(x @ y / np.sqrt((x @ x) * (y @ y)))
-    return float(x @ y / (x @ x)), abs(r) > 0.8
+    return float(np.median(noise[quiet])), bias, same

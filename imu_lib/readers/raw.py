@@ -1,4 +1,4 @@
-"""What a file holds before it is a record: columns under canonical names, in the file's own units."""
+"""What a file holds before it is a record: its columns, what each is read as, and on what evidence."""
 
 from __future__ import annotations
 
@@ -8,7 +8,32 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names
+from imu_lib.readers import names, spelling
+
+KINDS = ("gyro", "accel", "dtheta", "dv")
+
+
+@dataclass
+class Column:
+    """One column or array of a file.
+
+    name: as the file has it. read_as: canonical name (gyro_x, time, ...; several for an array of
+    axes), None where it is not used. unit: in which it was taken, None where it has none. evidence:
+    what told, or why it is not used.
+    """
+
+    name: str
+    read_as: str | None = None
+    unit: str | None = None
+    evidence: str = ""
+
+    def to_json(self) -> dict:
+        return {
+            "column": self.name,
+            "read_as": self.read_as,
+            "unit": self.unit,
+            "evidence": self.evidence,
+        }
 
 
 @dataclass
@@ -16,10 +41,11 @@ class Raw:
     """Columns by canonical name (see `names.parse`) with the unit each one's name states (None
     where it states none).
 
-    contract: the file says by its keys that it is in SI. simulated: it says that imu_lib drew it.
-    epoch: absolute time of the first stamp, s, where the stamps tell; repeats: how many stamps
-    repeated the one before. line:
-    row number -> what to call it in a message.
+    described: every column of the file, used or not. contract: the file says by its keys that it
+    is in SI. simulated: it says that imu_lib drew it. start: first stamp, s, in whatever time the
+    file has; epoch: the same where it is absolute time. repeats: how many stamps repeated the one
+    before. line: row number -> what to call it in a message. headings: canonical name -> the file's
+    own.
     """
 
     source: str
@@ -29,22 +55,31 @@ class Raw:
     notes: tuple[str, ...] = ()
     contract: bool = False
     simulated: bool = False
+    start: float | None = None
     epoch: float | None = None
     repeats: int = 0
     line: Callable[[int], str] = lambda row: f"sample {row + 1}"
     headings: dict[str, str] = field(default_factory=dict)
+    described: list[Column] = field(default_factory=list)
+    received: bool = False  # the rows are in order of receipt, as in a bag
+    held_rows: float = 1.0  # rows for which each reading stood, where they were taken once
+    set_back: tuple[tuple[int, float], ...] = ()  # rows at which the clock fell, and by how much
 
-    def add(self, canonical: str, values, unit: str | None, heading: str) -> None:
+    def add(
+        self, canonical: str, values, unit: str | None, heading: str, evidence: str = ""
+    ) -> None:
         """Take a column in; an array (n, 3) called gyro, accel, dtheta or dv is three of them."""
         values = np.asarray(values)
-        if canonical in ("gyro", "accel", "dtheta", "dv"):
+        if canonical in KINDS:
             if values.ndim != 2 or 3 not in values.shape:
                 raise InputError(
                     f"{self.source}: `{heading}` has the shape {values.shape}; three axes, (n, 3), are expected."
                 )
             values = values if values.shape[1] == 3 else values.T
             for i, axis in enumerate("xyz"):
-                self.add(f"{canonical}_{axis}", values[:, i], unit, heading)
+                self._take(f"{canonical}_{axis}", values[:, i], unit, heading)
+            read_as = ", ".join(f"{canonical}_{axis}" for axis in "xyz")
+            self.described.append(Column(heading, read_as, unit, evidence))
             return
         if values.ndim == 2 and 1 in values.shape:
             values = values.ravel()
@@ -52,6 +87,10 @@ class Raw:
             raise InputError(
                 f"{self.source}: `{heading}` has the shape {values.shape}; one value per sample is expected."
             )
+        self._take(canonical, values, unit, heading)
+        self.described.append(Column(heading, canonical, unit, evidence))
+
+    def _take(self, canonical, values, unit, heading):
         if canonical in self.columns:
             raise InputError(
                 f"{self.source}: both `{self.headings[canonical]}` and `{heading}` would be {canonical}; "
@@ -61,12 +100,33 @@ class Raw:
         self.units[canonical] = unit
         self.headings[canonical] = heading
 
+    def skip(self, heading: str, why: str) -> None:
+        """List a column that is not used, with the reason."""
+        self.described.append(Column(heading, None, None, why))
+
+    def told(self, canonical: str, unit: str | None, evidence: str | None = None) -> None:
+        """Write down the unit in which a column was taken, and on what evidence."""
+        for column in self.described:
+            if column.read_as and canonical in column.read_as.split(", "):
+                column.unit = unit
+                if evidence:
+                    column.evidence = evidence
+
+    def drop(self, canonical: str, why: str) -> None:
+        """Leave a column out after all."""
+        self.columns.pop(canonical, None)
+        for column in self.described:
+            if column.read_as == canonical:
+                column.read_as, column.unit, column.evidence = None, None, why
+
     def kinds(self) -> set[str]:
-        return {
-            c.rpartition("_")[0]
-            for c in self.columns
-            if c.rpartition("_")[0] in ("gyro", "accel", "dtheta", "dv")
-        }
+        return {c.rpartition("_")[0] for c in self.columns if c.rpartition("_")[0] in KINDS}
+
+    def axes(self, kind: str) -> list[str]:
+        return [f"{kind}_{a}" for a in "xyz" if f"{kind}_{a}" in self.columns]
+
+    def rows(self) -> int:
+        return len(next(iter(self.columns.values())))
 
     def unit(self, kind: str) -> str | None:
         """The one unit that the columns of a kind state, None where none does. InputError where
@@ -75,49 +135,24 @@ class Raw:
         said = {
             u
             for c, u in self.units.items()
-            if (c == kind or c.startswith(kind + "_")) and u is not None
+            if (c == kind or c.startswith(kind + "_")) and u is not None and c in self.columns
         }
+        flag = f"--{kind}-unit" if kind in ("gyro", "accel", "time") else "--columns"
         if len(said) > 1:
             raise InputError(
-                f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with --{kind}-unit."
+                f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with {flag}."
             )
         unit = said.pop() if said else None
-        if unit is not None and unit != "counts" and unit not in names.UNITS[kind]:
+        if unit is not None and unit not in ("counts", "ticks") and unit not in names.UNITS[kind]:
+            heading = self.headings.get(kind) or next(
+                h for c, h in self.headings.items() if c.startswith(kind)
+            )
             raise InputError(
-                f"{self.source}: the unit [{unit}] of "
-                f"`{self.headings.get(kind) or next(h for c, h in self.headings.items() if c.startswith(kind))}` "
-                f"is not known; give it in {', '.join(names.UNITS[kind])}."
+                f"{self.source}: the unit [{unit}] of `{heading}` is not known; give it with {flag}"
+                + (
+                    f" {' or '.join(spelling.USUAL[kind])}."
+                    if kind in spelling.USUAL
+                    else f" as one of {', '.join(names.UNITS[kind])}."
+                )
             )
         return unit
-
-
-def by_position(
-    columns: str | list[str] | tuple[str, ...], found: int, source: str, signal: str | None
-) -> list[tuple[str | None, str | None, str]]:
-    """(canonical, unit, heading) for each of `found` columns from the names the caller gave.
-    InputError where they do not fit.
-    """
-    given = (
-        [c.strip() for c in columns.split(",")]
-        if isinstance(columns, str)
-        else [str(c).strip() for c in columns]
-    )
-    if len(given) != found:
-        raise InputError(
-            f"{source} has {found} columns but --columns names {len(given)}; name every one by position, - skips."
-        )
-    out = []
-    for name in given:
-        if name in ("-", ""):
-            out.append((None, None, name))
-            continue
-        canonical, unit = names.parse(name, signal=signal)
-        if canonical is None or canonical in ("gyro", "accel"):
-            raise InputError(
-                f"--columns: {name!r} is no column name; use time, date, clock, temperature, gyro_x .. gyro_z, accel_x .. accel_z, "
-                "dtheta_x .. dtheta_z, dv_x .. dv_z or -."
-            )
-        out.append((canonical, unit, name))
-    if not any(c and c[:2] in ("gy", "ac", "dt", "dv") for c, _, _ in out):
-        raise InputError("--columns names no signal; at least one of gyro_x .. accel_z is needed.")
-    return out

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import bags, binary
+from imu_lib.readers import bags, binary, streams
 from imu_lib.readers.assemble import assemble, check_units
-from imu_lib.readers.raw import Raw
+from imu_lib.readers.raw import Column, Raw
 from imu_lib.readers.text import read_text
 from imu_lib.record import Record
 
@@ -55,12 +56,31 @@ def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
 
 def read_record(path=None, **options) -> Record:
     """A static record from one file, or from a gyro and an accelerometer file; all options as in
-    `read_counted`.
+    `read`.
     """
-    return read_counted(path, **options)[0]
+    return read(path, **options).record
 
 
-def read_counted(
+def read_counted(path=None, **options) -> tuple[Record, int]:
+    """A static record and how many of its time stamps repeated the one before; all options as in
+    `read`.
+    """
+    found = read(path, **options)
+    return found.record, found.repeats
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A record, how many of its time stamps repeated the one before, and what each column of the
+    file was read as, or why it was not used.
+    """
+
+    record: Record
+    repeats: int
+    columns: tuple[Column, ...]
+
+
+def read(
     path=None,
     *,
     gyro=None,
@@ -68,49 +88,85 @@ def read_counted(
     rate: float | None = None,
     gyro_unit: str | None = None,
     accel_unit: str | None = None,
+    time_unit: str | None = None,
     columns: str | None = None,
     start: float | None = None,
     stop: float | None = None,
     topic: str | None = None,
+    only: str | None = None,
     trust_units: bool = False,
     lenient: bool = False,
-) -> tuple[Record, int]:
-    """A static record and how many of its time stamps repeated the one before.
+) -> Reading:
+    """A static record and what its columns were read as.
 
-    path: .npz / .npy, .csv / .txt / .tsv, .parquet, .mat, ROS bag; or `gyro` and `accel`, a file
-    each. rate: Hz, where the file
-    has no time.
-    gyro_unit: rad/s, deg/s, deg/h or counts:C (C counts per deg/s). accel_unit: m/s^2, g, mg or
-    counts:C (per g); a zero that is not at 0
-    counts as counts:C:ZERO. columns: names by position, `-` skips. start, stop: s from the first
-    sample. topic: of a bag.
-    trust_units: do not ask whether the units are possible. lenient: keep single repeated stamps
-    (for `check`).
-    Raises InputError with one sentence, OSError where a file cannot be opened.
+    Parameters
+    ----------
+    path : path-like, optional
+        .npz / .npy, .csv / .txt / .tsv, .parquet, .mat, .ulg, .rda, ROS bag, any of them in gzip or
+        zip; or `gyro` and `accel`, a file each.
+    rate : float, optional
+        Hz, where the file has no time.
+    gyro_unit : str, optional
+        rad/s, deg/s, deg/h or counts:C (C counts per deg/s).
+    accel_unit : str, optional
+        m/s^2, g, mg or counts:C (per g); a zero that is not at 0 counts as counts:C:ZERO.
+    time_unit : str, optional
+        s, ms, us, ns, min or ticks:HZ.
+    columns : str, optional
+        Names by position, `-` skips.
+    start, stop : float, optional
+        s from the first sample.
+    topic : str, optional
+        Of a bag.
+    only : {"gyro", "accel"}, optional
+        One sensor of the file, at its own rate.
+    trust_units : bool
+        Do not ask whether the units are possible.
+    lenient : bool
+        Keep single repeated stamps (for `check`).
+
+    Raises
+    ------
+    InputError
+        With one sentence that says what is missing or wrong.
+    OSError
+        Where a file cannot be opened.
     """
-    options = {"rate": rate or None, "trust": trust_units, "lenient": lenient}
+    options = {
+        "rate": rate or None,
+        "time_unit": time_unit,
+        "trust": trust_units,
+        "lenient": lenient,
+    }
     if (path is None) == (gyro is None and accel is None):
         raise InputError("Give one file, or --gyro FILE and --accel FILE.")
+    told: list[Column] = []
     if path is not None:
         raw = read_raw(path, columns=columns, topic=topic)
-        record, repeats = (
-            assemble(raw, gyro_unit=gyro_unit, accel_unit=accel_unit, **options),
-            raw.repeats,
-        )
+        units = {"gyro": gyro_unit, "accel": accel_unit}
+        if only:
+            raw = _only(raw, only)
+            units = {k: u if k == only else None for k, u in units.items()}
+        record, repeats = of_one(raw, units, options)
+        told = raw.described
     else:
         parts, repeats = {}, 0
         for kind, file, unit in (("gyro", gyro, gyro_unit), ("accel", accel, accel_unit)):
             if file is not None:
                 raw = _only(read_raw(file, columns=columns, signal=kind, topic=topic), kind)
-                parts[kind] = (assemble(raw, **{f"{kind}_unit": unit}, **options), raw.epoch)
-                repeats += raw.repeats
-        record = (
-            next(iter(parts.values()))[0]
-            if len(parts) == 1
-            else merge(*parts["gyro"], *parts["accel"])
-        )
+                one, more = of_one(raw, {kind: unit}, options)
+                parts[kind] = (one, raw)
+                repeats += more
+                told += raw.described
+        if len(parts) == 1:
+            record = next(iter(parts.values()))[0]
+        else:
+            starts = _starts(
+                parts["gyro"][1], parts["accel"][1], *(p[0].duration for p in parts.values())
+            )
+            record = streams.merge(parts["gyro"][0], starts[0], parts["accel"][0], starts[1])
         if not trust_units and len(parts) == 2:
-            check_units(record, {"gyro": gyro_unit or "rad/s"}, {"gyro": 1.0})
+            record = check_units(record, {"gyro": gyro_unit or "rad/s"}, {"gyro": 1.0})
     if start is not None or stop is not None:
         try:
             record = record.slice(start, stop)
@@ -120,78 +176,67 @@ def read_counted(
                 f"{record.duration if stop is None else stop:g} leave fewer "
                 f"than two samples of a record of {record.duration:.6g} s."
             ) from None
-    return record, repeats
+    return Reading(record, repeats, tuple(told))
+
+
+def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int]:
+    """The record of one file, its streams laid side by side where they are two."""
+    flags = {f"{k}_unit": u for k, u in units.items()}
+    if not raw.simulated:
+        streams.drop_copies(raw)
+    parts = streams.separate(raw)
+    if parts is None:
+        held = getattr(raw, "held_rows", 1.0)
+        if held > 1.0 and options["rate"]:
+            options = options | {"rate": options["rate"] / held}
+        return assemble(raw, **flags, **options), raw.repeats
+    made = {}
+    for kind, one in parts.items():
+        more = dict(options)
+        if more["rate"]:  # the rows' rate, which is not the stream's
+            more["rate"] = (
+                more["rate"] / getattr(one, "held_rows", 1.0) if "time" not in one.columns else None
+            )
+        made[kind] = assemble(one, **{f"{kind}_unit": flags.get(f"{kind}_unit")}, **more)
+    raw.start, raw.epoch = parts["gyro"].start, parts["gyro"].epoch
+    record = streams.merge(
+        made["gyro"], parts["gyro"].start, made["accel"], parts["accel"].start, one_file=True
+    )
+    return record.with_note(*raw.notes), raw.repeats
+
+
+def _starts(gyro: Raw, accel: Raw, gyro_length: float, accel_length: float):
+    """First stamps of two files where they are times of one clock: both absolute, or both of a
+    clock that does not begin with the file and overlaps."""
+    if gyro.epoch is not None and accel.epoch is not None:
+        return gyro.epoch, accel.epoch
+    if gyro.start is None or accel.start is None or (gyro.epoch is None) != (accel.epoch is None):
+        return None, None
+    apart = accel.start - gyro.start
+    if apart != 0 and -0.5 * accel_length < apart < 0.5 * gyro_length:
+        return gyro.start, accel.start
+    return None, None
 
 
 def _only(raw: Raw, kind: str) -> Raw:
     """The columns of one kind: the file was given as --gyro or --accel."""
-    own = (kind, {"gyro": "dtheta", "accel": "dv"}[kind])
-    for other in [
-        c
-        for c in raw.columns
-        if c.startswith(("gyro", "accel", "dtheta", "dv")) and not c.startswith(own)
-    ]:
-        del raw.columns[other]
+    for other in [c for c in raw.columns if streams.kind_of(c) not in (None, kind)]:
+        raw.drop(other, f"not of the {kind}")
+        raw.columns.pop(other, None)
+    if kind == "accel" and "time_accel" in raw.columns:
+        raw.columns["time"] = raw.columns.pop("time_accel")
+        raw.units["time"], raw.headings["time"] = (
+            raw.units["time_accel"],
+            raw.headings["time_accel"],
+        )
+    raw.columns.pop("time_accel", None)
     if not raw.kinds():
         raise InputError(f"{raw.source} holds no {kind} columns; it was given as --{kind}.")
+    # rows in which this sensor has nothing are rows of the other one
+    empty = np.ones(raw.rows(), dtype=bool)
+    for c in raw.columns:
+        if streams.kind_of(c) == kind:
+            empty &= np.isnan(raw.columns[c]) if raw.columns[c].dtype.kind == "f" else False
+    if 0.3 < empty.mean() < 1.0:
+        streams.without(raw, np.flatnonzero(~empty))
     return raw
-
-
-def merge(
-    gyro: Record, gyro_epoch: float | None, accel: Record, accel_epoch: float | None
-) -> Record:
-    """Two files of one sensor on one time base: overlapped where both tell the absolute time, else
-    from their first samples.
-    """
-    source = f"{gyro.source} and {accel.source}"
-    if not 0.98 < gyro.rate / accel.rate < 1.02:
-        raise InputError(
-            f"{gyro.source} has {gyro.rate:.6g} Hz and {accel.source} {accel.rate:.6g} Hz; read them one at a time, or resample one."
-        )
-    shift = (
-        (accel_epoch - gyro_epoch) if gyro_epoch is not None and accel_epoch is not None else 0.0
-    )
-    notes = tuple(
-        f"{kind}: {n}" for kind, part in (("gyro", gyro), ("accel", accel)) for n in part.notes
-    )
-    if shift >= gyro.duration or -shift >= accel.duration:
-        notes += (
-            f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after {gyro.source}); they are laid "
-            f"side by side from their first "
-            "samples, so nothing common to gyros and accelerometers can be seen.",
-        )
-        shift = 0.0
-    temperature = gyro.temperature
-    if gyro.time is None and accel.time is None and shift == 0.0:
-        n = min(gyro.n, accel.n)
-        left, right = np.arange(n), np.arange(n)
-    else:
-        # each gyro sample with the nearest accelerometer sample, where there is one within half a
-        # sample: no interpolation, it
-        # would smooth the noise
-        a, b = gyro.slots(), accel.slots() + int(round(shift * gyro.rate))
-        _, left, right = np.intersect1d(a, b, return_indices=True)
-    if len(left) < 2:
-        raise InputError(f"{source} have no two samples in common; read them one at a time.")
-    lost = max(gyro.n, accel.n) - len(left)
-    if lost:
-        notes += (
-            f"{lost:,} samples of the longer file have no partner in the other and were left out.",
-        )
-    channels = {c: x[left] for c, x in gyro.channels.items()} | {
-        c: x[right] for c, x in accel.channels.items()
-    }
-    time = (
-        None
-        if gyro.time is None and len(left) == left[-1] - left[0] + 1
-        else gyro.times()[left] - gyro.times()[left[0]]
-    )
-    return Record(
-        channels,
-        gyro.rate,
-        time,
-        None if temperature is None else temperature[left],
-        gyro.name,
-        source,
-        notes,
-    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import stamps
+from imu_lib.readers import assemble, stamps
 from imu_lib.readers.static import read_raw
 
 
@@ -26,9 +26,13 @@ def read_temperature(path) -> tuple[np.ndarray, np.ndarray]:
             # nothing
             "s"
         )
-    time, rate, keep = stamps.settle(raw, None, lenient=True)
-    x = np.asarray(raw.columns["temperature"], dtype=float)[keep]
-    t = np.arange(len(keep)) / rate if time is None else time
+    found = stamps.settle(raw, None, lenient=True, trust=True)
+    raw.units.setdefault("temperature", None)
+    x = assemble._temperature(raw, found.keep)
+    if x is None:
+        raise InputError(f"{path}: its temperature is not in degC; give it in degC, degF or K.")
+    time = found.time
+    t = np.arange(len(found.keep)) / found.rate if time is None else time
     good = np.isfinite(x) & np.isfinite(t)
     if good.sum() < 2 or (np.diff(t[good]) <= 0).any():
         raise InputError(f"{path}: temperature needs at least two numbers at rising times.")

@@ -1,0 +1,258 @@
+"""The one place that decides what the columns of a table are.
+
+Every reader of tables hands over its headings (with the kind of values under each) and gets a
+`Raw` back in which each column is used or listed with the reason why not. Names come first
+(`names.meaning`), then neighbours (axes counted from 0 or 1, `alpha` beside `omega`, seconds with
+their nanoseconds), then values (`T` that does not rise is a temperature).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.readers import names
+from imu_lib.readers.asking import STAMPS, Heading, by_position, example, suggestion
+from imu_lib.readers.names import SIGNALS, Meaning
+from imu_lib.readers.raw import Raw
+from imu_lib.readers.time_columns import letter_t, one_time
+
+
+def decide(
+    raw: Raw,
+    headings: Sequence[Heading],
+    load: Callable[[list[int]], dict[int, np.ndarray]],
+    *,
+    columns: str | Sequence[str] | None = None,
+    signal: str | None = None,
+    named: bool = True,
+) -> Raw:
+    """Fill `raw` from a table.
+
+    Parameters
+    ----------
+    raw : Raw
+        Empty; its source is named in messages.
+    headings : sequence of Heading
+        One for each column.
+    load : callable
+        Column numbers to their values.
+    columns : str or sequence of str, optional
+        Names by position that the caller gave; they win.
+    signal : {"gyro", "accel", "temperature"}, optional
+        What a bare x, y, z is.
+    named : bool
+        Whether the file has a header: otherwise `headings` are numbered and say nothing.
+
+    Raises
+    ------
+    InputError
+        Where the columns cannot be told; the sentence holds the names to give.
+    """
+    said = (
+        by_position(columns, len(headings), raw.source, signal)
+        if columns
+        else [
+            _by_name(h, signal) if named else Meaning(why="the file has no header")
+            for h in headings
+        ]
+    )
+    told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
+    told = _numbered(raw, told, headings)
+    told = _habits(_alpha(told), headings)
+    if not columns:
+        told = _bare(raw, told, headings, signal, named)
+        told = _preferred(raw, told, headings)
+    wanted = [i for i, m in enumerate(told) if m.quantity]
+    values = load(wanted)
+    told = letter_t(told, headings, values)
+    told = one_time(raw, told, headings, values)
+    by_call = " (--columns)" if columns else ""
+    for i, (m, heading) in enumerate(zip(told, headings)):
+        if m.quantity is None or m.canonical is None:
+            raw.skip(heading.name, m.why)
+        elif m.quantity in SIGNALS and m.axis not in ("x", "y", "z"):
+            raw.skip(heading.name, "its name holds no axis")
+        else:
+            raw.add(m.canonical, values[i], m.unit, heading.name, m.why + by_call)
+    return raw
+
+
+def _by_name(heading: Heading, signal: str | None) -> Meaning:
+    found = names.meaning(heading.name, signal=signal)
+    if heading.unit and found.quantity:
+        unit = names.unit_of(heading.unit)
+        return replace(found, unit=unit or heading.unit, why=f"{found.why}; row of units")
+    return found
+
+
+def _by_kind(told: Meaning, heading: Heading, by_call: bool) -> Meaning:
+    """What the look of the values says: dates and clocks are stamps, text is none of ours."""
+    if by_call and told.quantity is None:
+        return told
+    if heading.kind in STAMPS and told.quantity in (None, "time", "date", "clock", "part"):
+        quantity = "clock" if heading.kind == "clock" else "date"
+        return Meaning(
+            quantity,
+            rank=told.rank,
+            why=f"its values are {'clock times' if quantity == 'clock' else 'dates'}",
+        )
+    if heading.kind in ("text", *STAMPS) and told.quantity:
+        if by_call:
+            return told
+        return Meaning(why=f"it holds {'text' if heading.kind == 'text' else 'dates'}")
+    if heading.kind == "text":
+        return Meaning(why="it holds text")
+    if heading.kind == "empty" and told.quantity is None:
+        return Meaning(why="it is empty" if told.why.startswith("its name") else told.why)
+    return told
+
+
+def _numbered(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
+    """Axes that are numbers: 0, 1, 2 or 1, 2, 3 by what the file holds."""
+    out = list(told)
+    for kind in (*SIGNALS, "alpha"):
+        there = [
+            i for i, m in enumerate(told) if m.quantity == kind and m.axis and m.axis.isdigit()
+        ]
+        if not there:
+            continue
+        digits = {told[i].axis for i in there}
+        if "0" in digits and "3" in digits:
+            # four numbers in a row are no three axes
+            for i in there:
+                out[i] = Meaning(
+                    why="four numbered columns are no three axes; name them with --columns"
+                )
+            continue
+        base = 0 if "0" in digits else 1 if "3" in digits else None
+        if base is None:
+            raise InputError(
+                f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be counted from 0 or from 1; "
+                f"{suggestion(told, headings)}."
+            )
+        for i in there:
+            axis = "xyz"[int(told[i].axis) - base]
+            out[i] = replace(told[i], axis=axis, why=f"{told[i].why}, axes counted from {base}")
+    return out
+
+
+def _alpha(told: list[Meaning]) -> list[Meaning]:
+    """alpha is the accelerometer where omega is the gyro and nothing else is the accelerometer."""
+    is_accel = any(m.quantity == "gyro" for m in told) and not any(
+        m.quantity == "accel" for m in told
+    )
+    return [
+        m
+        if m.quantity != "alpha"
+        else replace(
+            m, quantity="accel", why="alpha beside omega: the accelerometer, as Kalibr names it"
+        )
+        if is_accel
+        else Meaning(
+            why="alpha is an angular acceleration, or the accelerometer where omega is the gyro"
+        )
+        for m in told
+    ]
+
+
+def _habits(told: list[Meaning], headings) -> list[Meaning]:
+    """Units that an application writes always and names never: Physics Toolbox has its g-force (gFx)
+    in g and its rates (wx) in rad/s.
+    """
+    if not any(h.name.strip().lower() == "gfx" for h in headings):
+        return told
+    return [
+        replace(m, unit="rad/s", why="wx beside gFx: Physics Toolbox writes rad/s")
+        if m.quantity == "gyro" and m.unit is None and h.name.strip().lower() in ("wx", "wy", "wz")
+        else m
+        for m, h in zip(told, headings)
+    ]
+
+
+def _bare(raw: Raw, told, headings, signal, named) -> list[Meaning]:
+    """A file whose columns are not named for a sensor: three or four numbers of a file given as
+    one sensor's, else it is asked.
+    """
+    if any(m.quantity in SIGNALS for m in told):
+        return told
+    free = [
+        i
+        for i, h in enumerate(headings)
+        if h.kind in ("number", "empty") and told[i].quantity is None
+    ]
+    out = list(told)
+    if signal == "temperature":
+        if not named and len(headings) == 2 and len(free) == 2:
+            return [
+                Meaning("time", unit="s", why="first of two columns"),
+                Meaning("temperature", why="second of two columns"),
+            ]
+        return told
+    if signal and not named and len(free) in (3, 4):
+        if len(free) == 4:
+            out[free[0]] = Meaning("time", why="first of four columns")
+        for i, axis in zip(free[-3:], "xyz"):
+            out[i] = Meaning(signal, axis, why=f"the file was given as --{signal}")
+        return out
+    if signal and any(m.quantity in ("time", "date", "clock") for m in told):
+        xyz = [i for i in free if headings[i].kind == "number"]
+        if len(xyz) == 3 and not named:
+            for i, axis in zip(xyz, "xyz"):
+                out[i] = Meaning(signal, axis, why=f"the file was given as --{signal}")
+            return out
+    width = len(headings)
+    header = (
+        f"its header ({', '.join(h.name for h in headings)[:80]}) names no gyro or accelerometer"
+        if named
+        else f"no header of {width} name{'s' * (width > 1)} right above {'them' if width > 1 else 'it'}"
+    )
+    one = (
+        " (--gyro FILE or --accel FILE where it holds x, y, z of one sensor)"
+        if len(free) in (3, 4) and not signal
+        else ""
+    )
+    raise InputError(
+        f"{raw.source} has {width} column{'s' * (width > 1)} and {header}; name them by position with --columns, as in "
+        f"{example(told, headings)}{one}."
+    )
+
+
+def _preferred(raw: Raw, told, headings) -> list[Meaning]:
+    """Of several columns for one axis the one that such a name usually heads; asked for where two
+    are equal. Increments give way to rates.
+    """
+    out = list(told)
+    for canonical in {m.canonical for m in told if m.quantity in SIGNALS and m.axis}:
+        there = [i for i, m in enumerate(told) if m.canonical == canonical]
+        best = min(told[i].rank for i in there)
+        first = [i for i in there if told[i].rank == best]
+        if len(first) > 1:
+            raise InputError(
+                f"{raw.source}: both `{headings[first[0]].name}` and `{headings[first[1]].name}` would be {canonical}; "
+                f"{suggestion(told, headings, first[1:])}."
+            )
+        for i in there:
+            if i not in first:
+                out[i] = Meaning(why=f"`{headings[first[0]].name}` is {canonical}")
+    for increment, rate in (("dtheta", "gyro"), ("dv", "accel")):
+        if any(m.quantity == rate and m.axis for m in out):
+            out = [
+                Meaning(
+                    why=f"increments; the {'rates' if rate == 'gyro' else 'specific force'} stand beside them"
+                )
+                if m.quantity == increment
+                else m
+                for m in out
+            ]
+    temperature = [i for i, m in enumerate(out) if m.quantity == "temperature"]
+    if len(temperature) > 1:
+        own = [i for i in temperature if out[i].rank <= 1]
+        keep = own[0] if own else temperature[0]
+        for i in temperature:
+            if i != keep:
+                out[i] = Meaning(why=f"`{headings[keep].name}` is the temperature")
+    return out

@@ -1,0 +1,269 @@
+"""Lines in which words stand between the numbers, as serial monitors and sentence loggers write them,
+into a plain table.
+
+`14:05:00.000 -> 0.1,0.2`, `aX = -65 | aY = 183`, `a/g: 1 2 3 4 5 6`, `Accel X: 0.1, Y: 0.2, Z: 9.8
+m/s^2`, `{"t": 1, "gx": 2}`, `$VNIMU,...*5B`: what the words say becomes the header.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+
+from imu_lib.readers import names
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_PREFIX = re.compile(
+    r"^\s*[\[(]?\s*((?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}[T ]\s*)?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:\s*[AP]M)?)\s*[\])]?\s*(->|=>|>|\||:)?\s*",
+    re.IGNORECASE,
+)
+_LABEL = re.compile(r'"?([^\W\d_][^=:,;|\t\n"]*?)"?\s*[=:]\s*')
+_VALUE = re.compile(rf"\s*[\[({{]?\s*({_NUMBER})(?![\w:])")
+_SENTENCE = re.compile(r"^\s*([$!@#]?[A-Za-z][A-Za-z0-9_]{1,11})\s*[,;:\t ]\s*[+-]?[\d.]")
+#: Fields after the tag of sentences whose makers fix them (VectorNav's ASCII output).
+SENTENCES = {
+    "VNIMU": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s] temperature[degC] pressure",
+    "VNYMR": "yaw pitch roll mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
+    "VNQMR": "quat_x quat_y quat_z quat_w mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
+    "VNMAR": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
+    "VNGYR": "gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
+    "VNACC": "accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2]",
+}
+#: Labels that name several readings at once.
+_GROUPS = {
+    "a/g": "accel_x accel_y accel_z gyro_x gyro_y gyro_z",
+    "g/a": "gyro_x gyro_y gyro_z accel_x accel_y accel_z",
+    "a/g/m": "accel_x accel_y accel_z gyro_x gyro_y gyro_z mag_x mag_y mag_z",
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """text: a plain table with its header, tab-separated. lines: the line of the file, from 1, of
+    each row. notes: what was left out."""
+
+    text: str
+    lines: list[int]
+    notes: tuple[str, ...] = ()
+
+
+def unfold(text: str) -> Table | None:
+    """A labelled text as a plain table; None where the lines are none or are plain already."""
+    lines = text.splitlines()
+    some = [line for line in lines if line.strip()][:400]
+    if len(some) < 2:
+        return None
+    middle = some[len(some) // 4 :]
+    for test, make in ((_is_sentences, _sentences), (_is_pairs, _pairs), (_is_prefixed, _prefixed)):
+        if test(middle):
+            table = make(lines)
+            if table is not None:
+                return table
+    return None
+
+
+def _share(lines, test) -> float:
+    return sum(1 for line in lines if test(line)) / len(lines)
+
+
+def _is_prefixed(lines) -> bool:
+    def arrow(line):
+        m = _PREFIX.match(line)
+        return bool(m and (m[2] in ("->", "=>", ">") or line.lstrip()[0] in "[("))
+
+    return _share(lines, arrow) > 0.6
+
+
+def _is_pairs(lines) -> bool:
+    return _share(lines, lambda line: len(_scan(_without_stamp(line)[1])) >= 1) > 0.8
+
+
+def _is_sentences(lines) -> bool:
+    def sentence(line):
+        m = _SENTENCE.match(_without_stamp(line)[1])
+        return bool(m) and (m[1][0] in "$!@" or line.rstrip()[-3:-2] == "*")
+
+    return _share(lines, sentence) > 0.6
+
+
+def _without_stamp(line: str) -> tuple[str, str]:
+    m = _PREFIX.match(line)
+    return (m[1].strip(), line[m.end() :]) if m else ("", line)
+
+
+def _prefixed(lines) -> Table | None:
+    """A clock and an arrow before the values."""
+    rows, places = [], []
+    tokens = None
+    for number, line in enumerate(lines, 1):
+        stamp, rest = _without_stamp(line)
+        found = re.findall(rf"(?<![\w.])({_NUMBER})(?![\w.:])", rest)
+        if not stamp or not found:
+            continue
+        rows.append([stamp, *found])
+        places.append(number)
+    if len(rows) < 2:
+        return None
+    tokens = Counter(len(r) for r in rows).most_common(1)[0][0]
+    kept = [(r, p) for r, p in zip(rows, places) if len(r) == tokens]
+    lost = len(rows) - len(kept)
+    header = None
+    for line in lines[: kept[0][1] - 1]:
+        words = [w.strip() for w in re.split(r"[,;\t]", _without_stamp(line)[1].strip())]
+        if len(words) == tokens - 1 and all(re.match(r"[^\W\d]", w) for w in words):
+            header = ["clock", *words]
+    return _table(header, kept, lost)
+
+
+def _scan(line: str) -> list[tuple[str, str]]:
+    """(label, value) of each labelled number of a line; a label before several numbers is numbered
+    by axes, a bare Y or Z belongs to the sensor named before it, and a unit after a value belongs
+    to every value of its label.
+    """
+    out: list[list[str]] = []
+    at, sensor = 0, ""
+    while True:
+        label = _LABEL.search(line, at)
+        if not label:
+            break
+        name = " ".join(label[1].split()).strip("{}[]()<>,;| ")
+        at = label.end()
+        values = []
+        while value := _VALUE.match(line, at):
+            values.append(value[1])
+            at = value.end()
+            follow = re.match(r"\s*[,;\t ]\s*(?=\s*[+-]?[\d.])", line[at:])
+            if not follow:
+                break
+            at += follow.end()
+        if not values:
+            continue
+        unit = ""
+        word = re.match(
+            r"\s*[\])}]?\s*([A-Za-z°µ][\w°/^²*-]*(?:\s?s\^?-?[12])?)(?!\s*\w*\s*[=:])", line[at:]
+        )
+        if word and names.unit_of(word[1]):
+            unit = f" [{word[1]}]"
+            at += word.end()
+        bare = re.fullmatch(r"[xyzXYZ]", name)
+        if bare and sensor:
+            name = f"{sensor} {name}"
+        else:
+            split = re.match(r"^(.*\S)[ _]+[xX]$", name)
+            sensor = split[1] if split else ""
+        if len(values) == 1:
+            out.append([name + unit, values[0], sensor])
+        else:
+            group = _GROUPS.get(name.lower(), "").split()
+            axes = (
+                [f"{name} {a}" for a in "xyz"]
+                if len(values) == 3
+                else [f"{name} #{i + 1}" for i in range(len(values))]
+            )
+            heads = group if len(group) == len(values) else axes
+            out.extend([h + unit, v, name] for h, v in zip(heads, values))
+        if unit and sensor:  # the unit after Z is that of X and Y too
+            for entry in out:
+                if entry[2] == sensor and "[" not in entry[0]:
+                    entry[0] += unit
+    return [(a, b) for a, b, _ in out]
+
+
+def _pairs(lines) -> Table | None:
+    """name = value pairs, all of a sample in one line or spread over several."""
+    blocks: list[tuple[dict[str, str], int]] = []
+    block: dict[str, str] = {}
+    place, unstamped = 0, True
+    for number, line in enumerate(lines, 1):
+        stamp, rest = _without_stamp(line)
+        found = _scan(rest)
+        if not found:
+            continue
+        if found[0][0] in block:
+            blocks.append((block, place))
+            block = {}
+        if not block:
+            place = number
+            if stamp:
+                block["clock"] = stamp
+                unstamped = False
+        block.update(found)
+    if block:
+        blocks.append((block, place))
+    if len(blocks) < 2:
+        return None
+    shape = Counter(tuple(b) for b, _ in blocks).most_common(1)[0]
+    keys = shape[0]
+    if len(keys) < 2 or shape[1] < 0.5 * len(blocks):
+        return None
+    kept = [([b[k] for k in keys], p) for b, p in blocks if set(keys) <= set(b)]
+    del unstamped
+    return _table(list(keys), kept, len(blocks) - len(kept))
+
+
+def _sentences(lines) -> Table | None:
+    """Sentences of one tag; others (positions, remarks) are left out, and so are damaged ones."""
+    found: dict[str, list[tuple[list[str], int]]] = {}
+    damaged = 0
+    for number, line in enumerate(lines, 1):
+        stamp, rest = _without_stamp(line)
+        m = _SENTENCE.match(rest)
+        if not m:
+            continue
+        body, star, checksum = rest.strip().partition("*")
+        if star and not _sum_fits(body, checksum.strip()):
+            damaged += 1
+            continue
+        values = [v.strip() for v in re.split(r"[,;\t]", body)[1:]]
+        found.setdefault(m[1].lstrip("$!@#"), []).append(
+            ([stamp, *values] if stamp else values, number)
+        )
+    known = [t for t in found if t in SENTENCES]
+    tags = known or [
+        t
+        for t in found
+        if sum(bool(re.fullmatch(_NUMBER, v)) for v in found[t][0][0]) >= 3
+        and not re.match(r"G[PNLAB][A-Z]{3}$|P[A-Z]{3,}", t)
+    ]
+    if not tags:
+        return None
+    tag = max(tags, key=lambda t: len(found[t]))
+    rows = found[tag]
+    width = Counter(len(r) for r, _ in rows).most_common(1)[0][0]
+    kept = [(r, p) for r, p in rows if len(r) == width]
+    stamped = _PREFIX.match(lines[kept[0][1] - 1]) is not None
+    heads = SENTENCES.get(tag, "").split()
+    if heads:
+        heads = heads[: width - stamped]
+        heads += [f"field {i + 1}" for i in range(len(heads), width - stamped)]
+        header = ["clock"] * stamped + heads
+    else:
+        header = None
+    table = _table(header, kept, len(rows) - len(kept) + damaged)
+    others = sum(len(v) for t, v in found.items() if t != tag)
+    if table and others:
+        note = f"Sentences of other kinds than {tag} ({others:,}) were left out."
+        table = Table(table.text, table.lines, (*table.notes, note))
+    return table
+
+
+def _sum_fits(body: str, checksum: str) -> bool:
+    """Whether the two hexadecimal digits after the star are the exclusive or of the characters; a
+    longer one (CRC) is not asked."""
+    if not re.fullmatch(r"[0-9A-Fa-f]{2}", checksum):
+        return True
+    total = 0
+    for c in body.lstrip("$!@#").encode():
+        total ^= c
+    return total == int(checksum, 16)
+
+
+def _table(header, kept, lost) -> Table | None:
+    if len(kept) < 2:
+        return None
+    text = "\n".join("\t".join(r) for r, _ in kept) + "\n"
+    if header:
+        text = "\t".join(h.replace("\t", " ") for h in header) + "\n" + text
+    notes = (f"{lost:,} lines of another shape were left out.",) if lost else ()
+    return Table(text, [p for _, p in kept], notes)

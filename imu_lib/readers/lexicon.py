@@ -1,0 +1,118 @@
+"""The words that headings are made of, in the languages in which phone apps and loggers write them."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+
+def without_accents(text: str) -> str:
+    """Without accents: `Accélération` and `Acceleration` are one word."""
+    return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+
+
+def words(text: str) -> set[str]:
+    return set(without_accents(text).split())
+
+
+#: Words that tell what a column is, in the languages in which phone apps and loggers write them.
+GYRO = words(
+    "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop gyrometer"
+    " omega w wb wib wibb angvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
+    " гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
+)
+ACCEL = words(
+    "accelerometer accelerometers accelerometre accel accels accele acc accl acce acceleration"
+    " accelerations xl akzelerometer beschleunigung beschleunigungen beschleunigungssensor"
+    " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
+    " przyspieszenie akcelerometr zrychleni ivme ускорение акселерометр 加速度 加速度计 加速计 加速度計"
+    " 가속도 accreading f fb fib fibb a gforce gf specificforce sf accs"
+)
+TIME = words(
+    "time times timestamp timestamps stamp t zeit zeitstempel temps tiempo tempo tijd czas cas zaman"
+    " время 时间 時間 時刻 时间戳 시간 elapsed sow tow epoch rostime uptime millis micros nanos datetime"
+    " seconds secs sec second nsecs nsec nanosec nanosecs nanoseconds usec usecs microseconds"
+    " milliseconds msec msecs ms us ns s minutes timestampstart ticks tick sampletimefine"
+)
+TEMPERATURE = words(
+    "temp temps temperature temperatures temperatur temperatura tmp temper температура 温度 온도 tempc tempf"
+)
+COUNTER = words(
+    "index idx sample samples counter count cnt seq sequence frame n i id packet packetcounter"
+    " number nr no row line zeile packetcount samplenumber messagecounter"
+)
+DATE = words("date day datum fecha dates 日期")
+NOT = {
+    "covariance": "a covariance", "cov": "a covariance", "mag": "a magnetometer",
+    "magnetometer": "a magnetometer", "magnetic": "a magnetometer", "magn": "a magnetometer",
+    "magnet": "a magnetometer", "compass": "a magnetometer", "magnetfeld": "a magnetometer",
+    "magnetometro": "a magnetometer", "field_strength": "a magnetometer", "quat": "an attitude",
+    "quaternion": "an attitude", "orientation": "an attitude", "euler": "an attitude",
+    "attitude": "an attitude", "roll": "an attitude", "pitch": "an attitude", "yaw": "an attitude",
+    "heading": "an attitude", "azimuth": "an attitude", "std": "a standard deviation",
+    "sigma": "a standard deviation", "stddev": "a standard deviation", "variance": "a variance",
+    "gravity": "gravity as the device computed it", "grav": "gravity as the device computed it",
+    "schwerkraft": "gravity as the device computed it", "gravitation": "gravity as the device computed it",
+    "position": "a position", "pos": "a position", "lat": "a position", "lon": "a position",
+    "latitude": "a position", "longitude": "a position", "altitude": "a position", "height": "a position",
+    "pressure": "a pressure", "baro": "a pressure", "barometer": "a pressure", "humidity": "humidity",
+    "light": "light", "sound": "sound", "decibel": "sound", "battery": "a battery",
+    "voltage": "a voltage", "absolute": "the length of a vector", "abs": "the length of a vector",
+    "absolut": "the length of a vector", "absolue": "the length of a vector", "betrag": "the length of a vector",
+    "norm": "the length of a vector", "magnitude": "the length of a vector", "total": "the length of a vector",
+    "modulus": "the length of a vector", "tgf": "the length of a vector", "bias": "an estimated bias",
+    "offset": "an estimated bias", "drift": "an estimated bias", "week": "a week number: the second of the week is the time",
+    "flag": "a flag", "flags": "a flag", "tflags": "a flag", "status": "a status", "accuracy": "an accuracy",
+    "speed": "a speed", "distance": "a distance", "checksum": "a checksum", "crc": "a checksum",
+    "dq": "an attitude increment", "oriinc": "an attitude increment", "jerk": "a jerk",
+    "age": "the age of a value",
+}  # fmt: skip
+FREE = words(
+    "linear lineare lineaire linearen user free lin freeacc useracceleration linearacceleration lineal"
+)
+ARRIVAL = words(
+    "host arrival received receive recv rx system pc log logging server local bag write rostime"
+)
+OWN = words("header sensor device imu hw hardware")
+#: Prefixes of maker's field descriptors (MIP data sets 0x80): what each holds.
+DESCRIPTORS = {
+    "8004": ("accel", "g"), "8005": ("gyro", "rad/s"), "8007": ("dtheta", "rad"), "8008": ("dv", "g*s"),
+    "8006": (None, None), "8017": (None, None),
+}  # fmt: skip
+PARTS = {
+    "year": "year", "yyyy": "year", "month": "month", "hour": "hour", "hours": "hour", "hh": "hour",
+    "stunde": "hour",
+}  # fmt: skip
+FINE = {
+    "nsec": "ns", "nsecs": "ns", "nanosec": "ns", "nanosecs": "ns", "nanoseconds": "ns", "nanos": "ns",
+    "ns": "ns", "usec": "us", "usecs": "us", "microsec": "us", "microseconds": "us", "micros": "us",
+    "us": "us", "msec": "ms", "msecs": "ms", "millis": "ms", "milliseconds": "ms", "ms": "ms",
+    "millisecond": "ms", "microsecond": "us", "nanosecond": "ns",
+    "sec": "s", "secs": "s", "seconds": "s", "second": "s", "s": "s", "tow": "s", "sow": "s",
+    "minutes": "min",
+}  # fmt: skip
+COMPACT = re.compile(
+    r"^(gyroscope|gyro|gyr|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|a|f|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
+)
+COMPACT_FRONT = re.compile(
+    r"^([xyz])(gyro|gyr|gyroscope|rate|omega|accelerometer|acceleration|accel|acc|accl|mag|dtheta|dang|dvel)$"
+)
+KIND_OF = {
+    "g": "gyro", "w": "gyro", "gyro": "gyro", "gyr": "gyro", "gyroscope": "gyro", "omega": "gyro",
+    "wb": "gyro", "rate": "gyro", "ang": "gyro", "rot": "gyro", "a": "accel", "f": "accel", "fb": "accel",
+    "gf": "accel", "gforce": "accel", "acc": "accel", "accl": "accel", "accel": "accel",
+    "accelerometer": "accel", "acceleration": "accel", "alpha": "alpha", "dtheta": "dtheta",
+    "dt": "dtheta", "da": "dtheta", "dang": "dtheta", "dv": "dv", "dvel": "dv",
+}  # fmt: skip
+SUFFIX = re.compile(
+    r"_(rad_per_s|rad_s|rads|radps|rad_sec|deg_per_s|deg_s|degps|deg_sec|dps|mdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
+    r"|mss|mg|ug|g|counts?|lsb|raw|adc|sec|secs|msec|usec|nsec|ms|us|ns|s|min|degc|degf|deg_c|deg_f|celsius|fahrenheit|kelvin|c|f|k)$"
+)
+SUFFIX_UNIT = {
+    "rad_sec": "rad/s", "deg_sec": "deg/s", "m_s_2": "m/s^2", "m_s^2": "m/s^2", "ms_2": "m/s^2",
+    "mss": "m/s^2", "m_per_s2": "m/s^2", "rad_per_s": "rad/s", "deg_per_s": "deg/s",
+}  # fmt: skip
+REMARKS = words(
+    "raw calibrated uncalibrated cal uncal imu utc local gps relative boot body sensor device filtered lp hp axis"
+    " unix posix since start system host txt text string hex elapsed"
+)

@@ -1,0 +1,169 @@
+"""Which of several columns is the time: seconds with their fraction, hours with minutes, the sensor's
+own stamp before that of arrival.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from imu_lib.readers import names
+from imu_lib.readers.names import Meaning
+from imu_lib.readers.raw import Raw
+
+
+def letter_t(told, headings, values) -> list[Meaning]:
+    """A column called T: the time where it rises from row to row, a temperature where it does not."""
+    out = list(told)
+    for i, m in enumerate(told):
+        if m.quantity != "time" or headings[i].name.strip() != "T" or headings[i].kind != "number":
+            continue
+        x = np.asarray(values[i], dtype=float)
+        step = np.diff(x)
+        other = any(n.quantity in ("time", "date", "clock") for k, n in enumerate(told) if k != i)
+        rising = len(step) and (step > 0).mean() > 0.9
+        if not other and rising and not (np.nanmin(x) > -60 and np.ptp(x) < 30 and i > 0):
+            continue
+        if np.nanmin(x) > -273 and np.nanmax(x) < 400:
+            out[i] = Meaning(
+                "temperature",
+                unit=m.unit if m.unit != "s" else None,
+                why="called T, and it does not rise from row to row",
+            )
+    return out
+
+
+def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
+    """One time out of several: seconds with their fraction put together, the sensor's own before
+    that of arrival, one that states its unit before one that does not, numbers before the calendar.
+    """
+    out = list(told)
+    together = _put_together(told, headings, values)
+    if together:
+        return together
+    times = [i for i, m in enumerate(told) if m.quantity == "time"]
+    for whole in times:
+        for sub in times:
+            if _is_pair(told[whole], told[sub], values.get(whole), values.get(sub), whole, sub):
+                factor = {"ns": 1_000_000_000, "us": 1_000_000, "ms": 1_000}[told[sub].unit]
+                values[whole] = np.rint(np.asarray(values[whole], dtype=np.float64)).astype(
+                    np.int64
+                ) * factor + np.rint(np.asarray(values[sub], dtype=np.float64)).astype(np.int64)
+                unit = told[sub].unit
+                out[sub] = Meaning(why=f"its {unit} were added to `{headings[whole].name}`")
+                out[whole] = replace(
+                    told[whole], unit=unit, rank=min(told[whole].rank, 1) - 1 if told[whole].rank else 0,
+                    why=f"seconds, with the {unit} of `{headings[sub].name}`",
+                )  # fmt: skip
+                told = out
+                break
+    times = [i for i, m in enumerate(out) if m.quantity == "time"]
+    dead = [i for i in times if not _moves(values[i])]
+    if len(dead) < len(times):
+        for i in dead:
+            out[i] = Meaning(why="its stamps do not move")
+    times = [i for i, m in enumerate(out) if m.quantity == "time"]
+    calendar = [i for i, m in enumerate(out) if m.quantity in ("date", "clock")]
+    for i, m in enumerate(out):
+        if m.quantity == "part":
+            out[i] = Meaning(why="part of a date or clock")
+    if not times:
+        return _one_calendar(out, headings)
+    grouped = {out[i].group for i in times if out[i].group}
+    if len(grouped) == 2 and len(times) == 2:
+        for i in times:
+            if out[i].group == "accel":
+                raw.columns["time_accel"] = np.asarray(values[i])
+                raw.units["time_accel"] = out[i].unit
+                raw.headings["time_accel"] = headings[i].name
+                out[i] = Meaning(why="the accelerometer's own stamps")
+                raw.notes += (
+                    f"The accelerometer has stamps of its own (`{headings[i].name}`); each gyro sample goes with the nearest one.",
+                )
+        return out
+    order = sorted(times, key=lambda i: (out[i].rank, out[i].unit is None, i))
+    for i in order[1:]:
+        out[i] = Meaning(why=f"`{headings[order[0]].name}` is the time")
+    for i in calendar:
+        out[i] = Meaning(why=f"`{headings[order[0]].name}` is the time")
+    for i, m in enumerate(out):
+        if m.quantity == "counter":
+            out[i] = Meaning(why=f"a counter; `{headings[order[0]].name}` is the time")
+    return out
+
+
+def _moves(x) -> bool:
+    x = np.asarray(x)
+    return x.dtype.kind not in "fiu" or bool(len(x) < 2 or (x != x[0]).any())
+
+
+def _is_pair(whole: Meaning, sub: Meaning, seconds, fraction, a: int, b: int) -> bool:
+    """Whether two columns are the seconds and the fraction of one stamp: whole seconds, and a
+    fraction that stays below one second.
+    """
+    if a == b or sub.unit not in ("ns", "us", "ms") or sub.part != "sub" or seconds is None:
+        return False
+    if whole.unit not in ("s", None) or whole.rank != sub.rank:
+        return False
+    seconds, fraction = np.asarray(seconds, dtype=float), np.asarray(fraction, dtype=float)
+    if not (np.isfinite(seconds).all() and np.isfinite(fraction).all()) or len(seconds) < 2:
+        return False
+    limit = {"ns": 1e9, "us": 1e6, "ms": 1e3}[sub.unit]
+    integers = (seconds == np.rint(seconds)).all()
+    falls = (np.diff(fraction) < 0).any() or (seconds == seconds[0]).all()
+    return bool(integers and fraction.min() >= 0 and fraction.max() < limit and falls)
+
+
+def _one_calendar(out, headings) -> list[Meaning]:
+    """One date and one clock; a moment (date and clock in one) needs no clock beside it."""
+    for quantity in ("date", "clock"):
+        there = sorted(
+            (i for i, m in enumerate(out) if m.quantity == quantity), key=lambda i: out[i].rank
+        )
+        for i in there[1:]:
+            out[i] = Meaning(why=f"`{headings[there[0]].name}` is the {quantity}")
+    moment = [i for i, m in enumerate(out) if m.quantity == "date" and headings[i].kind == "moment"]
+    if moment:
+        for i, m in enumerate(out):
+            if m.quantity == "clock":
+                out[i] = Meaning(why=f"`{headings[moment[0]].name}` holds the clock too")
+    for i, m in enumerate(out):
+        if m.quantity == "counter" and any(n.quantity in ("date", "clock") for n in out):
+            out[i] = Meaning(why="a counter; the clock is the time")
+    return out
+
+
+def _put_together(out, headings, values) -> list[Meaning] | None:
+    """A clock in columns of hours, minutes and seconds, put together in the one of the seconds;
+    None where there is none.
+    """
+    have = {out[i].part: i for i, m in enumerate(out) if m.quantity == "part"}
+    times = [i for i, m in enumerate(out) if m.quantity == "time"]
+    second = [
+        i for i in times
+        if out[i].unit == "s" and np.nanmin(values[i]) >= 0 and np.nanmax(values[i]) <= 60.0
+    ]  # fmt: skip
+    if not {"hour", "minute"} <= set(have) or not second:
+        return None
+    sub = [i for i in times if out[i].unit in ("ms", "us", "ns") and out[i].part == "sub"]
+    place = second[0]
+    total = 3600.0 * np.asarray(values[have["hour"]], float) + 60.0 * np.asarray(
+        values[have["minute"]], float
+    )
+    total = total + np.asarray(values[place], float)
+    for i in sub[:1]:
+        total = total + np.asarray(values[i], float) * names.TIME_UNITS[out[i].unit]
+    # past midnight the clock begins anew
+    values[place] = total + 86_400.0 * np.cumsum(np.r_[0, np.diff(total) < -43_200.0])
+    used = [have["hour"], have["minute"], place, *sub[:1]]
+    out = list(out)
+    for i, m in enumerate(out):
+        if m.quantity in ("part", "time", "date", "clock", "counter") and i != place:
+            out[i] = Meaning(
+                why=f"put together with `{headings[place].name}`"
+                if i in used
+                else "hours, minutes and seconds are the time"
+            )
+    out[place] = replace(out[place], why="hours, minutes and seconds of several columns")
+    return out
