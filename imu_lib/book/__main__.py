@@ -4,7 +4,7 @@ import sys
 import time
 from pathlib import Path
 
-from imu_lib.book import build, chapters, execute
+from imu_lib.book import build, chapters, contents, execute
 from imu_lib.errors import InputError
 
 
@@ -14,6 +14,7 @@ def main(arguments: list[str]) -> int:
         return {
             "build": build_book,
             "pages": pages,
+            "contents": write_contents,
             "refresh": refresh,
             "executable": executable,
             "pdf": pdf,
@@ -39,6 +40,13 @@ def pages(names) -> int:
             Path(names[0]).resolve() if names else None, execute_first=False, strict=False
         )
     )
+    return 0
+
+
+def write_contents(names) -> int:
+    """Bring the table of contents and the chapters' heads to what book/chapters.toml says."""
+    for path in contents.write(chapters.source()):
+        print(f"wrote {path.name}")
     return 0
 
 

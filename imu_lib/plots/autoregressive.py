@@ -64,10 +64,10 @@ def order_by_length(hours, orders, *, ax=None):
 @style.styled
 def residual_autocorrelation(tests, *, fs=None, axes=None):
     """Autocorrelation of residuals with the 95 % band of white noise; `tests` is label ->
-    Whiteness, a panel each.
+    Whiteness, a panel each with a scale of its own.
     """
     if axes is None:
-        axes = style.grid(1, len(tests), size=(9.0 if len(tests) > 1 else 7.0, 3.2), sharey=True)[0]
+        axes = style.grid(1, len(tests), size=(9.0 if len(tests) > 1 else 7.0, 3.2))[0]
     for ax, (label, test) in zip(axes, tests.items(), strict=True):
         lag = np.arange(1, test.rho.size + 1) / (fs or 1)
         ax.vlines(lag, 0, test.rho, color=style.DATA, linewidth=1.5)

@@ -15,9 +15,9 @@ def _colour(study, name):
 
 
 @style.styled
-def outage_map(study, drive, *, model=None, ax=None):
+def outage_map(study, drive, *, model=None, first=1, ax=None):
     """The drive from above, its outages in colour and, dashed, where one model would have gone
-    (2013 paper, Figs. 18, 20, 23).
+    (2013 paper, Figs. 18, 20, 23); they are numbered from `first` on.
     """
     ax = style.axes(ax, x="east, m", y="north, m", size=(6.4, 5.6))
     model = model or next(iter(study.models))
@@ -41,7 +41,12 @@ def outage_map(study, drive, *, model=None, ax=None):
         )
         if len(study.windows) <= 12:
             ax.annotate(
-                str(i + 1), (real[0, 1], real[0, 0]), textcoords="offset points", xytext=(5, 5)
+                str(first + i),
+                (real[0, 1], real[0, 0]),
+                textcoords="offset points",
+                xytext=(8, 8),
+                zorder=10,
+                bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": style.BLUE, "lw": 0.6},
             )
     ax.set_aspect("equal", adjustable="datalim")
     ax.locator_params(axis="x", nbins=6)
@@ -51,10 +56,12 @@ def outage_map(study, drive, *, model=None, ax=None):
 
 @style.styled
 def outage_maps(studies, drives, *, model=None, axes=None):
-    """`outage_map` of several drives side by side."""
+    """`outage_map` of several drives side by side, their outages numbered on."""
     axes = style.grid(1, len(drives), size=(9.0, 4.2)) if axes is None else axes
+    first = 1
     for study, drive, ax in zip(studies, drives, np.ravel(axes), strict=True):
-        outage_map(study, drive, model=model, ax=ax)
+        outage_map(study, drive, model=model, first=first, ax=ax)
+        first += len(study.windows)
     return axes
 
 

@@ -8,9 +8,9 @@ from imu_lib.plots import style
 
 
 @style.styled
-def planar_tracks(drive, found, interval, *, ax=None):
+def planar_tracks(drive, found, interval, *, fixes=None, ax=None):
     """True track and the first run's estimated tracks with a fix every `interval` s; `found`
-    {model: Errors} (Figs. 14, 15).
+    {model: Errors} (Figs. 14, 15), and `fixes` (n, 2) of that run alone.
     """
     ax = style.axes(ax, x="east, m", y="north, m", title=f"a fix every {interval} s")
     ax.plot(
@@ -24,22 +24,33 @@ def planar_tracks(drive, found, interval, *, ax=None):
     for k, ((name, errors), color) in enumerate(zip(found.items(), style.CYCLE)):
         track = drive.position + errors.track
         ax.plot(track[:, 1], track[:, 0], color=color, lw=1.6 - 0.7 * k, label=name)
+    if fixes is not None:
+        every = round(interval * drive.fs)
+        at = slice(every - 1, None, every)
+        ax.plot(fixes[at, 1], fixes[at, 0], ".", color=style.BLACK, ms=2, label="fixes alone")
     ax.set_aspect("equal", adjustable="datalim")
     ax.legend()
     return ax
 
 
 @style.styled
-def planar_errors(drive, study, model, *, intervals=(1, 5, 10, 20), size=(9.0, 5.0)):
-    """Northing and easting error of the first run over time, one panel an interval (Figs. 16 to
-    19).
+def planar_errors(drive, study, names, *, fixes=None, intervals=(1, 5, 10, 20), size=(9.0, 8.0)):
+    """Horizontal error of the first run over time by model, a panel an interval (Figs. 16 to 19).
+
+    names : the models drawn, the first below the next; fixes : (n, 2) of the same run, whose own
+    errors are drawn at the fixes that are used
     """
     panels = style.grid(2, (len(intervals) + 1) // 2, size=size, sharex=True).ravel()
     for ax, interval in zip(panels, intervals):
-        track = study[interval][model].track
-        ax.plot(drive.time, track[:, 0], color=style.BLUE, lw=0.9, label="north")
-        ax.plot(drive.time, track[:, 1], color=style.VERMILION, lw=0.9, label="east")
-        ax.set(title=f"a fix every {interval} s", ylabel="position error, m")
+        for k, (name, color) in enumerate(zip(names, style.CYCLE)):
+            track = study[interval][name].track
+            ax.plot(drive.time, np.hypot(*track.T), color=color, lw=2.4 - 1.5 * k, label=name)
+        if fixes is not None:
+            every = round(interval * drive.fs)
+            at = slice(every - 1, None, every)
+            off = np.hypot(*(fixes - drive.position)[at].T)
+            ax.plot(drive.time[at], off, ".", color=style.BLACK, ms=3, label="fixes alone")
+        ax.set(title=f"a fix every {interval} s", ylabel="horizontal error, m")
     for ax in panels[-2:]:
         ax.set_xlabel("time, s")
     panels[0].legend()

@@ -1,6 +1,4 @@
-"""Tables that chapters print: coefficients side by side, readings of a Gauss-Markov process,
-outages, stored studies.
-"""
+"""Stored studies and repeated runs as tables: coverage, outages, wavelet levels, calibrations."""
 
 from __future__ import annotations
 
@@ -10,136 +8,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imu_lib import published, report
+from imu_lib import published
 from imu_lib.calibration import repeatability as repeats
-from imu_lib.units import datasheet
-
-#: The parameters that the usual sums have, in the order in which a table lists them.
-USUAL = ("N", "B", "sigma", "correlation_time", "K")
-
-
-def values_of(entry):
-    """Symbol -> Estimate or SI value of what a method returned: a mapping, a fit or reading, or a
-    Sum.
-    """
-    if hasattr(entry, "labels"):  # a Sum
-        processes = list(entry)
-        return {label: getattr(processes[i], name) for label, i, name in entry.labels()}
-    for attribute in ("parameters", "coefficients"):
-        entry = getattr(entry, attribute, entry)
-    return dict(entry)
-
-
-def coefficients(methods, *, printed=None, symbols=None, digits=4):
-    """One row per channel and symbol, one column per method.
-
-    Parameters
-    ----------
-    methods : dict
-        Title -> {channel -> mapping of symbol to Estimate or SI value, fit, reading, or Sum}.
-    printed : dict or None
-        Title -> {channel -> {symbol -> value or (value, uncertainty)}} in datasheet units, as a
-        paper prints them.
-    symbols : sequence of str or None
-        Which rows; by default those that any `printed` has, or else all.
-    digits : int
-        Significant digits.
-
-    Returns
-    -------
-    pandas.DataFrame of str
-    """
-    rows = {}
-    for title, table in (printed or {}).items():
-        for channel, entry in table.items():
-            for symbol, value in entry.items():
-                text = f"{value[0]:g} ± {value[1]:g}" if isinstance(value, tuple) else f"{value:g}"
-                rows.setdefault((channel, symbol), {})[title] = text
-    only = set(rows) if printed and symbols is None else None
-    for title, table in methods.items():
-        for channel, entry in table.items():
-            for symbol, value in values_of(entry).items():
-                if (
-                    value is None
-                    or (only is not None and (channel, symbol) not in only)
-                    or (symbols and symbol not in symbols)
-                ):
-                    continue
-                text = (
-                    report.estimate(value, symbol, channel, digits)
-                    if hasattr(value, "shown")
-                    else report.number(value / datasheet(symbol, channel)[0], digits)
-                    if isinstance(value, float)
-                    else None
-                )
-                if text is not None:
-                    rows.setdefault((channel, symbol), {})[title] = text
-    order = [*methods, *(printed or {})]
-    frame = pd.DataFrame(
-        {f"{c} {s}, {report.unit_name(s, c)}": row for (c, s), row in rows.items()}
-    ).T
-    return frame.reindex(columns=[title for title in order if title in frame]).fillna("")
-
-
-def held(fits, truths):
-    """Whether the 95 % interval of each parameter that has a true value holds it: {(channel,
-    symbol): bool}.
-
-    `fits` and `truths` map channels to what `values_of` reads.
-    """
-    true = {c: values_of(entry) for c, entry in truths.items()}
-    return {
-        (c, k): e.covers(true[c][k])
-        for c, fit in fits.items()
-        for k, e in values_of(fit).items()
-        if k in true[c]
-    }
-
-
-def gauss_markov(truth, reading, fit):
-    """Sigma and correlation time of a Gauss-Markov process by several ways, and the driving
-    density that they make.
-
-    `truth` is the Sum that has the process, `reading` what `allan.read_off` says of its curve
-    (taken as the flat part, and as
-    the process's peak), `fit` an AllanFit.
-    """
-    process, found = truth.find("gauss_markov"), values_of(fit)
-    ways = {
-        "truth": (process.sigma, process.correlation_time),
-        "flat part": (reading.flat, reading.correlation_time),
-        "peak": (reading.sigma, reading.peak_correlation_time),
-        "fit": (found["sigma"], found["correlation_time"]),
-    }
-    values = {
-        way: np.array([getattr(v, "value", v) for v in pair], dtype=float)
-        for way, pair in ways.items()
-    }
-    return pd.DataFrame(
-        {
-            way: {"sigma": sigma, "Tc, s": time, "driving density 2 sigma²/Tc": 2 * sigma**2 / time}
-            for way, (sigma, time) in values.items()
-        }
-    ).T
-
-
-def flat_parts(records, readings, printed=None):
-    """What is read off the flat part, and the standard deviation, by channel; `printed` as
-    {channel: (Tc, std)} beside it.
-
-    Returns
-    -------
-    pandas.DataFrame of str
-    """
-    table = pd.DataFrame(
-        {
-            c: {"Tc read, s": readings[c].correlation_time.value, "std": np.std(records[c])}
-            for c in readings
-        }
-    ).T
-    if printed:
-        table[["2013: Tc, s", "2013: std"]] = [printed[c] for c in table.index]
-    return table.astype(float).map("{:.4g}".format).replace("nan", "none found")
 
 
 def coverage(path, methods=None):
@@ -238,6 +108,26 @@ def outage_errors(studies):
             for what in ("mean", "max")
         }
     ).T
+
+
+def paper_outages(stored, what="max"):
+    """What `benchmarks/outages_paper.py` stored: median and 95 % range over the draws, the paper's
+    value, and in brackets the share of draws below it; outages down, models across, m.
+
+    Returns
+    -------
+    pandas.DataFrame of str
+    """
+    columns = {}
+    for name, entry in stored[what].items():
+        columns[name] = [
+            f"{q[2]:.3g} [{q[0]:.2g}, {q[-1]:.3g}]; paper {printed:.3g} ({rank:.0%})"
+            for q, printed, rank in zip(entry["quantiles"], entry["paper"], entry["rank"])
+        ]
+    index = [
+        f"{o.number}, {o.duration_s:.0f} s, {o.speed_km_h:.0f} km/h" for o in published.OUTAGES_2013
+    ]
+    return pd.DataFrame(columns, index=pd.Index(index, name="outage"))
 
 
 def level_errors(ours):

@@ -1,0 +1,52 @@
+/* Computed tables: a click on a heading sorts, a button saves the table as CSV. No library, no network. */
+(function () {
+  "use strict";
+  const value = (text) => {
+    const found = text.replace(/[−–]/g, "-").match(/-?\d+(\.\d+)?(e[+-]?\d+)?/i);
+    return found ? parseFloat(found[0]) : NaN;
+  };
+  function sort(table, column, heading) {
+    const body = table.tBodies[0];
+    const down = heading.getAttribute("aria-sort") === "ascending";
+    table.querySelectorAll("th[aria-sort]").forEach((th) => th.removeAttribute("aria-sort"));
+    heading.setAttribute("aria-sort", down ? "descending" : "ascending");
+    const rows = [...body.rows].map((row) => [row.cells[column].innerText.trim(), row]);
+    const numbers = rows.every(([text]) => text === "" || text === "-" || !isNaN(value(text)));
+    rows.sort(([a], [b]) => {
+      const order = numbers ? (value(a) || 0) - (value(b) || 0) : a.localeCompare(b, "en", { numeric: true });
+      return down ? -order : order;
+    });
+    rows.forEach(([, row]) => body.appendChild(row));
+  }
+  function save(table, name) {
+    const quoted = (cell) => '"' + cell.innerText.trim().replace(/"/g, '""') + '"';
+    const text = [...table.rows].map((row) => [...row.cells].map(quoted).join(",")).join("\r\n");
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob(["\ufeff" + text], { type: "text/csv" }));
+    link.download = name + ".csv";
+    link.click();
+    URL.revokeObjectURL(link.href);
+  }
+  document.addEventListener("DOMContentLoaded", () => {
+    document.querySelectorAll("table.computed").forEach((table, number) => {
+      const heads = table.tHead ? table.tHead.rows : [];
+      if (heads.length) {
+        [...heads[heads.length - 1].cells].forEach((th, column) => {
+          th.tabIndex = 0;
+          th.title = "Sort by this column";
+          const act = () => sort(table, column, th);
+          th.addEventListener("click", act);
+          th.addEventListener("keydown", (event) => { if (event.key === "Enter") act(); });
+        });
+      }
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "save-table";
+      button.textContent = "CSV";
+      button.title = "Save this table as CSV";
+      const page = location.pathname.split("/").pop().replace(/\.html$/, "") || "table";
+      button.addEventListener("click", () => save(table, page + "_table_" + (number + 1)));
+      (table.caption || table.parentElement).appendChild(button);
+    });
+  });
+})();

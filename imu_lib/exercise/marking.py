@@ -1,0 +1,119 @@
+"""Marks of one set of answers: the name counts as in the score of the gap workflow, then the
+parameters.
+
+An effect is *named* when its own name stands under its own channel. Of an effect's mark 60 % are
+for the name and 40 % for its parameters, which get the whole share within a tolerance and nothing
+from three tolerances on. A wrong name earns nothing, and each name for something that is not there
+takes back a fifth of an effect's mark.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from imu_lib.errors import InputError
+
+NAME_SHARE, FALSE_COST, NONE_FROM = 0.6, 0.2, 3.0
+#: Tolerances, relative to the true value; those of times are relative to the record's length.
+TOLERANCE = {"frequency": 0.005, "time": 0.02, "time_constant": 0.25, "K": 0.3, "rate": 0.3}
+USUAL = 0.15
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Points of 100, counts as in the score of the workflow, and a sentence for each effect."""
+
+    points: float
+    hidden: int
+    named: int
+    wrong: int
+    feedback: tuple[str, ...]
+
+
+def mark(hidden: Sequence, answers: Mapping, *, length: float, where: str = "the answers") -> Mark:
+    """Mark answers against the truth.
+
+    Parameters
+    ----------
+    hidden : sequence of (channel, effect, parameters)
+    answers : mapping
+        `{"channels": {channel: [{"effect": ..., "parameters": {...}}]}}`; what `imu-lib gap --json`
+        writes is one, too.
+    length : float, s
+        Of the record.
+
+    Raises
+    ------
+    InputError
+        Where the answers have another form.
+    """
+    given = listed(answers, where)
+    earned, named, feedback, used = 0.0, 0, [], set()
+    for channel, effect, parameters in hidden:
+        found = next(
+            (
+                i
+                for i, (c, e, _) in enumerate(given)
+                if i not in used and (c, e) == (channel, effect)
+            ),
+            None,
+        )
+        if found is None:
+            there = [e for i, (c, e, _) in enumerate(given) if c == channel and i not in used]
+            said = f"you named {', '.join(there)}" if there else "you named nothing there"
+            feedback.append(f"{channel}: there was {effect}; {said}.")
+            continue
+        used.add(found)
+        named += 1
+        shares, words = _parameters(parameters, given[found][2], length)
+        earned += NAME_SHARE + (1.0 - NAME_SHARE) * shares
+        feedback.append(f"{channel}: {effect} named; {words}.")
+    wrong = [(c, e) for i, (c, e, _) in enumerate(given) if i not in used]
+    feedback += [f"{c}: there was no {e}." for c, e in wrong]
+    earned = max(0.0, earned - FALSE_COST * len(wrong))
+    return Mark(100.0 * earned / len(hidden), len(hidden), named, len(wrong), tuple(feedback))
+
+
+def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
+    """(channel, effect, parameters) of every answer."""
+    channels = answers.get("channels") if isinstance(answers, Mapping) else None
+    if not isinstance(channels, Mapping):
+        raise InputError(
+            f'{where}: there is no "channels"; answers look like '
+            '{"channels": {"gyro_x": [{"effect": "step", "parameters": {"time": 12.0}}]}}.'
+        )
+    out = []
+    for channel, entry in channels.items():
+        steps = entry.get("steps", ()) if isinstance(entry, Mapping) else entry
+        if not isinstance(steps, Sequence) or isinstance(steps, str):
+            raise InputError(f"{where}: the answers for {channel} are no list of effects.")
+        for step in steps:
+            effect = step.get("effect") if isinstance(step, Mapping) else None
+            parameters = step.get("parameters") or {} if isinstance(step, Mapping) else {}
+            if not isinstance(effect, str) or not isinstance(parameters, Mapping):
+                raise InputError(
+                    f'{where}: an answer for {channel} has no "effect", or parameters that are '
+                    "no names with numbers."
+                )
+            out.append((channel, effect.strip().lower().replace(" ", "_"), dict(parameters)))
+    return out
+
+
+def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, str]:
+    """Share of the parameters' mark, and what to tell the student."""
+    shares, words = [], []
+    for name, value in true.items():
+        answer = given.get(name)
+        if not isinstance(answer, (int, float)) or isinstance(answer, bool):
+            shares.append(0.0)
+            words.append(f"{name} is missing, it was {value:.4g}")
+            continue
+        tolerance = TOLERANCE.get(name, USUAL)
+        scale = length if name == "time" else abs(value)
+        error = abs(answer - value) / scale / tolerance
+        share = min(1.0, max(0.0, (NONE_FROM - error) / (NONE_FROM - 1.0)))
+        shares.append(share)
+        judged = "right" if share == 1.0 else "near" if share else "wrong"
+        words.append(f"{name} {answer:.4g} {judged}, it was {value:.4g}")
+    return sum(shares) / len(shares), "; ".join(words)

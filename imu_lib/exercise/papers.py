@@ -1,0 +1,143 @@
+"""The files of a class: a folder for each student, a key for the teacher, marks with feedback."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.exercise import hidden as blind
+from imu_lib.exercise.marking import mark
+from imu_lib.writers import arrays, check_folder
+
+KEY, ANSWERS = "key.json", "answers.json"
+SHEET = """# The blind sensor, number {name}
+
+`record.npz` is {minutes:g} minutes at rest of a sensor that nobody else has, at {rate:g} Hz: three gyros (rad/s) and three
+accelerometers (m/s^2), turn-on bias and gravity taken out. `model.json` is what its data sheet says: white noise and a
+Gauss-Markov process for each channel. It does not say everything. **Two or three effects are hidden, each on a channel of
+its own.** Find where, name them, and give their parameters in SI units.
+
+The names to choose from, with the parameters that are asked for:
+
+{catalogue}
+
+Write your answers into `answers.json`, a list for each channel in which you found something:
+
+```json
+{{"student": "{name}",
+ "channels": {{"gyro_x": [{{"effect": "step", "parameters": {{"amplitude": 1e-4, "time": 310.0}}}}]}}}}
+```
+
+For each effect 60 % of the mark are for its name under its channel and 40 % for its parameters. A wrong name earns
+nothing, and each name for something that is not there takes back a fifth of an effect's mark: an empty list is better
+than a guess.
+
+Useful: `imu-lib check record.npz`, `imu-lib characterise record.npz`, `imu-lib simulate model.json`, the chapters on the
+spectrum, the Allan variance and the simulation gap. Whoever uses `imu-lib gap` has to explain its answer.
+"""
+
+
+def write_class(
+    folder, count: int, seed: int, *, minutes: float = 30.0, rate: float = 50.0
+) -> Path:
+    """Write `count` students' folders and the teacher's key into `folder`; returns the key's path.
+
+    Student i of a seed always gets the same record. Raises InputError where the folder is there
+    and holds something.
+    """
+    folder = Path(folder)
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(f"{folder} is there already; name a new folder with --out.")
+    check_folder(folder)
+    key = {"seed": seed, "minutes": minutes, "rate": rate, "students": {}}
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in range(1, count + 1):
+        name = f"{number:0{max(2, len(str(count)))}d}"
+        case = blind.draw(np.random.default_rng([seed, number]), minutes=minutes, rate=rate)
+        own = folder / f"student_{name}"
+        own.mkdir()
+        np.savez_compressed(own / "record.npz", **arrays(case.record))
+        case.base.save(own / "model.json")
+        (own / "sheet.md").write_text(_sheet(name, minutes, rate), encoding="utf-8")
+        _write_json(own / ANSWERS, {"student": name, "channels": {}})
+        key["students"][name] = [
+            {"channel": c, "effect": e, "parameters": p} for c, e, p in case.hidden
+        ]
+    _write_json(folder / KEY, key)
+    return folder / KEY
+
+
+def _sheet(name: str, minutes: float, rate: float) -> str:
+    scale, rng = blind.Scale(1.0, 1.0, 1800.0, 50.0), np.random.default_rng(0)
+    lines = [f"- `{e}`: {', '.join(make(scale, rng))}" for e, make in blind.EFFECTS.items()]
+    return SHEET.format(name=name, minutes=minutes, rate=rate, catalogue="\n".join(lines))
+
+
+def key_of(answers: Path) -> Path:
+    """The teacher's key beside the answers or in a folder above them; InputError without one."""
+    start = answers if answers.is_dir() else answers.parent
+    for folder in (start, *start.resolve().parents[:2]):
+        if (folder / KEY).is_file():
+            return folder / KEY
+    raise InputError(
+        f"there is no {KEY} beside {answers} or above it; name the one that `imu-lib exercise new` "
+        "wrote with --key."
+    )
+
+
+def mark_all(answers, key) -> dict:
+    """Student -> Mark of a file of answers, or of every `answers*.json` in a folder."""
+    answers = Path(answers)
+    if not answers.exists():
+        raise InputError(f"{answers} does not exist; name a file of answers or their folder.")
+    content = _read_json(Path(key))
+    if not isinstance(content, dict) or not isinstance(content.get("students"), dict):
+        raise InputError(f"{key} is no key of an exercise; name the one that was written with it.")
+    paths = sorted(answers.rglob("answers*.json")) if answers.is_dir() else [answers]
+    if not paths:
+        raise InputError(f"{answers} holds no file answers*.json.")
+    length, marks = 60.0 * content["minutes"], {}
+    for path in paths:
+        given = _read_json(path)
+        name = given.get("student") if isinstance(given, dict) else None
+        name = str(name) if name is not None else path.parent.name.removeprefix("student_")
+        if name not in content["students"]:
+            raise InputError(
+                f'{path}: there is no student {name!r} in {key}; "student" has to be the number '
+                "on the sheet."
+            )
+        if name in marks:
+            raise InputError(f"{path}: student {name} has answered in another file already.")
+        truth = [(h["channel"], h["effect"], h["parameters"]) for h in content["students"][name]]
+        marks[name] = mark(truth, given, length=length, where=str(path))
+    return marks
+
+
+def write_marks(marks: dict, folder) -> None:
+    """`marks.csv` for the class and `feedback_NAME.md` for each student."""
+    folder = Path(folder)
+    check_folder(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / "marks.csv", "w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(["student", "points", "hidden", "named", "wrong"])
+        for name, m in marks.items():
+            table.writerow([name, f"{m.points:.1f}", m.hidden, m.named, m.wrong])
+    for name, m in marks.items():
+        lines = [f"# Student {name}: {m.points:.0f} of 100", "", *(f"- {t}" for t in m.feedback)]
+        (folder / f"feedback_{name}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _read_json(path: Path):
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, UnicodeDecodeError) as problem:
+        raise InputError(f"{path} is not valid JSON: {problem}.") from None
+
+
+def _write_json(path: Path, content) -> None:
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,52 @@
+"""Order, prerequisites, minutes and what comes next stand once, in book/chapters.toml; figures have
+captions.
+"""
+
+import nbformat
+import pytest
+
+from conftest import ROOT
+from imu_lib.book import chapters, contents
+
+CHAPTERS = chapters.chapters(ROOT)
+ENTRIES = contents.entries(ROOT)
+each = pytest.mark.parametrize("chapter", CHAPTERS, ids=lambda chapter: chapter.slug)
+
+
+def test_table_of_contents_follows():
+    written = (ROOT / "book/_toc.yml").read_text(encoding="utf-8")
+    assert written == contents.table_of_contents(ROOT), "run `python -m imu_lib.book contents`"
+
+
+def test_prerequisites_come_before():
+    order = list(ENTRIES)
+    for slug, entry in ENTRIES.items():
+        for needed in (*entry.important, *entry.helpful):
+            assert order.index(needed) < order.index(slug), f"{slug} asks for {needed}"
+
+
+def test_titles_lead_with_a_term():
+    for chapter in CHAPTERS:
+        term, colon, question = chapter.title.partition(": ")
+        assert colon and len(term.split()) <= 7, chapter.title
+
+
+@each
+def test_head_and_next_are_derived(chapter):
+    notebook = nbformat.read(chapter.path, as_version=4)
+    sources = [cell.source for cell in notebook.cells]
+    assert sources == contents.derived(notebook, ENTRIES[chapter.slug], ENTRIES), (
+        "run `python -m imu_lib.book contents`"
+    )
+    text = "\n".join(sources)
+    assert len(contents.HEAD.findall(text)) == 1 and len(contents.NEXT.findall(text)) == 1
+
+
+@each
+def test_every_figure_has_a_caption(chapter):
+    cells = nbformat.read(chapter.path, as_version=4).cells
+    for cell, after in zip(cells, [*cells[1:], None]):
+        pictures = sum("image/png" in o.get("data", {}) for o in cell.get("outputs", []))
+        assert pictures <= 1, f"two figures, one caption: {cell.source}"
+        if pictures:
+            assert after is not None and after.source.lstrip().startswith("*"), cell.source
