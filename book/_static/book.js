@@ -1,6 +1,10 @@
 /* Computed tables: a click on a heading sorts, a button saves the table as CSV. No library, no network. */
 (function () {
   "use strict";
+  // a page opened from a disk may not fetch others: the search lists titles and headings without excerpts
+  if (location.protocol === "file:" && typeof DOCUMENTATION_OPTIONS !== "undefined") {
+    DOCUMENTATION_OPTIONS.SHOW_SEARCH_SUMMARY = false;
+  }
   const value = (text) => {
     const found = text.replace(/[−–]/g, "-").match(/-?\d+(\.\d+)?(e[+-]?\d+)?/i);
     return found ? parseFloat(found[0]) : NaN;
