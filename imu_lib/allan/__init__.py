@@ -6,7 +6,7 @@ fitting a whole model to it.
 joint fit of a sum of processes, `characterise(x, fs)` one coefficient of each kind.
 """
 
-from imu_lib.allan.best import characterise, fit_any, short_filter
+from imu_lib.allan.best import characterise, fit_any, from_curve, short_filter
 from imu_lib.allan.confidence import degrees_of_freedom, papers_error
 from imu_lib.allan.deviation import AllanCurve, cluster_lengths, deviation
 from imu_lib.allan.fit import AllanFit, fit, fit_best
@@ -32,6 +32,7 @@ __all__ = [
     "fit_best",
     "flat_gradient",
     "flat_time",
+    "from_curve",
     "of_record",
     "papers_error",
     "read_off",

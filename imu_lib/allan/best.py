@@ -108,6 +108,11 @@ def characterise(x: Array, fs: float, *, stages: Sequence[Stage] = ()) -> dict[s
     curve = deviation(x, fs)
     if curve.tau[-1] * fs < 0.05 * curve.samples:  # scattered gaps leave no whole long cluster
         curve = deviation(x, fs, present=0.8)
+    return from_curve(curve, stages=stages)
+
+
+def from_curve(curve: AllanCurve, *, stages: Sequence[Stage] = ()) -> dict[str, Estimate]:
+    """`characterise` on a curve that is there."""
     best = fit_any(curve, stages=stages)
     out = {symbol: best[symbol] for symbol in ("N", "K", "Q", "R")}
     bump = "sigma" in best.parameters and best["sigma"].shown

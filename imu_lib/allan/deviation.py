@@ -149,9 +149,27 @@ def deviation(
                 "`taus` holds no averaging time between one sample and half the record"
             )
     means, counts = squared_differences(x, m, present=present, threads=threads)
-    keep = counts > 0
-    if not keep.any():
+    if not (counts > 0).any():
         raise ValueError("`x` holds no two adjacent clusters without a missing sample")
+    return of_means(m, means, counts, int(x.size), fs)
+
+
+def of_means(m: Array, means: Array, counts: Array, samples: int, fs: float) -> AllanCurve:
+    """The curve, with its intervals, from mean squared differences of neighbouring cluster means.
+
+    Parameters
+    ----------
+    m : ndarray of int, shape (j,)
+        Cluster lengths, samples.
+    means : ndarray, shape (j,)
+        Of the squared differences.
+    counts : ndarray of int, shape (j,)
+        Windows that went in; cluster lengths of which there is none are left out.
+    samples : int
+        In the record.
+    fs : float, Hz
+    """
+    keep = counts > 0
     m, variance, counts = m[keep], means[keep] / 2, counts[keep]
     tau = m / fs
     positive = np.where(variance > 0, variance, np.nan)
@@ -159,4 +177,4 @@ def deviation(
     edf = confidence.degrees_of_freedom(m, counts, slope)
     adev = np.sqrt(variance)
     low, high = confidence.interval(adev, edf)
-    return AllanCurve(tau, m, adev, low, high, edf, slope, counts, int(x.size), float(fs))
+    return AllanCurve(tau, m, adev, low, high, edf, slope, counts, samples, float(fs))

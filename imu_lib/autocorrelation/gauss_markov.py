@@ -129,7 +129,13 @@ def fit_gauss_markov(x, fs, *, block=None, lags=32, detrend="mean", drift=None) 
     if not np.any(x != x[0]):
         raise ValueError("`x` does not vary: it has no autocorrelation")
     scale = x.std()
-    levels = block_levels(x / scale, lags, block)
+    return of_levels(block_levels(x / scale, lags, block), fs, scale, block=block, drift=drift)
+
+
+def of_levels(levels, fs, scale, *, block=None, drift=None) -> GaussMarkovFit:
+    """`fit_gauss_markov` on the block means of a record: `levels` (list of Level) in units of
+    `scale`, the record's standard deviation.
+    """
     peak = max(level.significance for level in levels)
     if peak <= _SHOWN and not block:
         return _absent(levels, fs, scale, peak)

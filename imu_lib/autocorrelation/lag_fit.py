@@ -33,17 +33,40 @@ _NEAR = (1.4, 24.0)
 class Level:
     """Means of `m` samples: their number, and how clearly a correlation of a few blocks shows in
     them.
+
+    Of the means themselves either all are there (`blocks`), or what a fit by segments needs of
+    them: `products`, the sum of the outer products of segments of SEGMENT means, and how many.
     """
 
     m: int
-    blocks: np.ndarray
+    n: int
     gamma: np.ndarray
     significance: float
     limit: float  # 95 % upper limit of sigma^2 for the template's correlation time
+    blocks: np.ndarray | None = None
+    products: tuple[np.ndarray, int] | None = None
 
-    @property
-    def n(self):
-        return self.blocks.size
+    @classmethod
+    def of(cls, m, n, gamma, **more):
+        """The level of these sample autocovariances, lags 0 ... k."""
+        k = gamma.size - 1
+        # In white noise the lags beyond 0 are independent, of variance gamma_0^2 / n and mean
+        # -gamma_0 / n.
+        template = block_autocovariance(TEMPLATE, k + 1)[1:] - 2 * TEMPLATE / n
+        weight = template @ template
+        estimate = template @ (gamma[1:] + gamma[0] / n) / weight
+        sd = gamma[0] / np.sqrt(n * weight)
+        limit = float(max(estimate, 0.0) + 1.645 * sd)
+        return cls(m, n, gamma, float(estimate / sd), limit, **more)
+
+    def of_segments(self):
+        """Sum of the outer products of the segments, each less its own mean, and their number."""
+        if self.products is not None:
+            return _centred(self.products[0]), self.products[1]
+        count = self.n // SEGMENT
+        y = self.blocks[: count * SEGMENT].reshape(count, SEGMENT)
+        y = y - y.mean(axis=1, keepdims=True)
+        return y.T @ y, count
 
 
 @dataclass(frozen=True)
@@ -65,22 +88,16 @@ class Solution:
         return 1 / np.sqrt(self.covariance[0, 0])
 
 
-def block_levels(x, lags, block=None) -> list[Level]:
-    """Block means of 1, 2, 4, ... samples (or of `block` alone) of `x`, whose mean is removed."""
+def block_levels(x, lags, block=None, *, unit=1) -> list[Level]:
+    """Block means of 1, 2, 4, ... samples (or of `block` alone) of `x`, whose mean is removed; `x`
+    may be means of `unit` samples already.
+    """
     found, m = [], block or 1
     y = x[: x.size - x.size % m].reshape(-1, m).mean(axis=1)
     while y.size >= SMALLEST:
         k = min(lags, y.size // 3)
         gamma = autocovariance(y - y.mean(), k)
-        # In white noise the lags beyond 0 are independent, of variance gamma_0^2 / n and mean
-        # -gamma_0 / n.
-        template = block_autocovariance(TEMPLATE, k + 1)[1:] - 2 * TEMPLATE / y.size
-        weight = template @ template
-        estimate = template @ (gamma[1:] + gamma[0] / y.size) / weight
-        sd = gamma[0] / np.sqrt(y.size * weight)
-        found.append(
-            Level(m, y, gamma, float(estimate / sd), float(max(estimate, 0.0) + 1.645 * sd))
-        )
+        found.append(Level.of(m * unit, y.size, gamma, blocks=y))
         if block:
             break
         m *= 2
@@ -146,11 +163,9 @@ def fit_segments(level, *, anywhere=False) -> Solution | None:
     are exact for
     Gaussian processes, segments counted as independent.
     """
-    count = level.n // SEGMENT
     k = min(level.gamma.size - 1, SEGMENT // 3)
-    y = level.blocks[: count * SEGMENT].reshape(count, SEGMENT)
-    y = y - y.mean(axis=1, keepdims=True)
-    gamma = _diagonal_means(y.T @ y, k) / count
+    products, count = level.of_segments()
+    gamma = _diagonal_means(products, k) / count
     i = np.arange(SEGMENT)
     distance = np.abs(i[:, None] - i)
     walk = np.minimum(i[:, None], i) + np.where(

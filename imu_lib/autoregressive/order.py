@@ -64,7 +64,11 @@ def choose_order(v, max_order=20, *, knee_tolerance=0.01) -> OrderChoice:
       nats per variable. It is
       N / 2 times SBC plus a constant: the two always pick the same order.
     """
-    steps = stepwise(v, max_order)
+    return choose(stepwise(v, max_order), max_order, knee_tolerance=knee_tolerance)
+
+
+def choose(steps: Stepwise, max_order, *, knee_tolerance=0.01) -> OrderChoice:
+    """`choose_order` on fits that are there."""
     n, m = steps.n, steps.m
     predictors = m * np.arange(max_order + 1) + 1
     log_det = np.linalg.slogdet(steps.cross_products())[1] / m

@@ -213,7 +213,12 @@ def _triangle_from_products(v, p):
     order = [*range(1, p + 1), 0]
     moments = blocks[np.ix_(order, order)].transpose(0, 2, 1, 3).reshape(m * (p + 1), -1)
     sums = np.concatenate([v[p - i : n - i].sum(axis=0) for i in order])
-    moments = np.block([[np.full((1, 1), float(n - p)), sums[None]], [sums[:, None], moments]])
+    return triangle(moments, sums, n - p)
+
+
+def triangle(moments, sums, n):
+    """The triangle of [1, rows] from the moments (k, k) and the sums (k,) of `n` rows, or None."""
+    moments = np.block([[np.full((1, 1), float(n)), sums[None]], [sums[:, None], moments]])
     try:
         R = np.linalg.cholesky(moments).T
     except np.linalg.LinAlgError:

@@ -73,9 +73,14 @@ def whiteness(residuals, *, fitted=0, lags=40) -> Whiteness:
         raise ValueError(
             f"`lags` must lie above `fitted` ({fitted}) and below the number of residuals ({n})"
         )
-    c0 = e.T @ e / n
+    return of_covariances(np.array([e[k:].T @ e[: n - k] / n for k in range(lags + 1)]), n, fitted)
+
+
+def of_covariances(covariances, n, fitted) -> Whiteness:
+    """`whiteness` from the residuals' covariances, (lags + 1, m, m), sums over `n`."""
+    c0, covariances = covariances[0], covariances[1:]
+    lags, m = covariances.shape[:2]
     inverse = np.linalg.inv(c0)
-    covariances = np.array([e[k:].T @ e[: n - k] / n for k in range(1, lags + 1)])
     traces = np.array([np.trace(c.T @ inverse @ c @ inverse) for c in covariances])
     k = np.arange(1, lags + 1)
     freedom = m**2 * (lags - fitted)

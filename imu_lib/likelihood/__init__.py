@@ -13,6 +13,7 @@ from .choose import CANDIDATES, Choice, FastEnd, choose, fast_end
 from .evaluate import density, goodness, log_likelihood, residuals
 from .fit import Fit, fit
 from .flat import flat_level
+from .scales import of_scales
 from .statistics import Regressors, Statistics
 
 __all__ = [
@@ -29,5 +30,6 @@ __all__ = [
     "flat_level",
     "goodness",
     "log_likelihood",
+    "of_scales",
     "residuals",
 ]

@@ -23,6 +23,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.fft import dct
 from scipy.special import ndtri
+from scipy.stats import chi2
 
 from .kernel import weights
 
@@ -38,7 +39,10 @@ BENT = 1 / 50
 @dataclass(frozen=True)
 class Stretch:
     """One gap-free stretch: `n` samples from `start` (index into the record); its coefficients,
-    shape (n-1,).
+    shape (n-1,), of which only those of `edges` are asked for.
+
+    A coefficient may stand for the same one of `times` stretches of n samples: their root sum of
+    squares.
     """
 
     start: int
@@ -46,12 +50,13 @@ class Stretch:
     coefficients: np.ndarray = field(repr=False)
     edges: np.ndarray = field(repr=False)
     dropped: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0, int))
+    times: int = 1
 
     @property
     def count(self):
         """Coefficients in each band that count, shape (b,)."""
         out = np.searchsorted(self.dropped + 1, self.edges)
-        return np.diff(self.edges - out).astype(float)
+        return np.diff(self.edges - out).astype(float) * self.times
 
     def sums(self, values):
         """Sum `values` (n-1, ...) over the bands -> (b, ...)."""
@@ -205,11 +210,12 @@ class Statistics:
         for s in self.stretches:
             step = self.rate / (2 * s.n)
             keep = s.edges[(s.edges * step >= low) & ((s.edges - 1) * step <= high)]
-            if len(keep) < 5:
-                raise ValueError(
-                    f"`low` and `high` leave fewer than four bands between {low:g} and {high:g} Hz"
-                )
-            parts.append(replace(s, edges=keep))
+            if len(keep) >= 5:
+                parts.append(replace(s, edges=keep))
+        if not parts:
+            raise ValueError(
+                f"`low` and `high` leave fewer than four bands between {low:g} and {high:g} Hz"
+            )
         return Statistics._assemble(self.rate, tuple(parts), self.mean, self.lines)
 
     def subtract(self, mean):
@@ -292,20 +298,26 @@ def _without_lines(s, fs):
     """The stretch without the ordinates beyond the LINE_TAIL point of their band's median level,
     and the lines.
     """
-    limit = ndtri(LINE_TAIL / 2) ** 2
+    # the tail and the median of a sum over `times` squared coefficients
+    limit = ndtri(LINE_TAIL / 2) ** 2 if s.times == 1 else chi2.isf(LINE_TAIL, s.times)
+    middle = 0.454936 if s.times == 1 else chi2.median(s.times)
     ordinates = s.coefficients**2
     top = np.maximum.reduceat(ordinates[: s.edges[-1] - 1], s.edges[:-1] - 1)
     dropped, lines = [], []
-    for b in np.flatnonzero((s.count >= 12) & (top > limit / 3 * s.sums(ordinates) / s.count)):
+    mean = s.sums(ordinates) / s.count
+    for b in np.flatnonzero((np.diff(s.edges) >= 12) & (top > limit / 3 * mean)):
         inside = ordinates[s.edges[b] - 1 : s.edges[b + 1] - 1]
-        out = np.flatnonzero(inside > limit * np.median(inside) / 0.454936)
+        out = np.flatnonzero(inside > limit * np.median(inside) / middle)
         if len(out) and len(out) < len(inside) / 4:
             dropped.append(s.edges[b] - 1 + out)
             # neighbours are one line; ordinates 2 c^2/fs sum to the mean square times 2 n/fs
             for group in np.split(out, np.flatnonzero(np.diff(out) > 3) + 1):
                 peak = s.edges[b] + group[np.argmax(inside[group])]
                 lines.append(
-                    (peak * fs / (2 * s.n), float(np.sqrt(inside[group].sum() * fs / 2 / s.n)))
+                    (
+                        peak * fs / (2 * s.n),
+                        float(np.sqrt(inside[group].sum() * fs / 2 / s.n / s.times)),
+                    )
                 )
     if not dropped:
         return s, []

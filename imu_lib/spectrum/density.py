@@ -118,18 +118,34 @@ def welch(x, fs, *, segment=None, window="hann", detrend="constant"):
         if here > 0:
             f, psd = signal.welch(x[a:b], fs, window=window, nperseg=segment, detrend=detrend)
             total, count = total + here * psd, count + here
+    return from_power(total / count, float(fs), segment, count, window=window)
+
+
+def from_power(power, fs, segment, count, *, window="hann") -> Spectrum:
+    """The spectrum, with its intervals, from the mean density of `count` half-overlapping segments.
+
+    Parameters
+    ----------
+    power : ndarray, shape (segment // 2 + 1,)
+        One-sided, the frequency zero included, unit^2/Hz.
+    fs : float, Hz
+    segment, count : int
+    window : str
+    """
+    step = segment - segment // 2
     taper = signal.get_window(window, segment)
     shared = _overlap(taper, step)
     lag = np.arange(1, len(shared) + 1)
     each = 2 * count / (1 + 2 * np.sum(np.clip(1 - lag / count, 0, None) * shared**2))
-    dof = np.full(f.size - 1, each)
+    dof = np.full(power.size - 1, each)
     if segment % 2 == 0:
         dof[-1] /= 2  # the highest frequency has no imaginary part
-    psd = total[1:] / count
+    psd = power[1:]
+    f = np.fft.rfftfreq(segment, 1 / fs)
     low, high = _intervals(psd, dof)
     half = 0.5 * fs / segment
     return Spectrum(
-        f[1:], psd, low, high, dof, f[1:] - half, f[1:] + half, float(fs), segment, count, window
+        f[1:], psd, low, high, dof, f[1:] - half, f[1:] + half, fs, segment, count, window
     )
 
 

@@ -4,7 +4,24 @@
 two halves, merged, equals a pass over the whole.
 """
 
+from imu_lib.stream.decimation import PASSED, Halved, original
 from imu_lib.stream.fourier import inverse
 from imu_lib.stream.scratch import CHUNK, LONG, Scratch, bounds
+from imu_lib.stream.windowed import Keep, LagSums, Means, Products, Segments, Windowed
 
-__all__ = ["CHUNK", "LONG", "Scratch", "bounds", "inverse"]
+__all__ = [
+    "CHUNK",
+    "LONG",
+    "PASSED",
+    "Halved",
+    "Keep",
+    "LagSums",
+    "Means",
+    "Products",
+    "Scratch",
+    "Segments",
+    "Windowed",
+    "bounds",
+    "inverse",
+    "original",
+]

@@ -1,24 +1,14 @@
-"""Every method on every channel of a record at rest: one result, one error model.
+"""Every method on one channel: from arrays, or from passes over a long one."""
 
-Allan variance, spectrum, autocorrelation and autoregressive models read coefficients off their own
-curves; the
-likelihood fits whole sums of processes, chooses between them and gives the error model that is
-saved. What the
-record cannot support is said in the notes of the result instead of being left out in silence.
-"""
-
-import os
 from dataclasses import dataclass, field
 
 import numpy as np
-from joblib import Parallel, delayed
 
-from imu_lib import allan, autocorrelation, autoregressive, likelihood, spectrum, units
-from imu_lib.errors import InputError
+from imu_lib import allan, autocorrelation, autoregressive, likelihood, passes, spectrum
 from imu_lib.estimate import Estimate
-from imu_lib.model import Model
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, Sum
-from imu_lib.record import Record
+from imu_lib.spectrum import one_pass as averaged
+from imu_lib.stream import LONG
 
 #: What each method reports, in the order of the tables.
 SYMBOLS = {
@@ -30,8 +20,8 @@ SYMBOLS = {
 SHARE = 0.1
 #: Below this the model chosen is no description of the record.
 UNLIKELY = 1e-3
-#: Records above this many samples are worth a process per axis.
-PARALLEL = 150_000
+#: Shortest stretch that a pass goes over, samples.
+SHORTEST = 1 << 17
 
 
 @dataclass(frozen=True)
@@ -102,108 +92,6 @@ def _plain_ar(found):
     }
 
 
-@dataclass(frozen=True)
-class Characterisation:
-    """The result on a record: `channels` by name, its rate in Hz, its duration in s, notes."""
-
-    channels: dict
-    rate: float
-    duration: float
-    name: str
-    source: str
-    notes: tuple = ()
-
-    def __getitem__(self, channel):
-        return self.channels[channel]
-
-    @property
-    def model(self) -> Model:
-        """The error model of all channels."""
-        return Model(
-            {name: c.model for name, c in self.channels.items()},
-            rate=self.rate,
-            name=self.name,
-            source="likelihood fit of " + (self.source or self.name or "a record"),
-        )
-
-    def to_json(self):
-        return {
-            "channels": {name: c.to_json() for name, c in self.channels.items()},
-            "rate": self.rate,
-            "duration": self.duration,
-            "name": self.name,
-            "source": self.source,
-            "notes": list(self.notes),
-        }
-
-
-def characterise(
-    record: Record, *, channels=None, candidates=None, workers=None, progress=None
-) -> Characterisation:
-    """All methods on all channels.
-
-    Parameters
-    ----------
-    record : Record
-    channels : sequence of str, optional
-        Default all.
-    candidates : dict of str to Sum, optional
-        Sums the likelihood chooses from, default `likelihood.CANDIDATES`.
-    workers : int, optional
-        Processes; default one per core for long records.
-    progress : callable, optional
-        Called with the name of each channel when it is done.
-
-    Raises InputError where the record has fewer than 100 samples without a gap, or no channel that
-    ever changes.
-    A channel that never changes is left out, and a note says so.
-    """
-    gap_free = record.continuous().enough()
-    flat = [name for name in channels or record.channel_names if np.ptp(gap_free[name]) == 0]
-    names = tuple(name for name in channels or record.channel_names if name not in flat)
-    if not names:
-        raise InputError(
-            f"{record.source or 'The record'}: no channel ever changes, so there is no noise to describe; check the logger."
-        )
-    notes = tuple(note for note in gap_free.notes if note not in record.notes)
-    filled = record.uniform() if notes else gap_free
-    tasks = [
-        (name, gap_free[name], stretches(filled[name]), record.rate, candidates) for name in names
-    ]
-    cores = workers or (min(len(tasks), os.cpu_count() or 1) if record.n > PARALLEL else 1)
-    found = {}
-    with Parallel(n_jobs=cores, return_as="generator_unordered", max_nbytes=None) as pool:
-        for result in pool(delayed(channel)(*task) for task in tasks):
-            found[result.name] = result
-            if progress is not None:
-                progress(result.name)
-    return Characterisation(
-        {name: found[name] for name in names},
-        record.rate,
-        record.duration,
-        record.name,
-        record.source,
-        record.notes + notes + _of_record(record, flat),
-    )
-
-
-def _of_record(record, flat):
-    notes = [f"{name} never changes and is left out." for name in flat]
-    gaps = record.gaps()
-    if gaps:
-        longest = max(gaps, key=lambda gap: gap.duration)
-        notes.append(
-            f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest {longest.duration:.3g} s at "
-            f"{longest.start:.6g} s: the likelihood takes every stretch, the other methods the longest one."
-        )
-    if record.duration < 600:
-        notes.append(
-            f"The record is {units.duration(record.duration)} long: bias instability, walks and correlation times "
-            "take hours; their limits say little."
-        )
-    return tuple(notes)
-
-
 def stretches(x):
     """The runs of numbers in a channel with NaN, those of at least a tenth of the longest, as a
     list.
@@ -216,10 +104,15 @@ def stretches(x):
 
 def channel(name, x, parts, fs, candidates=None) -> Channel:
     """All methods on one channel: `x` (n,) without gaps for the curves, `parts` (all stretches)
-    for the likelihood.
+    for the likelihood. A long channel goes through one pass.
     """
+    if x.size > LONG:
+        whole = passes.over_array(x, fs)
+        return of_passes(name, whole, _passes_over(parts, x, whole, fs), fs, candidates)
     notes = []
-    choice, parameters, density = fitted(parts, fs, candidates, notes)
+    stats = likelihood.Statistics.of(parts, fs, exclude_lines=True)
+    variance = np.var(np.concatenate(parts))
+    choice, parameters, density = fitted(stats, variance, fs, candidates, notes)
     filters = [s for s in choice.fit.model.stages if s.name == "low_pass"]
     curve = allan.deviation(x, fs)
     read = {
@@ -237,23 +130,75 @@ def channel(name, x, parts, fs, candidates=None) -> Channel:
             notes,
         ),
     }
+    ar = _autoregressive(lambda: autoregressive.characterise(x, fs), notes)
+    return Channel(name, *read.values(), ar, parameters, choice, curve, density, tuple(notes))
+
+
+def usable(lengths):
+    """Which of these stretches a long channel's likelihood passes over, list of bool: those of a
+    share of the longest that a pass can take; none where gaps cut all of them short.
+    """
+    longest = max(lengths)
+    least = max(SHARE * longest, SHORTEST)
+    return [n >= least and longest > LONG // 4 for n in lengths]
+
+
+def _passes_over(parts, x, whole, fs):
+    keep = usable([part.size for part in parts])
+    if not any(keep) or [part.size for part in parts] == [x.size]:
+        return [whole]
+    return [passes.over_array(p, fs, curves=False) for p, ok in zip(parts, keep) if ok]
+
+
+def of_passes(name, whole, parts, fs, candidates=None) -> Channel:
+    """All methods on one long channel.
+
+    Parameters
+    ----------
+    whole : imu_lib.passes.Pass
+        Over the longest stretch without a gap, with curves.
+    parts : list of Pass
+        Over all the stretches, for the likelihood.
+    """
+    notes = []
+    stats = statistics(parts, fs, exclude_lines=True)
+    n, mean = sum(p.n for p in parts), sum(p.mean * p.n for p in parts)
+    variance = sum(p.n * (p.variance + (p.mean - mean / n) ** 2) for p in parts) / n
+    choice, parameters, density = fitted(stats, variance, fs, candidates, notes)
+    filters = [s for s in choice.fit.model.stages if s.name == "low_pass"]
+    curve = whole.allan()
+    read = {
+        "allan": _asked(
+            lambda: allan.from_curve(curve, stages=filters),
+            "Allan variance",
+            SYMBOLS["allan"],
+            notes,
+        ),
+        "psd": _asked(
+            lambda: averaged.characterise(whole.spectrum()), "spectrum", SYMBOLS["psd"], notes
+        ),
+        "gauss_markov": _asked(
+            whole.autocorrelation, "autocorrelation", SYMBOLS["gauss_markov"], notes
+        ),
+    }
+    ar = _autoregressive(whole.autoregressive, notes)
+    return Channel(name, *read.values(), ar, parameters, choice, curve, density, tuple(notes))
+
+
+def statistics(parts, fs, *, exclude_lines=False) -> likelihood.Statistics:
+    """What the likelihood needs, from passes over all the stretches of a channel."""
+    slow, fast = zip(*(part.scales() for part in parts))
+    # the lowest frequency at which the two scales of a stretch meet serves all
+    seam = min(part.seam for part in parts)
+    return likelihood.of_scales(slow, fast, fs, seam, exclude_lines=exclude_lines)
+
+
+def _autoregressive(method, notes):
     try:
-        ar = autoregressive.characterise(x, fs)
+        return method()
     except ValueError as error:
-        ar = {"order": None, "phi": [], "sigma": None, "white": None}
         notes.append(f"autoregressive model: {plainly(error)}.")
-    return Channel(
-        name,
-        read["allan"],
-        read["psd"],
-        read["gauss_markov"],
-        ar,
-        parameters,
-        choice,
-        curve,
-        density,
-        tuple(notes),
-    )
+        return {"order": None, "phi": [], "sigma": None, "white": None}
 
 
 def _asked(method, title, symbols, notes):
@@ -275,13 +220,12 @@ def plainly(error) -> str:
     )
 
 
-def fitted(parts, fs, candidates, notes):
-    """The likelihood's choice on a channel: (Choice, estimates with upper limits, (f, density,
-    model's density)).
+def fitted(stats, variance, fs, candidates, notes):
+    """The likelihood's choice on a channel of this variance: (Choice, estimates with upper limits,
+    (f, density, model's density)).
     """
-    stats = likelihood.Statistics.of(parts, fs, exclude_lines=True)
     if stats.lines:
-        share = sum(line[1] ** 2 for line in stats.lines) / np.var(np.concatenate(parts))
+        share = sum(line[1] ** 2 for line in stats.lines) / variance
         notes.append(
             f"{len(stats.lines)} ordinate{'s' * (len(stats.lines) > 1)} of the spectrum stand out as lines and "
             f"are left out of the fit; the strongest is at {stats.lines[0][0]:.4g} Hz, together they have "
@@ -335,15 +279,3 @@ def limits(stats, model, known):
         # limit
         out.update({label: Estimate.absent(found[label].high) for label in labels})
     return out
-
-
-__all__ = [
-    "Channel",
-    "Characterisation",
-    "channel",
-    "characterise",
-    "fitted",
-    "limits",
-    "plainly",
-    "stretches",
-]

@@ -1,0 +1,137 @@
+"""Every method on every channel of a record at rest: one result, one error model.
+
+Allan variance, spectrum, autocorrelation and autoregressive models read coefficients off their own
+curves; the
+likelihood fits whole sums of processes, chooses between them and gives the error model that is
+saved. What the
+record cannot support is said in the notes of the result instead of being left out in silence.
+"""
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from imu_lib import units
+from imu_lib.characterise.channel import Channel, channel, fitted, limits, plainly, stretches
+from imu_lib.errors import InputError
+from imu_lib.model import Model
+from imu_lib.record import Record
+
+#: Records above this many samples are worth a process per axis.
+PARALLEL = 150_000
+
+
+@dataclass(frozen=True)
+class Characterisation:
+    """The result on a record: `channels` by name, its rate in Hz, its duration in s, notes."""
+
+    channels: dict
+    rate: float
+    duration: float
+    name: str
+    source: str
+    notes: tuple = ()
+
+    def __getitem__(self, channel):
+        return self.channels[channel]
+
+    @property
+    def model(self) -> Model:
+        """The error model of all channels."""
+        return Model(
+            {name: c.model for name, c in self.channels.items()},
+            rate=self.rate,
+            name=self.name,
+            source="likelihood fit of " + (self.source or self.name or "a record"),
+        )
+
+    def to_json(self):
+        return {
+            "channels": {name: c.to_json() for name, c in self.channels.items()},
+            "rate": self.rate,
+            "duration": self.duration,
+            "name": self.name,
+            "source": self.source,
+            "notes": list(self.notes),
+        }
+
+
+def characterise(
+    record: Record, *, channels=None, candidates=None, workers=None, progress=None
+) -> Characterisation:
+    """All methods on all channels.
+
+    Parameters
+    ----------
+    record : Record
+    channels : sequence of str, optional
+        Default all.
+    candidates : dict of str to Sum, optional
+        Sums the likelihood chooses from, default `likelihood.CANDIDATES`.
+    workers : int, optional
+        Processes; default one per core for long records.
+    progress : callable, optional
+        Called with the name of each channel when it is done.
+
+    Raises InputError where the record has fewer than 100 samples without a gap, or no channel that
+    ever changes.
+    A channel that never changes is left out, and a note says so.
+    """
+    gap_free = record.continuous().enough()
+    flat = [name for name in channels or record.channel_names if np.ptp(gap_free[name]) == 0]
+    names = tuple(name for name in channels or record.channel_names if name not in flat)
+    if not names:
+        raise InputError(
+            f"{record.source or 'The record'}: no channel ever changes, so there is no noise to describe; check the logger."
+        )
+    notes = tuple(note for note in gap_free.notes if note not in record.notes)
+    filled = record.uniform() if notes else gap_free
+    tasks = [
+        (name, gap_free[name], stretches(filled[name]), record.rate, candidates) for name in names
+    ]
+    cores = workers or (min(len(tasks), os.cpu_count() or 1) if record.n > PARALLEL else 1)
+    found = {}
+    with Parallel(n_jobs=cores, return_as="generator_unordered", max_nbytes=None) as pool:
+        for result in pool(delayed(channel)(*task) for task in tasks):
+            found[result.name] = result
+            if progress is not None:
+                progress(result.name)
+    return Characterisation(
+        {name: found[name] for name in names},
+        record.rate,
+        record.duration,
+        record.name,
+        record.source,
+        record.notes + notes + _of_record(record, flat),
+    )
+
+
+def _of_record(record, flat):
+    notes = [f"{name} never changes and is left out." for name in flat]
+    gaps = record.gaps()
+    if gaps:
+        longest = max(gaps, key=lambda gap: gap.duration)
+        notes.append(
+            f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest {longest.duration:.3g} s at "
+            f"{longest.start:.6g} s: the likelihood takes every stretch, the other methods the longest one."
+        )
+    if record.duration < 600:
+        notes.append(
+            f"The record is {units.duration(record.duration)} long: bias instability, walks and correlation times "
+            "take hours; their limits say little."
+        )
+    return tuple(notes)
+
+
+__all__ = [
+    "Channel",
+    "Characterisation",
+    "channel",
+    "characterise",
+    "fitted",
+    "limits",
+    "plainly",
+    "stretches",
+]
