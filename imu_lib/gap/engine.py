@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from imu_lib.gap import fast, slow
+from imu_lib.gap import fast, slow, unit_shapes
 
 #: Widths of the log-uniform priors: three decades of amplitude, four of time.
 AMPLITUDE_WIDTH, TIME_WIDTH = np.log(1e3), np.log(1e4)
@@ -149,18 +149,11 @@ class Likelihood:
         self.power = self.power_full[data.layout.slow :]
         self.nu = data.layout.nu[data.layout.slow :]
         self.free_index = {s.index for s in self.slots}
-        held = [t for i, t in enumerate(self.terms) if i not in self.free_index]
-        self.held_c = (
-            None
-            if self.low_pass is not None
-            else slow.covariance(held, None, data.layout, data.k, data.m, data.fs)
-        )
-        self.filter_free = -1 in self.free_index
-        self.held_s = (
-            None
-            if self.low_pass is not None
-            else fast.spectrum(held, None, data.layout, data.fs)[data.layout.slow :]
-        )
+        # what is held stays as it is, unless a filter before it moves
+        self.held = None
+        if -1 not in self.free_index:
+            held = [t for i, t in enumerate(self.terms) if i not in self.free_index]
+            self.held = unit_shapes.of_sum(held, self.low_pass, data.n, data.fs)
 
     def start(self):
         return (
@@ -186,28 +179,28 @@ class Likelihood:
                 terms[s.index] = s.write(terms[s.index], part)
         return terms, low_pass
 
-    def shapes(self, vector):
-        """Spectrum in the fast bins and covariance of the block differences."""
+    def _bare(self, vector):
+        """Spectrum in all bins and covariance of the block differences, without the electronics."""
         data = self.data
         terms, low_pass = self.unpack(vector)
-        free = [terms[i] for i in sorted(self.free_index) if i >= 0]
-        if low_pass is None:
-            c = self.held_c + slow.covariance(free, None, data.layout, data.k, data.m, data.fs)
-        else:
-            c = slow.covariance(terms, low_pass, data.layout, data.k, data.m, data.fs)
+        if self.held is None:
+            return unit_shapes.of_sum(terms, low_pass, data.n, data.fs)
+        free = [terms[i] for i in self.free_index]
+        s, c = unit_shapes.of_sum(free, low_pass, data.n, data.fs)
+        return s + self.held[0], c + self.held[1]
+
+    def _with_electronics(self, s, c):
+        data, k = self.data, self.data.layout.slow
         # coarse rounding may add less than nothing: it leaves a tenth
         v = max(data.white / data.m, -0.45 * c[0])
+        c = c.copy()
         c[0] += 2 * v
         c[1:2] -= v
-        if self.low_pass is not None:
-            s = fast.spectrum(terms, low_pass, data.layout, data.fs)[data.layout.slow :]
-        else:
-            s = (
-                self.held_s + fast.spectrum(free, None, data.layout, data.fs)[data.layout.slow :]
-                if free
-                else self.held_s
-            )
-        return measured(s, data.extra[data.layout.slow :]), c
+        return measured(s[k:], data.extra[k:]), c
+
+    def shapes(self, vector):
+        """Spectrum in the fast bins and covariance of the block differences."""
+        return self._with_electronics(*self._bare(vector))
 
     def value(self, vector, shapes=None):
         """log L up to a constant of the data, with the regression profiled out: (ll, beta,
@@ -318,23 +311,35 @@ class Likelihood:
         parameter, shapes
         (parameters, bins) and (parameters, blocks), and the gradient."""
         shapes = self.shapes(x) if shapes is None else shapes
-        k, h = len(x), 2e-3
-        g = np.zeros(k)
+        h, g = 2e-3, np.zeros(len(x))
         fast_d, slow_d = [], []
         two_sided = slow.spectrum(shapes[1])
-        for i in range(k):
-            up, down = x.copy(), x.copy()
-            up[i] += h
-            down[i] -= h
-            su, sd = self.shapes(up), self.shapes(down)
+        for i, (su, sd) in enumerate(self._either_side(x, h)):
             if gradient:
-                rise = (self.value(up, su)[0] - self.value(down, sd)[0]) / (2 * h)
+                rise = (self.value(None, su)[0] - self.value(None, sd)[0]) / (2 * h)
                 g[i] = np.clip(
                     np.nan_to_num(rise), -1e12, 1e12
                 )  # at the edge of what is a covariance at all
             fast_d.append((su[0] - sd[0]) / (2 * h) / shapes[0])
             slow_d.append(slow.spectrum_difference(su[1] - sd[1]) / (2 * h) / two_sided)
         return np.array(fast_d), np.array(slow_d), g
+
+    def _either_side(self, x, h: float):
+        """Shapes a step `h` above and below `x` in each free parameter."""
+        data = self.data
+        terms, low_pass = self.unpack(x)
+        s, c = self._bare(x)
+        names = [(slot.index, name) for slot in self.slots for name in slot.names]
+        for i, (index, name) in enumerate(names):
+            if index >= 0 and name == unit_shapes.amplitude_of(terms[index]):
+                own = unit_shapes.of_sum([terms[index]], low_pass, data.n, data.fs)
+                yield [
+                    self._with_electronics(s + more * own[0], c + more * own[1])
+                    for more in (np.expm1(2 * h), np.expm1(-2 * h))
+                ]
+            else:
+                step = h * (np.arange(len(x)) == i)
+                yield self.shapes(x + step), self.shapes(x - step)
 
 
 def amplitude_occam(snr: float) -> float:

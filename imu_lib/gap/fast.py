@@ -97,18 +97,27 @@ def average(power, layout: Bins) -> np.ndarray:
     return np.add.reduceat(power[: layout.edge[-1]], layout.edge[:-1]) / np.diff(layout.edge)
 
 
+@lru_cache(maxsize=64)
+def _images(low_pass, layout: Bins, fs: float):
+    """Frequencies that the sampling folds onto the nodes of the bins, shape (images, bins, 3), the
+    filter's gain there, and its rate.
+    """
+    ratio = low_pass.ratio(fs)
+    f = np.mod(layout.nodes + fs * np.arange(ratio)[:, None, None], ratio * fs)
+    f = np.minimum(f, ratio * fs - f)
+    return f, low_pass.gain(f, fs), ratio * fs
+
+
 def spectrum(terms, low_pass, layout: Bins, fs: float) -> np.ndarray:
     """Model spectrum in the bins, one-sided, unit^2/Hz: terms, then filter."""
-    f = layout.nodes
-    if low_pass is not None:
-        from imu_lib.processes import Sum
-
-        # what channels have in common may be added behind their filters
-        behind = [t for t in terms if t.name == "common_mode" and not t.filtered]
-        s = Sum(tuple(t for t in terms if t not in behind), (low_pass,)).psd(f, fs)
-        terms = behind
-    else:
-        s = np.zeros(f.shape)
+    s = np.zeros(layout.nodes.shape)
     for term in terms:
-        s += term.psd(f, fs)
+        # what channels have in common may be added behind their filters, and so are the errors of
+        # a rounded integral
+        behind = term.name == "common_mode" and not term.filtered or getattr(term, "rounded", None)
+        if low_pass is None or behind:
+            s += term.psd(layout.nodes, fs)
+        else:
+            f, gain, rate = _images(low_pass, layout, fs)
+            s += np.sum(gain * term.psd(f, rate), axis=0)
     return s @ _WEIGHTS

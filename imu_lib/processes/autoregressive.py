@@ -106,7 +106,8 @@ class Autoregressive(Process):
 
     def block_covariance(self, n: int, m: int, fs: float) -> Array:
         space = self.state_space()
-        half = float(self.avar(m / self._at(fs)))
+        size = cluster_size(m / self._at(fs), self.rate)
+        half = float(avar_from_transition(space.F, space.P0, space.H, size))
         return from_transition(space.F, space.P0, space.H, n, m, half)
 
     def simulate(
