@@ -159,7 +159,7 @@ def rda(name, x, version=2):
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_r_data(tmp_path, version):
-    from imu_lib.datasets.rdata import read_rdata
+    from imu_lib.readers.rdata import read_rdata
 
     x = np.arange(12.0).reshape(4, 3)
     (tmp_path / "a.rda").write_bytes(rda("m", x, version))

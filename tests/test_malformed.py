@@ -179,7 +179,8 @@ def binaries(tmp_path):
         b"MATLAB 5.0 MAT-file" + bytes(105) + b"\0\1IM" + struct.pack("<II", 14, 10**9),
         "long.mat",
     )
-    yield "packed.csv", gzip.compress(lines().encode()), "unpack"
+    yield "packed.csv.gz", gzip.compress(lines().encode())[:-200], "not a whole gzip file"
+    yield "packed.7z", b"7z\xbc\xaf\x27\x1c" + junk, "unpack it first"
     yield "sheet.xlsx", b"PK\3\4" + junk, "save its sheet as .csv"
     yield "wide.csv", lines().encode("utf-32"), "UTF-8"
     yield "unmarked.csv", lines().encode("utf-16-le"), "UTF-8"

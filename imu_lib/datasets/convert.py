@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib import units
-from imu_lib.datasets.rdata import read_rdata
 from imu_lib.errors import InputError
 from imu_lib.readers.binary import read_mat
+from imu_lib.readers.rdata import read_rdata
 
 RATE = 100.0
 

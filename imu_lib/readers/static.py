@@ -2,56 +2,131 @@
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import bags, binary, streams
+from imu_lib.readers import arrays, bags, binary, packed, rdata, streams, ulog
 from imu_lib.readers.assemble import assemble, check_units
 from imu_lib.readers.raw import Column, Raw
 from imu_lib.readers.text import read_text
 from imu_lib.record import Record
 
-KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat or a ROS bag"
-PACKED = {
-    b"\x1f\x8b": "gzip",
-    b"BZh": "bzip2",
-    b"\xfd7zXZ": "xz",
-    b"7z\xbc\xaf": "7-Zip",
-    b"\x28\xb5\x2f\xfd": "Zstandard",
-}
+KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat, .ulg, .rda or a ROS bag"
 
 
 def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
     """The columns of a file in its own units. InputError or OSError where it cannot be read."""
     path = Path(path)
+    options = {"columns": columns, "signal": signal, "topic": topic}
     if bags.is_bag(path):
         return bags.read_bag(path, topic=topic)
     if path.is_dir():
         raise InputError(f"{path} is a directory; name the file in it ({KNOWN}).")
+    archive = None if path.exists() else packed.inside(path)
+    if archive:
+        return _of_bytes(packed.member(*archive), path, options)
     with open(path, "rb") as file:
         magic = file.read(16)
     if not magic:
         raise InputError(f"{path} is empty; {KNOWN} is expected.")
-    for start, how in PACKED.items():
-        if magic.startswith(start):
-            raise InputError(
-                f"{path} is compressed ({how}); unpack it first, or save it as .npz or .parquet."
-            )
     if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
         raise InputError(f"{path} is a spreadsheet; save its sheet as .csv.")
-    options = {"columns": columns, "signal": signal}
-    if magic[:6] == b"\x93NUMPY" or magic[:2] == b"PK" or path.suffix.lower() in (".npz", ".npy"):
-        return binary.read_numpy(path, **options)
-    if magic[:4] == b"PAR1" or path.suffix.lower() in (".parquet", ".pq"):
-        return binary.read_parquet(path, **options)
-    if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or path.suffix.lower() == ".mat":
-        return binary.read_mat(path, **options)
+    how = packed.how(magic, path)
+    if how:
+        return _of_bytes(packed.unpacked(path, how), path, options, path.with_suffix("").name)
+    if magic[:2] == b"PK":
+        names = packed.members(path)
+        if names is not None:
+            return _of_zip(path, names, options)
+    return _of_file(path, magic, options)
+
+
+def _of_file(path: Path, magic: bytes, options) -> Raw:
+    """A file that is not packed, by its content and then by its name."""
+    topic = options["topic"]
+    table = {"columns": options["columns"], "signal": options["signal"]}
+    suffix = path.suffix.lower()
+    if magic[:6] == b"\x93NUMPY" or magic[:2] == b"PK" or suffix in (".npz", ".npy"):
+        return binary.read_numpy(path, **table)
+    if magic[:4] == b"PAR1" or suffix in (".parquet", ".pq"):
+        return binary.read_parquet(path, **table)
+    if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or suffix == ".mat":
+        return binary.read_mat(path, **table)
     if magic[:8] == b"#ROSBAG " or magic[:15] == b"SQLite format 3" or magic[:5] == b"\x89MCAP":
         return bags.read_bag(path, topic=topic)
-    return read_text(path, **options)
+    if magic.startswith(ulog.MAGIC):
+        return ulog.read_ulog(path, topic=topic)
+    if rdata.is_rdata(magic):
+        return arrays.from_arrays(
+            str(path), rdata.arrays(path.read_bytes(), str(path)), *table.values(), contract=False
+        )
+    return read_text(path, **table)
+
+
+def _of_bytes(data: bytes, path: Path, options, name: str | None = None) -> Raw:
+    """A file that was unpacked: text and R data from memory, binary formats from a file beside."""
+    name = name or path.name
+    magic = data[:16]
+    if not data:
+        raise InputError(f"{path} is empty inside; {KNOWN} is expected.")
+    table = {"columns": options["columns"], "signal": options["signal"]}
+    if rdata.is_rdata(data):
+        return arrays.from_arrays(
+            str(path), rdata.arrays(data, str(path)), *table.values(), contract=False
+        )
+    binary_ = (
+        b"\x93NUMPY",
+        b"PK",
+        b"PAR1",
+        b"MATLAB",
+        b"\x89HDF",
+        b"#ROSBAG ",
+        b"SQLite",
+        b"\x89MCAP",
+        b"ULog",
+    )
+    suffix = Path(name).suffix.lower()
+    if not magic.startswith(binary_) and suffix not in (".npz", ".npy", ".mat", ".parquet"):
+        return read_text(path, data=data, **table)
+    with tempfile.TemporaryDirectory() as folder:
+        inner = Path(folder) / Path(name).name
+        inner.write_bytes(data)
+        try:
+            raw = read_raw(inner, **options)
+        except InputError as error:
+            raise InputError(str(error).replace(str(inner), str(path))) from None
+    raw.source = str(path)
+    raw.notes = tuple(n.replace(str(inner), str(path)) for n in raw.notes)
+    return raw
+
+
+def _of_zip(path: Path, names: list[str], options) -> Raw:
+    if len(names) == 1:
+        return _of_bytes(packed.member(path, names[0]), path, options, Path(names[0]).name)
+    if options["signal"] in ("gyro", "accel") and (two := packed.two(names)):
+        name = two[options["signal"] == "accel"]
+        return _of_bytes(packed.member(path, name), path, options, Path(name).name)
+    raise InputError(
+        f"{path} holds several files ({', '.join(names[:6])}); name the one that is meant, as in '{path}/{names[0]}'."
+        if names
+        else f"{path} is an archive without a data file in it; {KNOWN} is expected."
+    )
+
+
+def _pair(path) -> tuple[Path, Path] | None:
+    """Gyro and accelerometer of a folder or a zip that holds a file for each."""
+    path = Path(path)
+    if path.is_dir() and not bags.is_bag(path):
+        two = packed.two([p.name for p in sorted(path.iterdir()) if p.is_file()])
+    elif path.is_file() and (names := packed.members(path)):
+        two = packed.two(names) if len(names) > 1 else None
+    else:
+        return None
+    return (path / two[0], path / two[1]) if two else None
 
 
 def read_record(path=None, **options) -> Record:
@@ -141,6 +216,12 @@ def read(
     if (path is None) == (gyro is None and accel is None):
         raise InputError("Give one file, or --gyro FILE and --accel FILE.")
     told: list[Column] = []
+    pair = _pair(path) if path is not None and columns is None else None
+    if pair:
+        path, gyro, accel = (
+            None,
+            *(p if only in (None, k) else None for p, k in zip(pair, ("gyro", "accel"))),
+        )
     if path is not None:
         raw = read_raw(path, columns=columns, topic=topic)
         units = {"gyro": gyro_unit, "accel": accel_unit}
