@@ -60,7 +60,7 @@ def _turn(ns: np.ndarray, step: np.ndarray) -> int:
 def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
     """Nanoseconds of the day of each text, and whether there are no hours in them."""
     out = np.zeros(len(text), dtype=np.int64)
-    short = 0
+    hours = False
     cache: dict[str, int] = {}
     for row, moment in enumerate(text):
         if moment in cache:
@@ -77,9 +77,9 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
         a, b, c, _, fraction, half, zone = found.groups()
         if c is None and fraction is not None:  # mm:ss.f
             hour, minute, second = 0, int(a), int(b)
-            short += 1
         else:
             hour, minute, second = int(a), int(b), int(c or 0)
+            hours = True
         if half:
             hour = hour % 12 + (12 if half in "Pp" else 0)
         value = ((hour * 60 + minute) * 60 + second) * 10**9
@@ -92,7 +92,7 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
         out[row] = value
         if len(cache) > 500_000:
             cache.clear()
-    return out, short == len(text)
+    return out, not hours
 
 
 def _days(raw, date, heading) -> tuple[np.ndarray, bool, str | None]:

@@ -30,6 +30,8 @@ USUAL = np.array(
 ODDS = 15.0  # the best reading must be this much likelier than the next one
 EPOCH = (9.0e8, 2.3e9)  # s since 1970: 1998 to 2042
 IMPOSSIBLE = 1e-6
+#: Stamps that a maker's field names: Xsens counts 0.1 ms in its MTi and us in its DOT.
+MAKERS = {"sampletimefine": {"ticks:10000": 0.4, "us": 0.4}}
 
 
 @dataclass(frozen=True)
@@ -68,21 +70,27 @@ def is_count(stamp: np.ndarray) -> bool:
     return bool((stamp == np.rint(stamp)).all() and (step == 1).mean() > 0.97)
 
 
-def weights(stamp: np.ndarray, first: float) -> dict[str, float]:
-    """How likely each unit is for stamps (n,) from 0 on whose first one was `first`."""
+def weights(
+    stamp: np.ndarray, first: float, known: dict[str, float] | None = None
+) -> dict[str, float]:
+    """How likely each unit is for stamps (n,) from 0 on whose first one was `first`; `known` are the
+    units that such a name has, where a maker's field names it.
+    """
     step = mean_step(stamp)
     whole = bool((stamp == np.rint(stamp)).all() and first == np.rint(first))
     spread = np.quantile(np.diff(stamp), (0.25, 0.75))
     regular = spread[1] - spread[0] < 0.02 * step
     out = {}
-    for unit, prior in (WHOLE if whole else FRACTION).items():
-        seconds = spelling.TIME_UNITS[unit]
+    for unit, prior in (known or (WHOLE if whole else FRACTION)).items():
+        seconds = spelling.stated_time(unit)
         rate = 1.0 / (step * seconds)
         odd = regular and whole and np.abs(USUAL / rate - 1.0).min() > 0.015
         date = EPOCH[0] < first * seconds < EPOCH[1]
         if unit == "day":
             date = 36_000 < first < 56_000 or 729_000 < first < 748_000
         out[unit] = prior * usual_rate(rate) * (20.0 if date else 1.0) * (0.3 if odd else 1.0)
+    if known:
+        return out
     if whole and is_count(stamp):
         out["counter"] = 0.5 if first in (0.0, 1.0) else 0.01
     elif whole and regular and max(out, key=out.get) != "s":
@@ -102,6 +110,8 @@ def read(
     flag: str | None,
     rate: float | None,
     insisted: bool = False,
+    heading: str = "",
+    rate_given: bool = True,
 ) -> Reading:
     """The unit of stamps (n,), which rise from 0; `first` is the first one as the file has it.
 
@@ -124,7 +134,7 @@ def read(
     step = mean_step(stamp)
 
     def hz(u):
-        return 1.0 / (step * spelling.TIME_UNITS[u])
+        return 1.0 / (step * spelling.stated_time(u))
 
     if flag:
         factor = spelling.stated_time(flag)
@@ -147,18 +157,24 @@ def read(
                 + f"; give --time-unit {likely or unit}, or --time-unit {unit} if it is right."
             )
         return Reading(unit, spelling.TIME_UNITS[unit], f"states {unit}: {hz(unit):.5g} Hz", True)
-    likely = weights(stamp, first)
+    known = MAKERS.get(heading.replace("_", "").lower())
+    likely = weights(stamp, first, known)
     if rate:
-        near = [u for u in likely if u in spelling.TIME_UNITS and 0.7 < hz(u) / rate < 1.4]
+        near = [u for u in likely if u not in ("counter", "ticks") and 0.7 < hz(u) / rate < 1.4]
         if near:
             return Reading(
                 near[0],
-                spelling.TIME_UNITS[near[0]],
+                spelling.stated_time(near[0]),
                 f"no unit stated: read as {near[0]}, which makes {hz(near[0]):.5g} Hz, as the stated rate",
                 False,
             )
-        if is_count(stamp):
+        if is_count(stamp) and rate_given:
             return Reading("counter", None, f"counts the samples; {rate:g} Hz by --rate", False)
+        if rate_given:
+            raise InputError(
+                f"{where} steps by {step:.6g}, which makes {rate:g} Hz in no usual unit; give --time-unit ticks:{step * rate:.6g} if it counts ticks, "
+                "or leave the column out with --columns."
+            )
     order = sorted(likely, key=likely.get, reverse=True)
     best = order[0]
     next_ = likely[order[1]] if len(order) > 1 else 0.0
@@ -166,11 +182,11 @@ def read(
         raise InputError(_question(where, stamp, order, likely, hz, step))
     if best == "counter":
         raise InputError(_question(where, stamp, order, likely, hz, step))
-    others = [f"in {u} {hz(u):.3g} Hz" for u in order[1:3] if u in spelling.TIME_UNITS]
-    date = " and a date" if EPOCH[0] < first * spelling.TIME_UNITS[best] < EPOCH[1] else ""
+    others = [f"in {u} {hz(u):.3g} Hz" for u in order[1:3] if u not in ("counter", "ticks")]
+    date = " and a date" if EPOCH[0] < first * spelling.stated_time(best) < EPOCH[1] else ""
     return Reading(
         best,
-        spelling.TIME_UNITS[best],
+        spelling.stated_time(best),
         f"no unit stated: read as {best}, which makes {hz(best):.5g} Hz{date}"
         + (f" ({', '.join(others)})" if others else ""),
         False,

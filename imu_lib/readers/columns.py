@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names
+from imu_lib.readers import by_rows, names
 from imu_lib.readers.asking import STAMPS, Heading, by_position, example, suggestion
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
@@ -64,13 +64,18 @@ def decide(
     told = _numbered(raw, told, headings)
     told = _habits(_alpha(told), headings)
     if not columns:
-        told = _bare(raw, told, headings, signal, named)
+        if by_rows.sensors(told, headings) is None or signal:
+            told = _bare(raw, told, headings, signal, named)
         told = _preferred(raw, told, headings)
+        long = by_rows.sensors(told, headings)
+        if long is not None and not signal:
+            return by_rows.pivoted(raw, long, told, headings, load)
     wanted = [i for i, m in enumerate(told) if m.quantity]
     values = load(wanted)
     told = letter_t(told, headings, values)
     told = one_time(raw, told, headings, values)
     by_call = " (--columns)" if columns else ""
+    _say_unused(raw, told, headings)
     for i, (m, heading) in enumerate(zip(told, headings)):
         if m.quantity is None or m.canonical is None:
             raw.skip(heading.name, m.why)
@@ -81,11 +86,34 @@ def decide(
     return raw
 
 
+def _say_unused(raw: Raw, told: list[Meaning], headings) -> None:
+    """A word on columns that state a unit of rate or specific force and are not used, where the record
+    has no such reading.
+    """
+    for kind, word in (("gyro", "gyro"), ("accel", "accelerometer")):
+        if any(m.quantity == kind and m.axis for m in told):
+            continue
+        lost = [
+            h.name
+            for m, h in zip(told, headings)
+            if m.quantity is None
+            and m.why == names.UNKNOWN
+            and names.unit_of(h.unit or names.spelled_unit(h.name) or "") in names.UNITS[kind]
+        ]
+        if lost:
+            raw.notes += (
+                f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not read; {suggestion(told, headings)} if they are.",
+            )
+
+
 def _by_name(heading: Heading, signal: str | None) -> Meaning:
-    found = names.meaning(heading.name, signal=signal)
+    name = heading.name
+    found = names.meaning(name, signal=signal)
     if heading.unit and found.quantity:
         unit = names.unit_of(heading.unit)
         return replace(found, unit=unit or heading.unit, why=f"{found.why}; row of units")
+    if found.quantity is None and found.why == names.UNKNOWN:
+        return names.by_unit(name, heading.unit) or found
     return found
 
 
@@ -104,6 +132,8 @@ def _by_kind(told: Meaning, heading: Heading, by_call: bool) -> Meaning:
         if by_call:
             return told
         return Meaning(why=f"it holds {'text' if heading.kind == 'text' else 'dates'}")
+    if told.quantity == "date" and heading.kind == "number" and not by_call:
+        return Meaning("time", unit=told.unit, why="named a date, its values are numbers")
     if heading.kind == "text":
         return Meaning(why="it holds text")
     if heading.kind == "empty" and told.quantity is None:

@@ -222,11 +222,11 @@ def _header(lines, first, delimiter, width):
     """
     rate, header, unit_row, above = None, None, None, None
     for i in range(first - 1, -1, -1):
-        line = lines[i].strip()
+        line = lines[i].strip(" \r\n")
         for c in COMMENTS:
             line = line.removeprefix(c)
-        line = line.strip()
-        if not line:
+        line = line.strip(" \r\n")
+        if not line.strip():
             continue
         names_ = _fit(line, delimiter, width)
         if names_ and header is None and i >= first - 4:

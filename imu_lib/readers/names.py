@@ -21,9 +21,21 @@ from imu_lib.readers.spelling import (
     stated,
     unit_of,
 )
-from imu_lib.readers.tokens import SIGNALS, Meaning, read
+from imu_lib.readers.tokens import SIGNALS, UNKNOWN, Meaning, read
 
-__all__ = ["ACCEL_UNITS", "GYRO_UNITS", "TIME_UNITS", "UNITS", "Meaning", "meaning", "parse", "stated", "unit_of"]  # fmt: skip
+__all__ = [
+    "ACCEL_UNITS",
+    "GYRO_UNITS",
+    "SIGNALS",
+    "TIME_UNITS",
+    "UNITS",
+    "UNKNOWN",
+    "Meaning",
+    "meaning",
+    "parse",
+    "stated",
+    "unit_of",
+]
 
 
 def _split(name: str) -> tuple[str, str | None, str | None]:
@@ -157,6 +169,49 @@ def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | No
     if quantity in SIGNALS and found.axis:
         return (f"{quantity}_{axis}", found.unit) if axis else (None, None)
     return quantity, found.unit
+
+
+def spelled_unit(name: str) -> str | None:
+    """The unit that a heading spells, as it stands there."""
+    return _split(name)[1]
+
+
+def by_unit(name: str, unit: str | None) -> Meaning | None:
+    """A heading that names an axis and states a unit, and no more: `X [rad/s]`, `Rotation X (deg/s)`,
+    and the letters p, q, r of aeronautics. None where it is no such heading.
+    """
+    text, spelled, pointed = _split(name)
+    found = unit_of(unit or spelled or "")
+    kind = next((k for k in ("gyro", "accel") if found in UNITS[k]), None)
+    if kind is None:
+        return None
+    tokens = [t for t in _key(text).split("_") if t]
+    axes = {"p": "x", "q": "y", "r": "z"} if kind == "gyro" else {}
+    axis = pointed if pointed in ("x", "y", "z") else None
+    rest = []
+    for token in tokens:
+        if axis is None and (token in ("x", "y", "z") or token in axes):
+            axis = axes.get(token, token)
+        else:
+            rest.append(token)
+    plain_words = {
+        "rotation",
+        "rot",
+        "axis",
+        "rate",
+        "imu",
+        "sensor",
+        "body",
+        "force",
+        "value",
+        "val",
+        "data",
+        "meas",
+        "b",
+    }
+    if axis is None or set(rest) - plain_words:
+        return None
+    return Meaning(kind, axis, found, why=f"an axis in {found}")
 
 
 def spells_unit(text: str) -> bool:

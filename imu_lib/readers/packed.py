@@ -103,6 +103,9 @@ def two(names: list[str]) -> tuple[str, str] | None:
     """The gyro's and the accelerometer's file out of several names, None where they do not stand
     out as one each.
     """
+    # Sensor Logger keeps gravity in TotalAcceleration and takes it out of Accelerometer
+    whole = [n for n in names if re.search(r"total_?accel", Path(n).stem, re.IGNORECASE)]
     gyro = [n for n in names if _GYRO.search(Path(n).stem) and not _NOT.search(Path(n).stem)]
     accel = [n for n in names if _ACCEL.search(Path(n).stem) and not _NOT.search(Path(n).stem)]
+    accel = whole if len(whole) == 1 else accel
     return (gyro[0], accel[0]) if len(gyro) == len(accel) == 1 and gyro != accel else None

@@ -103,15 +103,24 @@ def plain(text: str) -> str:
     return unicodedata.normalize("NFKC", text)
 
 
+def unwrapped(text: str) -> str:
+    """A text without brackets and quotes around the whole of it."""
+    text = text.strip().strip("\"'").strip()
+    while len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
+        text = text[1:-1].strip()
+    return text
+
+
 def unit_of(text: str) -> str | None:
     """The canonical unit that a text spells, or None."""
-    text = plain(text.strip().strip("[](){}<>\"'").strip())
+    text = plain(unwrapped(text))
     if text in ("G", "g"):
         return "g"
     if text == "K":
         return "K"
     text = text.replace("_per_", "/").replace(" per ", "/").replace(" pro ", "/")
     text = re.sub(r"\s*([/*^])\s*", r"\1", text.lower())
+    text = re.sub(r"(?<=[a-z])\.(?=[a-z])", "*", text).replace("(s^2)", "s^2").replace("(s)", "s")
     text = re.sub(r"\^\((-?\d)\)|\*\*\(?(-?\d)\)?", r"^\1\2", text)
     for spelled in (
         text,

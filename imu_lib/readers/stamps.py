@@ -129,6 +129,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         flag=time_unit,
         rate=given,
         insisted=trust or raw.contract,
+        heading=raw.headings["time"],
+        rate_given=rate is not None,
     )
     if told.factor is None:
         raw.told("time", None, told.why)

@@ -18,6 +18,7 @@ from imu_lib.readers import labelled
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
+from imu_lib.readers.spelling import unwrapped
 
 NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", "NULL", "None"]
 
@@ -78,7 +79,7 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
         Heading(
             layout.header[i] if layout.header else f"column {i + 1}",
             k,
-            units[i].strip("[]()- ") or None,
+            unwrapped(units[i]).strip("- ") or None,
         )
         for i, k in enumerate(layout.kinds)
     ]

@@ -4,6 +4,7 @@ own stamp before that of arrival.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,13 +12,18 @@ import numpy as np
 from imu_lib.readers import names
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
+from imu_lib.readers.spelling import UNITS
 
 
 def letter_t(told, headings, values) -> list[Meaning]:
     """A column called T: the time where it rises from row to row, a temperature where it does not."""
     out = list(told)
     for i, m in enumerate(told):
-        if m.quantity != "time" or headings[i].name.strip() != "T" or headings[i].kind != "number":
+        if (
+            m.quantity != "time"
+            or re.sub(r"[\[(].*", "", headings[i].name).strip() != "T"
+            or headings[i].kind != "number"
+        ):
             continue
         x = np.asarray(values[i], dtype=float)
         step = np.diff(x)
@@ -28,7 +34,7 @@ def letter_t(told, headings, values) -> list[Meaning]:
         if np.nanmin(x) > -273 and np.nanmax(x) < 400:
             out[i] = Meaning(
                 "temperature",
-                unit=m.unit if m.unit != "s" else None,
+                unit=m.unit if m.unit in UNITS["temperature"] else None,
                 why="called T, and it does not rise from row to row",
             )
     return out
@@ -142,7 +148,7 @@ def _put_together(out, headings, values) -> list[Meaning] | None:
     times = [i for i, m in enumerate(out) if m.quantity == "time"]
     second = [
         i for i in times
-        if out[i].unit == "s" and np.nanmin(values[i]) >= 0 and np.nanmax(values[i]) <= 60.0
+        if out[i].unit == "s" and np.isfinite(values[i]).any() and np.nanmin(values[i]) >= 0 and np.nanmax(values[i]) <= 60.0
     ]  # fmt: skip
     if not {"hour", "minute"} <= set(have) or not second:
         return None

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from imu_lib.readers import lexicon
 from imu_lib.readers.lexicon import words
 
+UNKNOWN = "its name is not known here"
 SIGNALS = ("gyro", "accel", "dtheta", "dv")
 
 
@@ -109,6 +110,8 @@ def _stamp(tokens: list[str], joined: str, name: str) -> Meaning | None:
     if not is_time and re.fullmatch(
         r"(t|time|timestamp|ts|temps)_?(ms|us|ns|s|sec|usec|msec|nsec)", joined
     ):
+        is_time = True
+    if joined.endswith("time") and joined not in ("deltatime", "dtime", "exposuretime", "lifetime"):
         is_time = True
     if joined in (
         "ts",
@@ -268,6 +271,7 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
             kind = "gyro"
     # single letters tell only where they stand nearly alone
     letters = {"g", "w", "a", "f"}
+    have = {w for w in have if not re.fullmatch(r"(?:imu|sensor|mpu|icm|lsm|bmi|dev|device)\d*", w)}
     others = have - {
         "rs",
         "s",
@@ -321,7 +325,7 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     if kind is None:
         if have & {"velocity", "vel", "speed"}:
             return Meaning(why="a velocity")
-        return Meaning(why="its name is not known here")
+        return Meaning(why=UNKNOWN)
     rank = 1
     unit = None
     if kind == "accel" and have & lexicon.FREE:

@@ -38,7 +38,13 @@ def read_ulog(path, *, topic: str | None = None) -> Raw:
     chosen = topic or next((m for m in MESSAGES if m in found), None)
     if chosen == "sensor_combined":
         data = found[chosen]
-        raw.add("time", data["timestamp"].astype(np.int64), "us", "timestamp", "us since boot by the log's definition")
+        raw.add(
+            "time",
+            data["timestamp"].astype(np.int64),
+            "us",
+            "timestamp",
+            "us since boot by the log's definition",
+        )
         _axes(raw, data, "gyro", "gyro_rad[{}]", "rad/s", chosen)
         _axes(raw, data, "accel", "accelerometer_m_s2[{}]", "m/s^2", chosen)
     elif "sensor_gyro" in found or "sensor_accel" in found:
@@ -47,11 +53,14 @@ def read_ulog(path, *, topic: str | None = None) -> Raw:
         raise InputError(
             f"{path} has no sensor_combined, sensor_gyro or sensor_accel; it has {', '.join(sorted(found)[:12]) or 'no messages'}."
         )
+    used = (chosen,) if chosen == "sensor_combined" else MESSAGES[1:]
     for name in sorted(found):
-        if name not in (chosen, *MESSAGES[1:] if chosen != "sensor_combined" else ()):
+        if name not in used:
             raw.skip(name, "not an IMU's message")
     if raw.rows() < 2:
-        raise InputError(f"{path}: its {chosen} has {raw.rows()} messages; at least two are needed.")
+        raise InputError(
+            f"{path}: its {chosen} has {raw.rows()} messages; at least two are needed."
+        )
     return raw
 
 
@@ -59,7 +68,13 @@ def _axes(raw, data, kind, name, unit, message):
     for i, axis in enumerate("xyz"):
         key = name.format(i)
         if key in data:
-            raw.add(f"{kind}_{axis}", np.asarray(data[key], dtype=float), unit, f"{message}.{key}", f"{unit} by the message's definition")
+            raw.add(
+                f"{kind}_{axis}",
+                np.asarray(data[key], dtype=float),
+                unit,
+                f"{message}.{key}",
+                f"{unit} by the message's definition",
+            )
 
 
 def _apart(raw, found, topic):
@@ -67,7 +82,9 @@ def _apart(raw, found, topic):
     stamps, each with one of them.
     """
     there = [m for m in MESSAGES[1:] if m in found and topic in (None, m)]
-    stamp = np.concatenate([found[m].get("timestamp_sample", found[m]["timestamp"]) for m in there]).astype(np.int64)
+    stamp = np.concatenate(
+        [found[m].get("timestamp_sample", found[m]["timestamp"]) for m in there]
+    ).astype(np.int64)
     order = np.argsort(stamp, kind="stable")
     raw.add("time", stamp[order], "us", "timestamp", "us since boot by the log's definition")
     first = 0
@@ -78,5 +95,11 @@ def _apart(raw, found, topic):
         for axis in "xyz":
             x = np.full(len(stamp), np.nan)
             x[first : first + n] = data[axis]
-            raw.add(f"{kind}_{axis}", x[order], unit, f"{message}.{axis}", f"{unit} by the message's definition")
+            raw.add(
+                f"{kind}_{axis}",
+                x[order],
+                unit,
+                f"{message}.{axis}",
+                f"{unit} by the message's definition",
+            )
         first += n

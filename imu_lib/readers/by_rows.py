@@ -1,0 +1,130 @@
+"""Tables in which each row is a reading of one sensor, named in a column of text: `ACC,x,y,z` and
+`GYR,x,y,z` in turn. They become columns of their own, empty where the other sensor has its row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.readers import names, time_columns
+from imu_lib.readers.asking import Heading
+from imu_lib.readers.names import Meaning
+from imu_lib.readers.raw import Raw
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """label: the column that names the sensor. xyz: those of the readings."""
+
+    label: int
+    xyz: tuple[int, int, int]
+
+
+def sensors(told: Sequence[Meaning], headings: Sequence[Heading]) -> Sensors | None:
+    """The columns of a table by rows, None where it is none: one column of text, and x, y, z that name
+    no sensor.
+    """
+    if any(m.quantity in names.SIGNALS for m in told):
+        return None
+    texts = [i for i, h in enumerate(headings) if h.kind == "text"]
+    bare = {}
+    for i, h in enumerate(headings):
+        word = h.name.strip().lower().replace("value", "").replace("axis", "").strip("_ []().")
+        axis = {
+            "x": 0,
+            "y": 1,
+            "z": 2,
+            "v0": 0,
+            "v1": 1,
+            "v2": 2,
+            "1": 0,
+            "2": 1,
+            "3": 2,
+            "s0": 0,
+            "s1": 1,
+            "s2": 2,
+        }
+        if h.kind == "number" and word in axis:
+            bare.setdefault(axis[word], i)
+    if not texts or sorted(bare) != [0, 1, 2]:
+        return None
+    named = [
+        i
+        for i in texts
+        if headings[i].name.strip().lower()
+        in (
+            "sensor",
+            "type",
+            "name",
+            "sensor_type",
+            "sensorname",
+            "kind",
+            "label",
+            "source",
+            "id",
+            "topic",
+            "event",
+        )
+    ]
+    return Sensors((named or texts)[0], (bare[0], bare[1], bare[2]))
+
+
+def pivoted(
+    raw: Raw, long: Sensors, told: Sequence[Meaning], headings: Sequence[Heading], load: Callable
+) -> Raw:
+    """The raw columns of a table by rows. InputError where its labels name no inertial sensor, or
+    two of a kind.
+    """
+    stamps = [i for i, m in enumerate(told) if m.quantity in ("time", "date", "clock")]
+    values = load([long.label, *long.xyz, *stamps])
+    labels = np.asarray(values[long.label]).astype(str)
+    rows: dict[str, np.ndarray] = {}
+    for label in np.unique(labels):
+        found = names.meaning(f"{label} x")
+        rank = found.rank
+        if found.quantity not in ("gyro", "accel"):
+            continue
+        if found.quantity in rows and rank > 1:
+            continue
+        if found.quantity in rows:
+            raise InputError(
+                f"{raw.source}, `{headings[long.label].name}`: more than one label names a {found.quantity}; keep the rows of one."
+            )
+        rows[found.quantity] = labels == label
+    if not rows:
+        raise InputError(
+            f"{raw.source}: `{headings[long.label].name}` names no gyro or accelerometer ({', '.join(np.unique(labels)[:6])}); "
+            "keep the rows of one sensor and give the file as --gyro FILE or --accel FILE."
+        )
+    use = np.logical_or.reduce(list(rows.values()))
+    line = raw.line
+    place = np.flatnonzero(use)
+    raw.line = lambda row: line(int(place[min(row, len(place) - 1)]))
+    told = time_columns.one_time(raw, list(told), headings, values)
+    for i, (m, h) in enumerate(zip(told, headings)):
+        if i in long.xyz:
+            continue
+        if i == long.label:
+            raw.skip(h.name, f"names the sensor of each row: {', '.join(rows)}")
+        elif m.quantity in ("time", "date", "clock") and i in values:
+            raw.add(m.canonical, np.asarray(values[i])[use], m.unit, h.name, m.why)
+        else:
+            raw.skip(h.name, m.why if m.quantity is None else "not an inertial reading")
+    for kind, chosen in rows.items():
+        for axis, i in zip("xyz", long.xyz):
+            x = np.where(chosen, np.asarray(values[i], dtype=float), np.nan)[use]
+            raw.add(
+                f"{kind}_{axis}",
+                x,
+                names.spelled_unit(headings[i].name),
+                f"{headings[i].name} ({kind})",
+                f"rows of the {kind}",
+            )
+    lost = int((~use).sum())
+    if lost:
+        raw.notes += (f"{lost:,} rows of other sensors were left out.",)
+    return raw
