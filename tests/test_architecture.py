@@ -17,7 +17,6 @@ TO_BE_CUT = {
     "imu_lib/gap/channel.py": 363,
     "tests/gap_generator.py": 513,
     "tests/test_calibration.py": 369,
-    "tests/test_malformed.py": 358,
     "tests/test_navigation_filter.py": 393,
     "tests/test_navigation_outages.py": 364,
     "tests/test_readers.py": 436,
