@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from imu_lib.gap import effects, electronics, fast, rounds, steadiness, verdict
+from imu_lib.gap import effects, electronics, noise_level, rounds, steadiness, verdict
 from imu_lib.gap.base_fit import absorbed, free_base
 from imu_lib.gap.drifts import profiled
+from imu_lib.gap.effects.base import ChannelView
 from imu_lib.gap.effects.resolution import grid_of
-from imu_lib.gap.engine import Data, measured
+from imu_lib.gap.engine import Data
 from imu_lib.gap.grown import between, grown, refits
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
@@ -161,7 +162,6 @@ def _analyse(
     clean = electronics.undo(raw, fs, given, rng, integral=integral)
     x = clean.x - drift
     findings = list(clean.findings)
-    doubts = []
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]
     if shared > 0:
         terms.append(CommonMode(N=shared, channels=(name,), filtered=1 if filtered else None))
@@ -172,25 +172,15 @@ def _analyse(
     # ---------------------------------------------------------------------------------------
     say("noise level")
     y = whitened(clean.x - clean.coarse, clean.smooth) / clean.swing
+    low_pass = None if given is None else given.low_pass
+    level = 1.0 if given is None else noise_level.model_level(clean, terms, low_pass, fs)
+    view = ChannelView(x, y, raw, fs, clean.smooth, given, level, temperature)
     held = None if given is None else given.find("noise_level_change")
     if held is not None:
-        x = _levelled(x, held.ratio, held.time, fs, given)
-        y = y / np.where(np.arange(len(y)) >= held.time * fs, held.ratio, 1.0)
-    change = effects.CATALOGUE["noise_level_change"].detect(y, fs, None, clean.smooth.independent)
-    if change is not None:
-        if change.doubt is None:
-            if given is not None:
-                level = _level(clean, terms, given.low_pass, fs)
-                change = effects.CATALOGUE["noise_level_change"].anchored(
-                    change, y, fs, level, clean.smooth.independent
-                )
-            findings.append(change)
-            x = _levelled(x, change.process.ratio, change.process.time, fs, given)
-            y = y / np.where(
-                np.arange(len(y)) >= change.process.time * fs, change.process.ratio, 1.0
-            )
-        else:
-            doubts.append(change.doubt)
+        view = noise_level.scaled(view, held.factor(len(x), fs))
+    view, of_noise, doubts = noise_level.settled(view)
+    findings += of_noise
+    x, y = view.x, view.y
     # -- lines
     # ---------------------------------------------------------------------------------------------
     say("lines")
@@ -241,9 +231,10 @@ def _analyse(
     def left(state):
         rest = data.x - _deterministic(state)
         smooth = Smooth(rest, fs)
-        return verdict.checks(
-            state, rest, whitened(rest, smooth) / clean.swing, smooth, coarse_steps=coarse_steps
-        )
+        y = whitened(rest, smooth) / clean.swing
+        for f in of_noise:
+            y = f.effect.normal(y, f)
+        return verdict.checks(state, rest, y, smooth, coarse_steps=coarse_steps)
 
     tests = left(state)
     if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
@@ -309,44 +300,6 @@ def _doubtful(steps, shared):
             if {"resolution", "quantization"} <= names or moved < SHARED * shared**2:
                 s = s.capped(DOUBTED)
         out.append(s)
-    return out
-
-
-def _level(clean, terms, low_pass, fs) -> float:
-    """Variance of the fast noise as a multiple of what the given noises have."""
-    layout = clean.smooth.layout
-    s = measured(
-        fast.spectrum(terms, low_pass, layout, fs),
-        clean.extra if clean.extra is not None else 2.0 * clean.white / fs,
-    )
-    k = layout.slow
-    return float(np.average(clean.smooth.level[k:] / s[k:], weights=layout.nu[k:]))
-
-
-def _levelled(x, ratio, time, fs, base):
-    """The fast noise after `time` brought back to its level before; what the base calls slow
-    stays.
-    """
-    n = len(x)
-    k = int(round(time * fs))
-    drifts = [] if base is None else [t for t in base.terms if not t.deterministic and not t.fast]
-    quick = [] if base is None else [t for t in base.terms if not t.deterministic and t.fast]
-    size = 2 * n
-    f = np.maximum(np.arange(n + 1), 0.5) * fs / size
-    if drifts and quick:
-        # what is slow among the louder (or quieter) noise after the change
-        d, q = sum(t.psd(f, fs) for t in drifts), ratio**2 * sum(t.psd(f, fs) for t in quick)
-        gain = d / (d + q)
-    elif quick:
-        gain = np.zeros(n + 1)
-        gain[:2] = 1.0
-    else:
-        gain = 1.0 / (1.0 + (f * 20.0) ** 4)
-    gain[0] = 1.0  # the mean is no noise
-    pad = np.concatenate([x, x[::-1]])
-    slow_part = np.fft.irfft(np.fft.rfft(pad) * gain, size)[:n]
-    out = x.copy()
-    out[k:] = slow_part[k:] + (x[k:] - slow_part[k:]) / ratio
     return out
 
 

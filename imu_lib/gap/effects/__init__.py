@@ -1,51 +1,40 @@
-"""The catalogue: one small class in one file for each effect."""
+"""The catalogue: one small file for each effect, found by itself; a file lists its own in `EFFECTS`."""
 
-from .autoregressive import Autoregressive, FirstOrder
-from .base import Drift, Effect, Finding, Spectral
-from .flicker import Flicker
-from .gauss_markov import GaussMarkov
-from .gauss_markov_2 import GaussMarkov2
-from .low_pass import LowPass
-from .noise_level_change import NoiseLevelChange
-from .quantization import Quantization
-from .ramp import Ramp
-from .random_walk import RandomWalk
-from .resolution import Resolution
-from .saturation import Saturation
-from .sinusoid import Sinusoid
-from .slow_sinusoid import SlowSinusoid
-from .spikes import Spikes
-from .step import Step
-from .stuck import Stuck
-from .telegraph import Telegraph
-from .temperature import Temperature
-from .warm_up import WarmUp
-from .white_noise import WhiteNoise
+from importlib import import_module
+from pkgutil import iter_modules
 
+from .base import ChannelEffect, ChannelView, Drift, Effect, Finding, Spectral
+
+#: Every effect, in the order of `Effect.order` and its file's name.
+ALL = tuple(
+    sorted(
+        (
+            effect
+            for module in iter_modules(__path__)
+            for effect in getattr(import_module(f"{__name__}.{module.name}"), "EFFECTS", ())
+        ),
+        key=lambda effect: effect.order,
+    )
+)
 #: Noises known by their spectrum.
-SPECTRAL = (
-    WhiteNoise(),
-    Quantization(),
-    Flicker(),
-    RandomWalk(),
-    GaussMarkov(),
-    GaussMarkov2(),
-    FirstOrder(),
-    Autoregressive(),
-)
+SPECTRAL = tuple(e for e in ALL if isinstance(e, Spectral))
 #: Functions of time or temperature.
-DRIFTS = (Ramp(), WarmUp(), Temperature(), Step(), SlowSinusoid())
-#: What is found by means of its own.
-OTHERS = (
-    Sinusoid(),
-    Telegraph(),
-    LowPass(),
-    NoiseLevelChange(),
-    Spikes(),
-    Saturation(),
-    Resolution(),
-    Stuck(),
-)
-CATALOGUE = {effect.name: effect for effect in SPECTRAL + DRIFTS + OTHERS}
+DRIFTS = tuple(e for e in ALL if isinstance(e, Drift))
+#: What acts on the noise of a channel.
+CHANNEL = tuple(e for e in ALL if isinstance(e, ChannelEffect))
+#: By name; where several effects have one name, the last.
+CATALOGUE = {effect.name: effect for effect in ALL}
 
-__all__ = ["CATALOGUE", "DRIFTS", "Drift", "Effect", "Finding", "OTHERS", "SPECTRAL", "Spectral"]
+__all__ = [
+    "ALL",
+    "CATALOGUE",
+    "CHANNEL",
+    "ChannelEffect",
+    "ChannelView",
+    "DRIFTS",
+    "Drift",
+    "Effect",
+    "Finding",
+    "SPECTRAL",
+    "Spectral",
+]

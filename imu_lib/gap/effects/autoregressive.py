@@ -106,3 +106,6 @@ class FirstOrder(Autoregressive):
             (30.0, np.log(-np.log(0.25))),
             (AMPLITUDE_WIDTH, np.log(1e3)),
         )
+
+
+EFFECTS = (FirstOrder(), Autoregressive())

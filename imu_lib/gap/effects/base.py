@@ -18,6 +18,10 @@ class Effect:
     name: ClassVar[str] = ""
     cause: ClassVar[str] = ""
     domain: ClassVar[str] = "psd"
+    #: What it acts on: record, samples, channel (its noise), noise (terms of the model).
+    level: ClassVar[str] = "samples"
+    #: Place among the others of its level.
+    order: ClassVar[int] = 50
 
     @property
     def key(self) -> str:
@@ -31,6 +35,8 @@ class Effect:
 
 class Spectral(Effect):
     """A noise that is known by its spectrum: a process added to the sum, its parameters free."""
+
+    level = "noise"
 
     def grid(self, fs: float, duration: float) -> list:
         """Processes of unit strength from whose shapes the best start is chosen, each with its
@@ -56,17 +62,90 @@ class Spectral(Effect):
 
 @dataclass
 class Finding:
-    """An effect found in the raw samples: the process or stage, log-likelihood gain, what it
-    touches, intervals, doubts.
+    """An effect found in samples, time stamps or innovations.
+
+    Attributes
+    ----------
+    effect, process
+        What was found, and as an entry of the model.
+    gain : float or None
+        Log-likelihood against nothing being there; None where there is none (`evidence` says what
+        there is).
+    where : str
+    intervals : dict
+        95 % intervals by parameter.
+    mask : ndarray of bool, shape (n,), optional
+        The samples it touches.
+    doubt : str, optional
+        Why it may be something else.
+    blank, signal : dict, optional
+        Of the record: channel -> samples that tell nothing (n,), or what is taken out of it (n,).
+    scale : ndarray, shape (n,), optional
+        Of a channel: the level of the fast noise through the record, 1 on the whole or before.
+    evidence : str
     """
 
     effect: Effect
     process: object
-    gain: float
+    gain: float | None
     where: str
     intervals: dict = field(default_factory=dict)
     mask: np.ndarray | None = None
     doubt: str | None = None
+    blank: dict | None = None
+    signal: dict | None = None
+    scale: np.ndarray | None = None
+    evidence: str = ""
+
+
+@dataclass(frozen=True)
+class ChannelView:
+    """What an effect on the noise of a channel sees.
+
+    Attributes
+    ----------
+    x : ndarray, shape (n,)
+        The samples, electronics undone.
+    y : ndarray, shape (n,)
+        Its innovations: the fast part as white noise of variance 1.
+    raw : ndarray, shape (n,)
+        As they came, NaN where missing.
+    fs : float, Hz
+    smooth : innovations.Smooth
+        The spectrum that `y` was whitened by.
+    given : Sum or None
+        The given model.
+    model_level : float
+        Variance of the fast noise as a multiple of what the given noises have.
+    temperature : ndarray, shape (n,), or None
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    raw: np.ndarray
+    fs: float
+    smooth: object
+    given: object
+    model_level: float
+    temperature: np.ndarray | None = None
+
+
+class ChannelEffect(Effect):
+    """What acts on the noise of a channel behind the electronics: its level, its distribution.
+
+    The likeliest of all candidates enters, then all others are asked again. A candidate with a
+    doubt does not enter; the doubt is told if nothing else resolves it.
+    """
+
+    level = "channel"
+
+    def candidates(self, view: ChannelView) -> list[Finding]:
+        """Where the effect may be, in what is left."""
+        raise NotImplementedError
+
+    def normal(self, y, finding: Finding):
+        """Innovations of the levelled samples made normal, for the tests of what is left."""
+        return y
 
 
 class Drift(Effect):
@@ -78,6 +157,7 @@ class Drift(Effect):
     before it is looked at again.
     """
 
+    level = "noise"
     domain = "mean"
     amplitude: ClassVar[str] = "amplitude"
     shape: ClassVar[str | None] = None

@@ -16,3 +16,6 @@ class Flicker(Spectral):
 
     def grid(self, fs, duration):
         return [Process(B=1.0)]
+
+
+EFFECTS = (Flicker(),)

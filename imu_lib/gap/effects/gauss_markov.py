@@ -22,3 +22,6 @@ class GaussMarkov(Spectral):
         return [
             Process(sigma=1.0, correlation_time=t) for t in np.geomspace(2 / fs, duration / 3, 20)
         ]
+
+
+EFFECTS = (GaussMarkov(),)

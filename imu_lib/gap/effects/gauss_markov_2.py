@@ -20,3 +20,6 @@ class GaussMarkov2(Spectral):
         return [
             Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)
         ]
+
+
+EFFECTS = (GaussMarkov2(),)

@@ -40,3 +40,6 @@ class LowPass(Effect):
     def slot(self, fs) -> Slot:
         """The cutoff of a filter of given order."""
         return Slot(-1, ("cutoff",), (np.log(0.003 * fs),), (np.log(0.495 * fs),), (np.log(100.0),))
+
+
+EFFECTS = (LowPass(),)

@@ -9,8 +9,12 @@ from scipy.stats import chi2
 
 from imu_lib.processes import NoiseLevelChange as Stage
 
-from .base import Effect, Finding
+from .base import ChannelEffect, Finding
 
+#: Gain in log-likelihood of a change of level. Twice its largest value over all instants exceeds u
+#: with a probability of about ln(n^2) sqrt(u / 2 pi) exp(-u / 2) (Csorgo and Horvath 1997, Theorem
+#: 1.3.1): 1e-4 for an hour at 100 Hz.
+MIN_GAIN = 13.0
 #: Block lengths over which the noise has to keep its level, s.
 SCALES = (5.0, 20.0, 60.0, 300.0)
 
@@ -79,21 +83,25 @@ def change_point(y, independent: float = 1.0):
     )
 
 
-class NoiseLevelChange(Effect):
+class NoiseLevelChange(ChannelEffect):
     name = "noise_level_change"
     cause = "The gain, the supply or the vibration around the sensor changed at one instant."
     domain = "stationarity"
 
-    def detect(self, y, fs, held, independent: float = 1.0) -> Finding | None:
+    def candidates(self, view):
+        independent = view.smooth.independent
+        found = self.detect(view.y, view.fs, independent)
+        if found is None:
+            return []
+        if found.doubt is None and view.given is not None:
+            found = self.anchored(found, view.y, view.fs, view.model_level, independent)
+        found.scale = found.process.factor(len(view.y), view.fs)
+        return [found]
+
+    def detect(self, y, fs, independent: float = 1.0) -> Finding | None:
         """`y` is the whitened fast noise, a share of whose samples is `independent`."""
         gain, k, ratio = change_point(y, independent)
-        if gain < 13:
-            return None
-        if (
-            held is not None
-            and abs(np.log(ratio / held.ratio)) < 0.05
-            and abs(k / fs - held.time) < 5
-        ):
+        if gain < MIN_GAIN:
             return None
         n = len(y)
         sd = np.sqrt((0.5 / k + 0.5 / (n - k)) / independent)
@@ -149,3 +157,6 @@ class NoiseLevelChange(Effect):
         gain = -0.5 * independent * (i * np.log(a) + (n - i) * np.log(b))
         near = i[gain > gain.max() - 2.5]
         return float(max(abs(near.min() - k), abs(near.max() - k), 1))
+
+
+EFFECTS = (NoiseLevelChange(),)

@@ -32,3 +32,6 @@ class Quantization(Spectral):
             {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]},
             doubt=doubt,
         )
+
+
+EFFECTS = (Quantization(),)

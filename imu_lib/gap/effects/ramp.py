@@ -14,3 +14,6 @@ class Ramp(Drift):
 
     def candidates(self, data):
         return [Process(R=1.0)]
+
+
+EFFECTS = (Ramp(),)

@@ -16,3 +16,6 @@ class RandomWalk(Spectral):
 
     def grid(self, fs, duration):
         return [Process(K=1.0)]
+
+
+EFFECTS = (RandomWalk(),)

@@ -90,3 +90,6 @@ def missing_codes(x, step) -> str | None:
     if np.count_nonzero(off & sure) >= 2:
         return f"distribution of the samples: {np.count_nonzero(off & sure)} levels of the grid occupied unlike their neighbours"
     return None
+
+
+EFFECTS = (Resolution(),)

@@ -92,3 +92,6 @@ class Saturation(Effect):
         )
         found.mask = np.where(above, 1, np.where(below, -1, 0)).astype(np.int8)
         return found
+
+
+EFFECTS = (Saturation(),)

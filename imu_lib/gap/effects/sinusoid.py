@@ -37,6 +37,7 @@ def local_level(power, layout) -> np.ndarray:
 
 class Sinusoid(Effect):
     name = "sinusoid"
+    order = 60
     cause = "Vibration, mains hum, a clock or a switching supply that couples in."
     domain = "lines"
 
@@ -186,3 +187,6 @@ def _harmonics(found):
                 text = f"power spectral density at {item.process.frequency:.5g} Hz and {whole} times that: a periodic signal that is no sinusoid"
                 item.doubt = item.doubt or text
                 other.doubt = other.doubt or text
+
+
+EFFECTS = (Sinusoid(),)

@@ -65,3 +65,6 @@ class SlowSinusoid(Drift):
             np.log(np.sqrt(12 / (2 * np.pi)) / snr / (FIRST - FEWEST))
             - np.log(np.sqrt(2 * np.pi) * snr)
         )
+
+
+EFFECTS = (SlowSinusoid(),)

@@ -178,3 +178,6 @@ class Spikes(Effect):
         if kstest(q, "uniform").pvalue < 1e-4 and len(step) > 20:
             return "distribution of the innovations: the outliers come in groups or in a rhythm"
         return None
+
+
+EFFECTS = (Spikes(),)

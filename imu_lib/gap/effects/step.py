@@ -64,3 +64,6 @@ def sharpen(x, fs, time: float, block: float, amplitude: float, density: float):
     j = int(np.argmax(gain))
     near = k[gain > gain[j] - 3.0] + lo
     return float((k[j] + lo) / fs), float((near.min() - 1) / fs), float((near.max() + 1) / fs)
+
+
+EFFECTS = (Step(),)

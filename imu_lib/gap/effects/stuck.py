@@ -77,3 +77,6 @@ class Stuck(Effect):
             },
             mask=mask,
         )
+
+
+EFFECTS = (Stuck(),)

@@ -153,3 +153,6 @@ class Telegraph(Effect):
         signal = np.repeat(a * w, q)
         signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
         return Process(amplitude=float(a), rate=rate), signal, float(flips), beyond, float(sd)
+
+
+EFFECTS = (Telegraph(),)

@@ -19,3 +19,6 @@ class Temperature(Drift):
         if data.temperature is None or not np.ptp(data.block_temperature) > 0:
             return []
         return [Process(slope=1.0, reference=float(np.mean(data.block_temperature)))]
+
+
+EFFECTS = (Temperature(),)

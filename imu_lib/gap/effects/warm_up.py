@@ -30,3 +30,6 @@ class WarmUp(Drift):
 
     def penalty(self, data, snr):
         return float(np.log(np.sqrt(2 * np.pi) * 2.0 / (max(snr, 1.0) * np.log(1e3))))
+
+
+EFFECTS = (WarmUp(),)

@@ -16,3 +16,6 @@ class WhiteNoise(Spectral):
 
     def grid(self, fs, duration):
         return [Process(N=1.0)]
+
+
+EFFECTS = (WhiteNoise(),)

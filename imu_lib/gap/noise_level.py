@@ -1,0 +1,68 @@
+"""What acts on the noise of a channel: found in its innovations one after the other, each undone
+before the next is asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from imu_lib.gap import fast
+from imu_lib.gap.effects import CHANNEL
+from imu_lib.gap.engine import measured
+
+
+def settled(view):
+    """(view with everything undone that was found, findings, doubts)."""
+    findings = []
+    while True:
+        known = {f.effect.name for f in findings}
+        trials = [f for e in CHANNEL if e.name not in known for f in e.candidates(view)]
+        sound = [f for f in trials if f.doubt is None]
+        if not sound:
+            return view, findings, [f.doubt for f in trials]
+        best = max(sound, key=lambda f: f.gain)
+        findings.append(best)
+        if best.scale is not None:
+            view = scaled(view, best.scale)
+
+
+def scaled(view, scale):
+    """The view with its fast noise brought back to one level; what the model calls slow stays."""
+    return replace(view, x=_levelled(view.x, scale, view.fs, view.given), y=view.y / scale)
+
+
+def model_level(clean, terms, low_pass, fs: float) -> float:
+    """Variance of the fast noise as a multiple of what the given noises have."""
+    layout = clean.smooth.layout
+    s = measured(
+        fast.spectrum(terms, low_pass, layout, fs),
+        clean.extra if clean.extra is not None else 2.0 * clean.white / fs,
+    )
+    k = layout.slow
+    return float(np.average(clean.smooth.level[k:] / s[k:], weights=layout.nu[k:]))
+
+
+def _levelled(x, scale, fs: float, given):
+    """The fast noise over `scale`, shape (n,); samples of scale 1 stay as they are."""
+    n, size = len(x), 2 * len(x)
+    louder = scale != 1.0
+    if not louder.any():
+        return x
+    drifts = [] if given is None else [t for t in given.terms if not t.deterministic and not t.fast]
+    quick = [] if given is None else [t for t in given.terms if not t.deterministic and t.fast]
+    f = np.maximum(np.arange(n + 1), 0.5) * fs / size
+    if drifts and quick:
+        # what is slow among the louder (or quieter) noise
+        power = float(np.mean(scale[louder] ** 2))
+        d, q = sum(t.psd(f, fs) for t in drifts), power * sum(t.psd(f, fs) for t in quick)
+        gain = d / (d + q)
+    elif quick:
+        gain = np.zeros(n + 1)
+        gain[:2] = 1.0
+    else:
+        gain = 1.0 / (1.0 + (f * 20.0) ** 4)
+    gain[0] = 1.0  # the mean is no noise
+    slow_part = np.fft.irfft(np.fft.rfft(np.concatenate([x, x[::-1]])) * gain, size)[:n]
+    return np.where(louder, slow_part + (x - slow_part) / scale, x)
