@@ -107,11 +107,10 @@ def align(
         if leaves > begin and not (moved.size and moved[0] <= first_known)
         else 0.0
     )
-    straight = [
-        int(i)
-        for i in quick
-        if np.abs(rate[max(epochs[i] - span, 0) : epochs[i] + span, 2].mean()) < TURNING
-    ]
+    turned = np.concatenate([[0.0], np.cumsum(rate[:, 2])])
+    low, high = np.maximum(epochs - span, 0), np.minimum(epochs + span, len(rate))
+    mean = (turned[high] - turned[low]) / np.maximum(high - low, 1)
+    straight = [int(i) for i in quick if high[i] > low[i] and abs(mean[i]) < TURNING]
     if heading is None and not straight:
         raise InputError(
             f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s moves faster than "

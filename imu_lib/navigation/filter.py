@@ -82,6 +82,7 @@ class LooselyCoupled:
             self.held.model(model.model),
             self.prepared.rate,
             turn_on_sd=model.turn_on_sd,
+            constant=model.constant,
             scale_sd=model.scale_sd,
             flicker=model.flicker,
             free=model.free,

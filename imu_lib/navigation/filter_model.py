@@ -22,7 +22,7 @@ class FilterModel:
     model : Model; its `drive` is held; levels, causal : wavelet de-noising before the
     mechanization (see `preparation.prepare`)
     turn_on_sd : bias left at switch-on, gyro rad/s and accelerometer m/s^2, put to the slowest
-    state of each channel
+    state of each channel, or, where `constant`, to one that does not forget it
     scale_sd : standard deviation of scale factor states (0: none); flicker : see
     `states.sensor_states`
     constraint_sd : m/s of velocity across the vehicle's axis; 0 leaves the vehicle constraint off
@@ -40,6 +40,7 @@ class FilterModel:
     scale_sd: tuple = (0.0, 0.0)
     flicker: str = "refuse"
     constraint_sd: float = 0.0
+    constant: bool = False
     effects: tuple = ()
     free: Mapping = field(default_factory=dict)
 
@@ -49,13 +50,13 @@ class FilterModel:
     @classmethod
     def of(cls, model: Model, **changes):
         """A model as it stands: the bias at switch-on that it states, else 0.1 deg/s and 0.05
-        m/s^2; flicker noise as Gauss-Markov processes.
+        m/s^2, kept as a constant; flicker noise as Gauss-Markov processes.
         """
         turn_on = tuple(TURN_ON.values()) if model.turn_on is None else model.turn_on
         return cls(
             model.name or "model",
             model,
-            **{"turn_on_sd": turn_on, "flicker": "markov", **changes},
+            **{"turn_on_sd": turn_on, "constant": True, "flicker": "markov", **changes},
         )
 
     def with_(self, **changes):

@@ -14,7 +14,7 @@ from .pieces import accumulate, add, copy, pack, unpack, zero
 from .structures import MOUNTING, Pieces, Room
 
 __all__ = ["POSITION", "RECOVERED", "REJECTED_POSITION", "REJECTED_VELOCITY", "VELOCITY", "WILD"]
-AVERAGE = 0.2  # s over which the acceleration is averaged for the states of the fixes' time
+AVERAGE = 0.2  # s over which motion is averaged for the rows of the measurements' states
 
 
 @njit(cache=True)
@@ -47,8 +47,8 @@ def run(begin, end, state, imu, sensors, fixes, speeds, how, logs, nodes, smooth
     h, h6 = np.empty(n), np.empty((6, n))
     gain, ph, dx, total = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     weight, white, x_new = sensors.output.copy(), sensors.white.copy(), np.empty(m)
-    turn, push, force, spin = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    motion, v_before = np.zeros((2, 3)), np.empty(3)
+    turn, push, force, spin = np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
+    motion, v_before = np.zeros((3, 3)), np.empty(3)
     phi = np.eye(n)
     rejected = np.zeros(2, np.int64)
     tail = sensors.first[6]
@@ -71,6 +71,7 @@ def run(begin, end, state, imu, sensors, fixes, speeds, how, logs, nodes, smooth
             nav[10 + i], nav[13 + i] = turn[i], push[i]
             motion[0, i] = (nav[3 + i] - v_before[i]) / step
             motion[1, i] += share * (motion[0, i] - motion[1, i])
+            motion[2, i] += share * (spin[i] - motion[2, i])  # without the noise of this interval
             spin[i] = turn[i] / step
             for j in range(3):
                 middle[i, j] = 0.5 * (middle[i, j] + c[i, j])
@@ -185,7 +186,7 @@ def take_fix(nav, x, pieces, how, tail, fixes, f, moment, rejected, h6, gain, ph
     y, arm, variance = logs.innovation[f], np.empty(3), np.empty(6)
     s, use = logs.covariance[f], fixes.use[f]
     measurement.innovation(nav, x, c, cv, how, spin, motion, fixes, f, y, arm)
-    measurement.fill_rows(h6, nav, x, c, cv, how, spin, motion, arm, fixes.delay[f], fixes.time[f])
+    measurement.fill_rows(h6, nav, x, c, cv, how, motion, arm, fixes.delay[f], fixes.time[f])
     measurement.fill_variance(fixes.variance[f], c, arm, white, step, variance)
     measurement.fill_covariance(pieces, h6, tail, variance, ph, s)
     copy(nav[3:6], logs.velocity[f])

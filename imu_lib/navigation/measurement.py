@@ -55,8 +55,8 @@ def innovation(nav, x, c, cv, how, spin, motion, fixes, f, y, arm):
     """Predicted minus measured antenna position (m) and velocity (m/s) at the fix's own time into
     y (6,); the lever arm in the case's axes into arm (3,).
 
-    cv (3, 3) the mounting; spin (3,) turn rate; motion (2, 3) acceleration of the interval and its
-    average over the last tenths of a second, NED
+    cv (3, 3) the mounting; spin (3,) turn rate; motion (3, 3) acceleration of the interval and its
+    average over the last tenths of a second, NED, and the turn rate's average before this interval
     """
     late, late_v = delays(how, x, fixes.delay[f], fixes.time[f])
     delay = fixes.delay[f] + late
@@ -96,7 +96,7 @@ def innovation(nav, x, c, cv, how, spin, motion, fixes, f, y, arm):
 
 
 @njit(cache=True)
-def fill_rows(h, nav, x, c, cv, how, spin, motion, arm, delay, time):
+def fill_rows(h, nav, x, c, cv, how, motion, arm, delay, time):
     """The six rows (6, n) of the measurement matrix: position with [arm x] on the attitude error
     and the delay on the velocity error, and the states of the measurements.
     """
@@ -131,10 +131,12 @@ def fill_rows(h, nav, x, c, cv, how, spin, motion, arm, delay, time):
         if at[CORRELATED] >= 0:
             h[i, 9 + at[CORRELATED] + i] = -1.0
         if at[LEVER] >= 0:
-            # C_nb and C_nb [omega x], each times the turn from the vehicle's axes to the case's
-            u0 = c[i, 1] * spin[2] - c[i, 2] * spin[1]
-            u1 = c[i, 2] * spin[0] - c[i, 0] * spin[2]
-            u2 = c[i, 0] * spin[1] - c[i, 1] * spin[0]
+            # C_nb and C_nb [omega x], each times the turn from the vehicle's axes to the case's; a
+            # turn rate whose noise is in the innovation too would pull the arm towards nothing
+            w0, w1, w2 = motion[2, 0], motion[2, 1], motion[2, 2]
+            u0 = c[i, 1] * w2 - c[i, 2] * w1
+            u1 = c[i, 2] * w0 - c[i, 0] * w2
+            u2 = c[i, 0] * w1 - c[i, 1] * w0
             for j in range(3):
                 h[i, 9 + at[LEVER] + j] = -(
                     c[i, 0] * cv[j, 0] + c[i, 1] * cv[j, 1] + c[i, 2] * cv[j, 2]

@@ -91,6 +91,7 @@ def sensor_states(
     *,
     turn_on_sd=(0.0, 0.0),
     scale_sd=(0.0, 0.0),
+    constant=False,
     flicker="refuse",
     free=None,
     vibration=None,
@@ -107,6 +108,8 @@ def sensor_states(
         channel, so that it
         adds none: a Gauss-Markov state forgets it with its correlation time, as the paper's
         15-state filters do.
+    constant : bool
+        The bias goes to a state that keeps it, added where a channel has none.
     scale_sd : (gyro, accelerometer), dimensionless
         Where above zero, three scale factor states of that standard deviation are added for the
         sensor.
@@ -143,7 +146,7 @@ def sensor_states(
     for number, channel in enumerate(CHANNELS):
         density, parts, left = _parts(model[channel], channel, rate, flicker)
         ignored += left
-        _turned_on(parts, turn_on_sd[number // 3])
+        _turned_on(parts, turn_on_sd[number // 3], constant)
         parts = [
             _Part(f"{channel} {p.name}", p.transition, p.noise, p.output, p.initial) for p in parts
         ]
@@ -222,11 +225,13 @@ def _parts(entry, channel, rate, flicker):
     return density, parts, ignored
 
 
-def _turned_on(parts, sd):
-    """Adds the bias left at switch-on to the slowest of a channel's states, in place."""
+def _turned_on(parts, sd, constant):
+    """Adds the bias left at switch-on to the slowest of a channel's states, in place; constant : to
+    one that does not forget it.
+    """
     if not sd > 0.0:
         return
-    if not parts:
+    if not parts or (constant and not {p.name for p in parts} & {"constant", "random_walk"}):
         parts.append(_constant("constant", 0.0))
     slowest = min(
         range(len(parts)),
