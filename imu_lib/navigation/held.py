@@ -147,7 +147,8 @@ class Held:
             own = offset.get("velocity_offset", offset["offset"])
             changes["velocity_latency"] = gnss.latency - own
         for effect in self.all("gnss_noise"):
-            changes[f"{effect['of']}_ratio"] = effect["ratio"]
+            key = f"{effect['of']}_ratio"
+            changes[key] = getattr(gnss, key) * effect["ratio"]
         return replace(gnss, **changes) if changes else gnss
 
     def model(self, model: Model) -> Model:

@@ -73,6 +73,14 @@ def printed(order):
     )
 
 
+def levels_at(rate):
+    """The paper's levels of decomposition, chosen at 100 Hz, for another rate: one less for each
+    halving, so that the same time scales are de-noised.
+    """
+    shift = int(round(np.log2(rate / 100.0)))
+    return {c: max(level + shift, 0) for c, level in LEVELS_TABLE_7.items()}
+
+
 def without_walk(model: Model) -> Model:
     """The 15-state version of a model: its random walks left out."""
     return model.with_channels(
@@ -138,7 +146,7 @@ def five(
         made["18AV"] = FilterModel("18AV", plain, turn_on_sd=turn_on_sd)
     if "18AVWD" in names:
         made["18AVWD"] = FilterModel(
-            "18AVWD", plain, levels=LEVELS_TABLE_7, causal=causal, turn_on_sd=turn_on_sd
+            "18AVWD", plain, levels=levels_at(rate), causal=causal, turn_on_sd=turn_on_sd
         )
     orders = {"15AR": 1, "27AR": 3}
     if any(n in orders for n in names):

@@ -6,7 +6,7 @@ withholding one window in
 a run of its own gives, for hundreds of windows at the price of one run and their seconds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from tqdm import tqdm
@@ -14,24 +14,28 @@ from tqdm import tqdm
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
 
-from . import earth
+from . import earth, measurement, reference
 from .filter import LooselyCoupled, Solution
+from .free import GROUPS
 from .preparation import Gnss
 from .statistics import improvement, paired
+from .windows import Window, broken, measure, regular_windows, speeds, windows_from
+
+__all__ = [
+    "ModelOutages",
+    "OutageStudy",
+    "Window",
+    "broken",
+    "compare",
+    "measure",
+    "regular_windows",
+    "speeds",
+    "windows_from",
+]
+#: A model that rejects a larger share of the fixes than this is lost: it is not ranked.
+LOST = 0.2
 
 AGAINST = ("full_gnss", "reference")
-
-
-@dataclass(frozen=True)
-class Window:
-    """An outage: start and duration, s; mean_speed, m/s; turn, rad (how far the heading ranges
-    within it).
-    """
-
-    start: float
-    duration: float
-    mean_speed: float = float("nan")
-    turn: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -53,8 +57,39 @@ class ModelOutages:
     solution: Solution
 
     def max(self, against="full_gnss"):
-        """Maximum horizontal error of each window, (w,), m."""
+        """Maximum horizontal error of each window, (w,), m; NaN where the reference is not fit."""
         return np.array([e.max() for e in self.error[against]])
+
+    @property
+    def nis(self):
+        """Mean normalised innovation squared of the fixes used, per degree of freedom: 1 where the
+        filter is honest.
+        """
+        i = self.solution.innovations
+        return float(i.nis.sum() / max(i.freedom.sum(), 1))
+
+    @property
+    def rejected(self):
+        """Share of the positions and of the velocities that failed the innovation test."""
+        i, out = self.solution.innovations, {}
+        for k, part in enumerate(("position", "velocity")):
+            offered = np.isfinite(i.value[:, 3 * k]).sum()
+            failed = (i.bits & (measurement.REJECTED_POSITION << k)) > 0
+            out[part] = float(failed.sum() / offered) if offered else 0.0
+        return out
+
+    @property
+    def lost(self):
+        """Whether it rejects so many fixes that its errors say nothing of its error model."""
+        return max(self.rejected.values()) > LOST
+
+    def over_predicted(self, against="full_gnss"):
+        """Root mean square of the errors at the windows' ends over the predicted sigma: 1 where the
+        filter is honest.
+        """
+        ratio = np.array([e[-1] / s[-1] for e, s in zip(self.error[against], self.sigma)])
+        ratio = ratio[np.isfinite(ratio)]
+        return float(np.sqrt(np.mean(ratio**2))) if ratio.size else float("nan")
 
     def mean(self, against="full_gnss"):
         """Mean horizontal error of each window, (w,), m."""
@@ -86,150 +121,70 @@ class OutageStudy:
             how=how,
         )
 
+    @property
+    def ranked(self):
+        """Names of the models that follow the fixes."""
+        return tuple(n for n, m in self.models.items() if not m.lost)
+
     def paired(self, *, what="max", against="full_gnss"):
-        """All pairs of models, the best (smallest mean log error) first."""
-        order = sorted(
-            self.models,
-            key=lambda n: np.log(
-                np.maximum(self.errors(n, what=what, against=against), 1e-3)
-            ).mean(),
-        )
+        """All pairs of models that follow the fixes, the best (smallest mean log error) first, on
+        the windows that can be scored.
+        """
+        errors = {n: self.errors(n, what=what, against=against) for n in self.ranked}
+        good = np.isfinite(list(errors.values())).all(axis=0) if errors else np.zeros(0, bool)
+        if good.sum() < 2:
+            return ()
+        errors = {n: e[good] for n, e in errors.items()}
+        order = sorted(errors, key=lambda n: np.log(np.maximum(errors[n], 1e-3)).mean())
         return tuple(
-            paired(
-                self.errors(a, what=what, against=against),
-                self.errors(b, what=what, against=against),
-                (a, b),
-            )
+            paired(errors[a], errors[b], (a, b))
             for i, a in enumerate(order)
             for b in order[i + 1 :]
         )
 
+    @property
+    def scored_against(self):
+        """ "reference" where at least half of the windows can be scored against it, else
+        "full_gnss".
+        """
+        if "reference" not in self.against:
+            return "full_gnss"
+        errors = self.errors(next(iter(self.models)), against="reference")
+        return "reference" if np.isfinite(errors).mean() >= 0.5 else "full_gnss"
+
     def to_json(self):
         """The content of `imu-lib outages --json`: errors horizontal, m."""
-        against = "reference" if "reference" in self.against else "full_gnss"
+        against = self.scored_against
         return {
             "windows": [
                 {"start": w.start, "duration": w.duration, "mean_speed": w.mean_speed}
                 for w in self.windows
             ],
-            "models": {
-                name: {
-                    "states": m.states,
-                    "against": {
-                        a: {"max": m.max(a).tolist(), "mean": m.mean(a).tolist()} for a in m.error
-                    },
-                    "predicted_sigma": [float(s[-1]) for s in m.sigma],
-                }
-                for name, m in self.models.items()
-            },
-            "paired": [p.to_json() for p in self.paired(against=against)]
-            if len(self.windows) > 1
-            else [],
+            "models": {name: self._of(m, against) for name, m in self.models.items()},
+            "paired": [p.to_json() for p in self.paired(against=against)],
             "paired_against": against,
             "notes": list(self.notes),
         }
 
-
-def windows_from(text):
-    """Windows from "START:DURATION,START:DURATION" (s). InputError where it cannot be read."""
-    windows = []
-    for part in str(text).split(","):
-        pieces = part.split(":")
-        try:
-            start, duration = (float(p) for p in pieces)
-        except ValueError:
-            raise InputError(
-                f"--windows: {part.strip()!r} is not START:DURATION in seconds (as in 180:30,420:60)"
-            ) from None
-        if not (np.isfinite(start) and np.isfinite(duration) and duration > 0.0 and start >= 0.0):
-            raise InputError(
-                f"--windows: {part.strip()!r} must start at 0 s or later and last longer than 0 s"
-            )
-        windows.append(Window(start, duration))
-    return tuple(windows)
-
-
-def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, moving=1.0):
-    """Windows of `duration` s, one each `every` s, from `settle` s after the first motion on;
-    those slower than `moving` m/s on the mean are left out.
-    """
-    if duration <= 0.0 or every <= 0.0:
-        raise ValueError("`duration` and `every` must be above zero")
-    speed_time, speed = speeds(drive)
-    moved = np.flatnonzero(speed > 3.0)
-    if not moved.size:
-        raise InputError(
-            f"{drive.name or 'the drive'} never moves faster than 3 m/s: there is nothing to compare in an outage"
-        )
-    starts = np.arange(
-        np.ceil(speed_time[moved[0]] + settle),
-        min(drive.time[-1], drive.gnss_time[-1]) - duration,
-        every,
-    )
-    windows = [measure(drive, Window(float(s), float(duration))) for s in starts]
-    kept = tuple(w for w in windows if not w.mean_speed < moving and not broken(drive, w))
-    if not kept:
-        raise InputError(
-            f"no window of {duration:g} s fits: the drive must last {settle:g} s after its first motion and go on moving"
-        )
-    return kept
-
-
-def broken(drive: Drive, window):
-    """Whether the IMU data or the fixes around the window have a hole of more than a second."""
-    end = window.start + window.duration
-    inside = drive.time[(drive.time >= window.start - 5.0) & (drive.time <= end + 0.5)]
-    before = drive.gnss_time[
-        (drive.gnss_time >= window.start - 5.0) & (drive.gnss_time <= window.start)
-    ]
-    return (
-        inside.size < 2
-        or np.diff(inside).max() > 1.0
-        or inside[0] > window.start
-        or inside[-1] < end - 0.1
-        or before.size == 0
-    )
-
-
-def speeds(drive: Drive):
-    """Horizontal speed over time, (k,) s and (k,) m/s, from the reference, the fixes' velocities,
-    or their positions.
-    """
-    if drive.reference_velocity is not None:
-        return drive.reference_time, np.hypot(
-            drive.reference_velocity[:, 0], drive.reference_velocity[:, 1]
-        )
-    if drive.gnss_velocity is not None and np.isfinite(drive.gnss_velocity).any():
-        good = np.isfinite(drive.gnss_velocity).all(axis=1)
-        return drive.gnss_time[good], np.hypot(*drive.gnss_velocity[good, :2].T)
-    good = np.isfinite(drive.gnss_position).all(axis=1)
-    time, position = drive.gnss_time[good], drive.gnss_position[good]
-    step = max(int(round(2.0 / np.median(np.diff(time)))), 1)
-    return 0.5 * (time[step:] + time[:-step]), earth.horizontal(
-        position[step:], position[:-step]
-    ) / (time[step:] - time[:-step])
-
-
-def measure(drive: Drive, window):
-    """The window with its mean speed and, where the drive has a reference or velocities, how far
-    the heading turns.
-    """
-    time, speed = speeds(drive)
-    inside = (time >= window.start) & (time <= window.start + window.duration)
-    if not inside.any():
-        return window
-    velocity = (
-        drive.reference_velocity if drive.reference_velocity is not None else drive.gnss_velocity
-    )
-    turn = float("nan")
-    if velocity is not None and len(velocity) == len(time):
-        fast = inside & (speed > 2.0)
-        turn = (
-            float(np.ptp(np.unwrap(np.arctan2(velocity[fast, 1], velocity[fast, 0]))))
-            if fast.sum() > 1
-            else 0.0
-        )
-    return Window(window.start, window.duration, float(speed[inside].mean()), turn)
+    @staticmethod
+    def _of(model, against):
+        return {
+            "states": model.states,
+            "against": {
+                a: {"max": model.max(a).tolist(), "mean": model.mean(a).tolist()}
+                for a in model.error
+            },
+            "predicted_sigma": [float(s[-1]) for s in model.sigma],
+            "error_over_predicted": model.over_predicted(against),
+            "nis": model.nis,
+            "rejected": model.rejected,
+            "ranked": not model.lost,
+            "estimates": {
+                name: {"value": value, "sd": sd}
+                for name, (value, sd) in model.solution.estimates().items()
+                if name.split(" ")[0] in GROUPS
+            },
+        }
 
 
 def compare(
@@ -296,8 +251,42 @@ def compare(
         notes.append(
             f"{len(windows) - len(ready)} windows left out: the filter had not started, the first at {first.start:g} s."
         )
-    done = {n: _coasted(drive, engines[n], solutions[n], ready) for n in models}
-    return OutageStudy(tuple(ready), done, tuple(notes))
+    trust = reference.look(drive)
+    done = {n: _coasted(drive, engines[n], solutions[n], ready, trust) for n in models}
+    study = OutageStudy(tuple(ready), done, tuple(notes))
+    return replace(study, notes=(*study.notes, *_warnings(study, trust)))
+
+
+def _warnings(study, trust):
+    """What a reader of the errors must know: a reference that is not one, models that are lost,
+    covariances that are not believable.
+    """
+    notes = list(trust.notes) if trust is not None else []
+    against = study.scored_against
+    if "reference" in study.against:
+        bad = ~np.isfinite(study.errors(next(iter(study.models)), against="reference"))
+        if bad.any():
+            notes.append(
+                f"{int(bad.sum())} of {bad.size} outages are not scored against the reference, which is not fit there"
+                + (
+                    "."
+                    if against == "reference"
+                    else ": errors are against the full-GNSS solution."
+                )
+            )
+    for name, model in study.models.items():
+        if model.lost:
+            part, share = max(model.rejected.items(), key=lambda x: x[1])
+            notes.append(
+                f"{name} rejects {100 * share:.0f} % of the {part} fixes: it has lost the drive and is not ranked."
+            )
+            continue
+        ratio = model.over_predicted(against)
+        if ratio > 2.0 or ratio < 0.5:
+            notes.append(
+                f"{name}: errors are {ratio:.2g} times what the filter predicts; its sigma is not to be believed."
+            )
+    return notes
 
 
 def _moment(solution, window, engine):
@@ -311,7 +300,7 @@ def _moment(solution, window, engine):
     )
 
 
-def _coasted(drive, engine, solution, windows):
+def _coasted(drive, engine, solution, windows, trust):
     times, sigmas, paths, errors = [], [], [], {"full_gnss": []}
     if drive.has_reference:
         errors["reference"] = []
@@ -328,7 +317,8 @@ def _coasted(drive, engine, solution, windows):
                     for c in np.asarray(drive.reference_position).T
                 ]
             )
-            errors["reference"].append(earth.horizontal(position, truth))
+            fit = trust.good(w.start, w.start + w.duration)
+            errors["reference"].append(earth.horizontal(position, truth) if fit else time * np.nan)
     return ModelOutages(
         engine.states,
         tuple(times),

@@ -68,14 +68,12 @@ class Gnss:
     """How fixes are taken.
 
     position_sd : m (north, east, down), where the drive gives none; velocity_sd : m/s, likewise
-    position_floor, velocity_floor : least standard deviation believed (receivers flatter
-    themselves, lever arms are rarely surveyed)
+    position_floor, velocity_floor : least standard deviation believed, m and m/s
     latency : s, added to the fixes' time tags; velocity_latency : s, to those of the velocities
     (None: the same); correlation_time : s, of the fixes' errors: fixes
     that follow each other faster
         are given the variance that makes so many of them worth one
-    position_ratio, velocity_ratio : true standard deviation over the stated one, where it is known
-    (None: 1, and never below the floor)
+    position_ratio, velocity_ratio : true standard deviation over the stated one (see `fix_noise`)
     gate : probability with which a true fix passes the innovation test, None for no test; patience : s of rejected
     fixes before the filter widens its covariance
     velocity : use the velocity where there is one; accept : fix codes to take (None: all)
@@ -83,13 +81,13 @@ class Gnss:
 
     position_sd: tuple = (2.5, 2.5, 5.0)
     velocity_sd: tuple = (0.1, 0.1, 0.2)
-    position_floor: float = 0.5
-    velocity_floor: float = 0.05
+    position_floor: float = 0.01
+    velocity_floor: float = 0.01
     latency: float = 0.0
     velocity_latency: float | None = None
     correlation_time: float = 0.0
-    position_ratio: float | None = None
-    velocity_ratio: float | None = None
+    position_ratio: float = 1.0
+    velocity_ratio: float = 1.0
     gate: float | None = 1.0 - 1e-6
     patience: float = 5.0
     velocity: bool = True
@@ -169,14 +167,13 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
 
 
 def _deviations(given, usual, floor, ratio):
-    """Standard deviations (m, 3) or (3,) of the fixes: as given, not below the floor; with a known
-    ratio to the stated ones, that alone.
-    """
+    """Standard deviations (m, 3) or (3,) of the fixes, not below the floor."""
     if given is None:
-        return np.asarray(usual) * (1.0 if ratio is None else ratio)
+        return np.asarray(usual) * ratio
+    given = np.asarray(given, float)
     with np.errstate(invalid="ignore"):
-        sd = np.maximum(given, floor) if ratio is None else np.asarray(given) * ratio
-        return np.where(np.isfinite(given) & (np.asarray(given) > 0.0), sd, usual)
+        good = np.isfinite(given) & (given > 0.0)
+        return np.where(good, np.maximum(given * ratio, floor), np.asarray(usual) * ratio)
 
 
 def _apart(fixes: Fixes, later):

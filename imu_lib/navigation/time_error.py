@@ -1,0 +1,196 @@
+"""Are the fixes stamped when they were taken? Turns that the gyros feel and the course shows, then
+the innovations of a filter that estimates the offset.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from imu_lib.drive import Drive
+from imu_lib.drive_effects import DriveEffect
+
+from . import earth, fix_noise
+from .filter import LooselyCoupled
+from .filter_model import FilterModel
+from .free import priors
+from .preparation import Gnss
+
+STEP = 0.1  # s, of the comparison of turns
+FARTHEST = 15.0  # s
+LEVER_SD = 1.5  # m: an antenna forward of the sensor looks like an early fix at constant speed
+ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class TimeError:
+    """Offset of the stamps of the fixes, s (positive: late), of positions and of velocities (None
+    without them), their standard deviations, the nats that the innovations gain by it, divided by
+    the number of fixes that their correlation makes worth one, and how fixes are taken without it,
+    their standard deviations as large as the innovations ask.
+    """
+
+    offset: float
+    velocity_offset: float | None
+    sd: float
+    velocity_sd: float | None
+    gain: float
+    gnss: Gnss
+
+    @property
+    def found(self):
+        """Whether the fixes are late or early beyond doubt, by more than a few hundredths."""
+        return self.gain > 20.0 and (
+            abs(self.offset) > max(0.05, 4.0 * self.sd)
+            or (
+                self.velocity_offset is not None
+                and abs(self.velocity_offset) > max(0.05, 4.0 * self.velocity_sd)
+            )
+        )
+
+    def __str__(self):
+        own = self.velocity_offset
+        apart = own is not None and abs(own - self.offset) > 0.03
+        said = (
+            f"the fixes' positions are {_late(self.offset)}"
+            if apart
+            else f"the fixes are {_late(self.offset)}"
+        )
+        flags = f"--latency {self.offset:.2f}"
+        if apart:
+            said += f", their velocities {_late(own)}"
+            flags += f" --velocity-latency {own:.2f}"
+        return f"By the innovations {said} ({self.gain:.0f} nats): run again with {flags}."
+
+
+def _late(offset):
+    return f"stamped {abs(offset):.2f} s too {'late' if offset > 0.0 else 'early'}"
+
+
+def from_turns(drive: Drive):
+    """Offset of the stamps, s (positive: late), to about a tenth of a second, at which the course of
+    the fixes turns as the gyros do; None where the drive does not turn enough to tell.
+    """
+    grid = np.arange(drive.time[0], drive.time[-1], STEP)
+    down = -np.median(drive.accel, axis=0)
+    felt = np.asarray(drive.gyro) @ (down / np.linalg.norm(down))
+    angle = np.concatenate([[0.0], np.cumsum(felt[1:] * np.diff(drive.time))])
+    turn = np.gradient(np.interp(grid, drive.time, angle), STEP)
+    turn = _smooth(turn - np.median(turn), 2.0)
+    shown, good = _course_rate(drive, grid)
+    if good.sum() < 300 or np.std(shown[good]) < 0.02:
+        return None
+    lags = np.arange(-FARTHEST, FARTHEST + 0.5 * STEP, STEP)
+    match = np.array([_match(np.interp(grid - lag, grid, turn), shown, good) for lag in lags])
+    best = int(np.argmax(match))
+    others = np.abs(lags - lags[best]) > 4.0
+    if match[best] < 0.6 or match[best] < match[others].max() + 0.1:
+        return None
+    if 0 < best < lags.size - 1:
+        a, b, c = match[best - 1 : best + 2]
+        return float(lags[best] + 0.5 * STEP * (a - c) / (a - 2.0 * b + c))
+    return None
+
+
+def _match(turn, shown, good):
+    x, y = turn[good], shown[good]
+    return float(x @ y / np.sqrt((x @ x) * (y @ y) + 1e-30))
+
+
+def _smooth(x, span):
+    n = max(int(round(span / STEP)), 1)
+    return np.convolve(x, np.full(n, 1.0 / n), mode="same")
+
+
+def _course_rate(drive, grid):
+    """Turn rate of the course on a grid, over 2 s, and where it is known."""
+    velocity, time = drive.gnss_velocity, np.asarray(drive.gnss_time)
+    if velocity is not None and np.isfinite(velocity).all(axis=1).mean() > 0.5:
+        v, t = np.asarray(velocity)[:, :2], time
+    else:
+        moved = earth.meters(drive.gnss_position[1:], drive.gnss_position[:-1])[:, :2]
+        v, t = moved / np.diff(time)[:, None], 0.5 * (time[1:] + time[:-1])
+    keep = np.isfinite(v).all(axis=1)
+    v, t = v[keep], t[keep]
+    east, north = np.interp(grid, t, v[:, 1]), np.interp(grid, t, v[:, 0])
+    course = np.unwrap(np.arctan2(east, north))
+    half = int(round(1.0 / STEP))
+    rate = np.zeros(grid.size)
+    rate[half:-half] = (course[2 * half :] - course[: -2 * half]) / (2 * half * STEP)
+    slow = np.hypot(east, north) < 2.0
+    near = np.interp(grid, t, np.arange(t.size))
+    hole = np.diff(t, append=t[-1] + 9.0)[near.astype(int)] > 3.0
+    bad = np.convolve(slow | hole, np.ones(4 * half + 1), mode="same") > 0.5
+    return rate, ~bad & (np.abs(rate) < 1.5)
+
+
+def whitened_length(innovations):
+    """How many fixes one is worth, from the correlation of the innovations from one fix to the
+    next: (1 + rho) / (1 - rho) of the largest of their six.
+    """
+    x = innovations.normalised[innovations.freedom > 0]
+    rho = 0.0
+    for column in x.T:
+        column = column[np.isfinite(column)]
+        if column.size > 50 and column.std() > 0.0:
+            column = column - column.mean()
+            rho = max(rho, float(column[1:] @ column[:-1] / (column @ column)))
+    rho = min(rho, 0.98)
+    return (1.0 + rho) / (1.0 - rho)
+
+
+def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> TimeError | None:
+    """The offset of the fixes' stamps that the innovations ask for, with a lever arm estimated
+    beside it; None where the filter cannot run.
+
+    model, gnss, options : as for `LooselyCoupled`; offsets are beyond what they hold
+    """
+    own = drive.gnss_velocity is not None and gnss.velocity
+    groups = ("gnss_time_offset", *(("velocity_offset",) if own else ()))
+    free = {**priors(*groups), "lever_arm": LEVER_SD}
+    start = from_turns(drive)
+    start = 0.0 if start is None or abs(start) < 0.5 else start
+    held = model.held
+    before = held.value("gnss_time_offset", "offset", 0.0)
+    before = (before, held.value("gnss_time_offset", "velocity_offset", before))
+
+    def run(at, free, gnss):
+        offset = DriveEffect(
+            "gnss_time_offset",
+            {"offset": before[0] + at[0], "velocity_offset": before[1] + at[1]},
+        )
+        changed = model.with_(effects=(*model.effects, offset), free=free)
+        return LooselyCoupled(drive, changed, gnss=gnss, **options).solve(moments=[])
+
+    enlarged, base = fix_noise.settled(partial(run, (0.0, 0.0), {}), gnss)
+    at, taken = np.array([start, start]), enlarged
+    for _ in range(ROUNDS):
+        taken, solution = fix_noise.settled(
+            partial(run, at, free), replace(gnss, **_ratios(taken)), rounds=1, least=gnss
+        )
+        found = solution.estimates()
+        value = found["gnss_time_offset offset"]
+        velocity = found["velocity_offset velocity_offset"] if own else value
+        step = np.array([value[0], velocity[0]])
+        at = at + np.clip(step, -0.5, 0.5)
+        if np.abs(step).max() < 0.01:
+            break
+    _, best = fix_noise.settled(partial(run, at, {}), gnss)
+    keep = np.zeros(len(drive.gnss_time), bool)
+    keep[np.intersect1d(base.innovations.index, best.innovations.index)] = True
+    length = max(whitened_length(base.innovations), whitened_length(best.innovations))
+    gain = (best.innovations.total(keep) - base.innovations.total(keep)) / length
+    return TimeError(
+        float(at[0]),
+        float(at[1]) if own else None,
+        float(value[1]),
+        float(velocity[1]) if own else None,
+        float(gain),
+        enlarged,
+    )
+
+
+def _ratios(gnss):
+    return {k: getattr(gnss, k) for k in ("position_ratio", "velocity_ratio")}

@@ -1,0 +1,124 @@
+"""The windows of an outage comparison: given, or one after the other along a drive."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.drive import Drive
+from imu_lib.errors import InputError
+
+from . import earth
+
+
+@dataclass(frozen=True)
+class Window:
+    """An outage: start and duration, s; mean_speed, m/s; turn, rad (how far the heading ranges
+    within it).
+    """
+
+    start: float
+    duration: float
+    mean_speed: float = float("nan")
+    turn: float = float("nan")
+
+
+def windows_from(text):
+    """Windows from "START:DURATION,START:DURATION" (s). InputError where it cannot be read."""
+    windows = []
+    for part in str(text).split(","):
+        pieces = part.split(":")
+        try:
+            start, duration = (float(p) for p in pieces)
+        except ValueError:
+            raise InputError(
+                f"--windows: {part.strip()!r} is not START:DURATION in seconds (as in 180:30,420:60)"
+            ) from None
+        if not (np.isfinite(start) and np.isfinite(duration) and duration > 0.0 and start >= 0.0):
+            raise InputError(
+                f"--windows: {part.strip()!r} must start at 0 s or later and last longer than 0 s"
+            )
+        windows.append(Window(start, duration))
+    return tuple(windows)
+
+
+def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, moving=1.0):
+    """Windows of `duration` s, one each `every` s, from `settle` s after the first motion on;
+    those slower than `moving` m/s on the mean are left out.
+    """
+    if duration <= 0.0 or every <= 0.0:
+        raise ValueError("`duration` and `every` must be above zero")
+    speed_time, speed = speeds(drive)
+    moved = np.flatnonzero(speed > 3.0)
+    if not moved.size:
+        raise InputError(
+            f"{drive.name or 'the drive'} never moves faster than 3 m/s: there is nothing to compare in an outage"
+        )
+    starts = np.arange(
+        np.ceil(speed_time[moved[0]] + settle),
+        min(drive.time[-1], drive.gnss_time[-1]) - duration,
+        every,
+    )
+    windows = [measure(drive, Window(float(s), float(duration))) for s in starts]
+    kept = tuple(w for w in windows if not w.mean_speed < moving and not broken(drive, w))
+    if not kept:
+        raise InputError(
+            f"no window of {duration:g} s fits: the drive must last {settle:g} s after its first motion and go on moving"
+        )
+    return kept
+
+
+def broken(drive: Drive, window):
+    """Whether the IMU data or the fixes around the window have a hole of more than a second."""
+    end = window.start + window.duration
+    inside = drive.time[(drive.time >= window.start - 5.0) & (drive.time <= end + 0.5)]
+    before = drive.gnss_time[
+        (drive.gnss_time >= window.start - 5.0) & (drive.gnss_time <= window.start)
+    ]
+    return (
+        inside.size < 2
+        or np.diff(inside).max() > 1.0
+        or inside[0] > window.start
+        or inside[-1] < end - 0.1
+        or before.size == 0
+    )
+
+
+def speeds(drive: Drive):
+    """Horizontal speed over time, (k,) s and (k,) m/s, from the reference, the fixes' velocities,
+    or their positions.
+    """
+    if drive.reference_velocity is not None:
+        return drive.reference_time, np.hypot(
+            drive.reference_velocity[:, 0], drive.reference_velocity[:, 1]
+        )
+    if drive.gnss_velocity is not None and np.isfinite(drive.gnss_velocity).any():
+        good = np.isfinite(drive.gnss_velocity).all(axis=1)
+        return drive.gnss_time[good], np.hypot(*drive.gnss_velocity[good, :2].T)
+    good = np.isfinite(drive.gnss_position).all(axis=1)
+    time, position = drive.gnss_time[good], drive.gnss_position[good]
+    step = max(int(round(2.0 / np.median(np.diff(time)))), 1)
+    return 0.5 * (time[step:] + time[:-step]), earth.horizontal(
+        position[step:], position[:-step]
+    ) / (time[step:] - time[:-step])
+
+
+def measure(drive: Drive, window):
+    """The window with its mean speed and, where the drive has a reference or velocities, how far
+    the heading turns.
+    """
+    time, speed = speeds(drive)
+    inside = (time >= window.start) & (time <= window.start + window.duration)
+    if not inside.any():
+        return window
+    velocity = (
+        drive.reference_velocity if drive.reference_velocity is not None else drive.gnss_velocity
+    )
+    turn = float("nan")
+    if velocity is not None and len(velocity) == len(time):
+        fast = inside & (speed > 2.0)
+        turn = (
+            float(np.ptp(np.unwrap(np.arctan2(velocity[fast, 1], velocity[fast, 0]))))
+            if fast.sum() > 1
+            else 0.0
+        )
+    return Window(window.start, window.duration, float(speed[inside].mean()), turn)
