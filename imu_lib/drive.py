@@ -224,6 +224,12 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
         for k in ("time", "gnss_time", "reference_time"):
             if k in values:
                 values[k] = values[k] - t[0]
+        if "speed_time" in arrays:
+            arrays = {
+                **arrays,
+                "speed_time": numbers(arrays["speed_time"], f"{source}, array `speed_time`,")
+                - t[0],
+            }
     try:
         return Drive(
             **values,

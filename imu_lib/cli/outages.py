@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import sys
 
-from imu_lib.cli import common
+from imu_lib.cli import common, outages_report
 from imu_lib.errors import InputError
 
 NAME = "outages"
 HELP = (
     "GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error model is followed. "
-    "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, or from the paper's own tables."
+    "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, or from the paper's own tables; "
+    "each with additions, as in 18AV+scale+road: scale, misalignment, g, time, lever, clock, mounting (estimated along), road, speed, robust."
 )
 #: Bias left at switch-on where nobody says: 0.2 deg/s and 20 mg.
 TURN_ON = (0.2, 20.0)
-#: Least standard deviation believed of a received velocity, m/s: receivers' velocities lag by up
-#: to a tenth of a second.
-VELOCITY_FLOOR = 0.15
 
 
 def add_arguments(parser):
@@ -28,89 +26,154 @@ def add_arguments(parser):
     parser.add_argument(
         "--gnss", metavar="FILE", help="the GNSS solution of the drive (RTKLIB .pos or NMEA)"
     )
-    parser.add_argument(
+    _model_arguments(parser.add_argument_group("the error models"))
+    _window_arguments(parser.add_argument_group("the outages"))
+    _known_arguments(parser.add_argument_group("what is known of the drive"))
+    group = parser.add_argument_group("what is in the IMU's file")
+    common.add_reading_arguments(group)
+    group.add_argument(
+        "--gnss-offset",
+        type=common.number,
+        metavar="S",
+        help="the IMU's time of the first fix, where the clocks are not the same",
+    )
+    for flag, what in (("--start", "what comes before"), ("--stop", "what comes from here on")):
+        group.add_argument(
+            flag, type=common.number, metavar="S", help=f"leave out {what}, s from the first sample"
+        )
+    common.add_json_argument(parser)
+    parser.add_argument("--out", metavar="DIR", help="write result.json and figures here")
+
+
+def _model_arguments(group):
+    group.add_argument(
         "--static",
         metavar="FILE",
         help="the same sensor at rest: the models are made from it, and the likelihood's own is added",
     )
-    parser.add_argument(
+    group.add_argument(
         "--model",
         metavar="MODEL",
-        help="an error-model file or preset:NAME: the models are made from it, and it is added itself",
+        help="an error-model file or preset:NAME: the models are made from it, and it is added itself; its key `drive` is held by all",
     )
-    parser.add_argument(
+    group.add_argument(
         "--models",
         metavar="NAMES",
         default="15AV,18AV,18AVWD,15AR,27AR",
-        help="which of the five (15AV,18AV,...)",
+        help="which of the five, and with which additions (15AV,18AV+scale,...)",
     )
-    parser.add_argument("--windows", metavar="START:DURATION,...", help="the outages, s")
-    parser.add_argument(
+    group.add_argument(
+        "--causal",
+        action="store_true",
+        help="18AVWD de-noises without the future (default: whole record, as the paper)",
+    )
+    group.add_argument(
+        "--gyro-bias",
+        type=common.positive,
+        metavar="DEG/S",
+        help=f"gyro bias left at switch-on, sd (default {TURN_ON[0]:g}, or the model's turn_on)",
+    )
+    group.add_argument(
+        "--accel-bias",
+        type=common.positive,
+        metavar="MG",
+        help=f"accelerometer bias left at switch-on, sd (default {TURN_ON[1]:g}, or the model's turn_on)",
+    )
+
+
+def _window_arguments(group):
+    group.add_argument("--windows", metavar="START:DURATION,...", help="the outages, s")
+    group.add_argument(
         "--duration",
         type=common.positive,
         metavar="S",
         help="length of regular outages, s (default 30)",
     )
-    parser.add_argument(
+    group.add_argument(
         "--every",
         type=common.positive,
         metavar="S",
         help="one outage each this many s (default: the duration)",
     )
-    parser.add_argument(
-        "--causal",
-        action="store_true",
-        help="18AVWD de-noises without the future (default: whole record, as the paper)",
-    )
-    parser.add_argument("--no-velocity", action="store_true", help="use GNSS positions alone")
-    parser.add_argument(
+
+
+def _known_arguments(group):
+    group.add_argument("--no-velocity", action="store_true", help="use GNSS positions alone")
+    group.add_argument(
         "--accept", metavar="CODES", help="GNSS fix codes to use, as in 1,4 (default: all)"
     )
-    parser.add_argument(
+    group.add_argument(
         "--heading",
         type=common.number,
         metavar="DEG",
         help="heading at the start, where it is known",
     )
-    parser.add_argument(
-        "--gyro-bias",
-        type=common.positive,
-        metavar="DEG/S",
-        help=f"gyro bias left at switch-on, sd (default {TURN_ON[0]:g})",
+    group.add_argument(
+        "--latency",
+        type=common.number,
+        metavar="S",
+        help="how late the fixes are stamped: one stamped t was taken at t - S",
     )
-    parser.add_argument(
-        "--accel-bias",
-        type=common.positive,
-        metavar="MG",
-        help=f"accelerometer bias left at switch-on, sd (default {TURN_ON[1]:g})",
+    group.add_argument(
+        "--velocity-latency",
+        type=common.number,
+        metavar="S",
+        help="the same of the velocities, where it is another",
     )
-    common.add_json_argument(parser)
-    parser.add_argument("--out", metavar="DIR", help="write result.json and figures here")
+    group.add_argument(
+        "--lever-arm",
+        metavar="X,Y,Z",
+        help="from the IMU to the antenna, m forward, right, down (write --lever-arm=-1,0,2 where it begins with a minus)",
+    )
+    group.add_argument(
+        "--road",
+        action="store_true",
+        help="the vehicle does not move across its axis (as +road for every model)",
+    )
+    group.add_argument(
+        "--road-sd",
+        type=common.positive,
+        metavar="M/S",
+        help="how far that is believed (default 0.3; implies --road)",
+    )
+    group.add_argument(
+        "--speed",
+        action="store_true",
+        help="use the wheel speed of the drive's file, in outages too (as +speed)",
+    )
+    group.add_argument(
+        "--scale", action="store_true", help="estimate scale factors (as +scale for every model)"
+    )
+    group.add_argument(
+        "--as-stated",
+        action="store_true",
+        help="believe the fixes' standard deviations as they are stated, and do not look for a time error",
+    )
 
 
 def run(args):
-    from imu_lib.navigation import outages, preparation
-    from imu_lib.readers import read_drive
+    from imu_lib.navigation import outages, variants
 
     if args.windows and (args.duration or args.every):
         raise InputError("Give --windows, or --duration and --every, not both.")
+    if args.start is not None and args.stop is not None and args.stop <= args.start:
+        raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
     common.check_writable(args.json)
     common.check_out(args.out)
     names = tuple(n.strip() for n in args.models.split(",") if n.strip())
     if not names:
         raise InputError("--models names none; the models are 15AV, 18AV, 18AVWD, 15AR and 27AR.")
+    for name in names:
+        variants.split(name)
     windows = outages.windows_from(args.windows) if args.windows else None
-    drive = read_drive(args.drive, gnss=args.gnss) if args.gnss else read_drive(args.drive)
-    for note in drive.notes:
-        print(f"note: {note}", file=sys.stderr)
+    arm = _arm(args.lever_arm)
+    drive = _drive(args)
     if windows is None:
         duration = args.duration or 30.0
         windows = outages.regular_windows(drive, duration=duration, every=args.every or duration)
-    models = _models(args, names, drive.rate)
-    gnss = preparation.Gnss(
-        velocity=not args.no_velocity, accept=_codes(args.accept), velocity_floor=VELOCITY_FLOOR
-    )
+    models = _models(args, names, drive, arm)
     heading = None if args.heading is None else args.heading * 3.141592653589793 / 180.0
+    gnss, notes = _fixes(args, drive, models, heading)
     study = outages.compare(
         drive,
         models,
@@ -119,13 +182,30 @@ def run(args):
         heading=heading,
         strict=bool(args.windows),
         progress=sys.stderr.isatty(),
+        notes=notes,
     )
     if args.out:
         with common.atomic_folder(args.out) as folder:
             _write(study, drive, folder)
     common.write_json(study, args.json)
     if args.json != "-":
-        _print(study, drive)
+        print(outages_report.text(study, drive))
+
+
+def _drive(args):
+    from imu_lib.readers import read_drive
+
+    drive = read_drive(
+        args.drive,
+        gnss=args.gnss,
+        gnss_offset=args.gnss_offset,
+        start=args.start,
+        stop=args.stop,
+        **common.reading_options(args),
+    )
+    for note in drive.notes:
+        print(f"note: {note}", file=sys.stderr)
+    return drive
 
 
 def _codes(text):
@@ -137,41 +217,118 @@ def _codes(text):
         raise InputError(f"--accept: {text!r} is not a list of fix codes, as in 1,4.") from None
 
 
-def _models(args, names, rate):
-    """The filter models by name: the five asked for, and what --static or --model adds."""
-    from imu_lib.model import Model
-    from imu_lib.navigation import models
-    from imu_lib.navigation.filter import FilterModel
-    from imu_lib.units import DEG, MILLI_G
+def _arm(text):
+    if text is None:
+        return None
+    try:
+        arm = [float(x) for x in text.split(",")]
+    except ValueError:
+        arm = []
+    if len(arm) != 3 or not all(abs(x) < 1e3 for x in arm):
+        raise InputError(f"--lever-arm: {text!r} is not X,Y,Z in m, as in 1.2,0.3,-1.")
+    return arm
 
-    gyro = TURN_ON[0] if args.gyro_bias is None else args.gyro_bias
-    accel = TURN_ON[1] if args.accel_bias is None else args.accel_bias
-    options = {"turn_on_sd": (gyro * DEG, accel * MILLI_G)}
+
+def _held(args, arm, base):
+    """What the flags hold of the drive, after what the model file does."""
+    from imu_lib.drive_effects import DriveEffect
+
+    effects = list(() if base is None else base.drive)
+    if args.latency is not None or args.velocity_latency is not None:
+        before = {e.name: e for e in effects}.get("gnss_time_offset")
+        offset = args.latency
+        if offset is None:
+            offset = 0.0 if before is None else before["offset"]
+        own = {} if args.velocity_latency is None else {"velocity_offset": args.velocity_latency}
+        effects.append(DriveEffect("gnss_time_offset", {"offset": offset, **own}))
+    if arm is not None:
+        effects.append(DriveEffect("lever_arm", {"arm": arm}))
+    return tuple(effects)
+
+
+def _models(args, names, drive, arm):
+    """The filter models by name: those asked for, and what --static or --model adds."""
+    from imu_lib.model import Model
+    from imu_lib.navigation import models, variants
+    from imu_lib.navigation.filter_model import FilterModel
+
     base, static, more = None, None, {}
     if args.model:
         base = Model.load(args.model)
-        more[base.name or "given"] = FilterModel(
-            base.name or "given", base, flicker="markov", **options
-        )
+    effects = _held(args, arm, base)
+    options = {"turn_on_sd": _turn_on(args, base)}
+    if base is not None:
+        name = base.name or "given"
+        more[name] = FilterModel.of(base, name=name, **options)
     if args.static:
         from imu_lib.characterise import characterise
         from imu_lib.readers import read_record
 
-        static = read_record(args.static)
+        of_text = {} if str(args.static).endswith(".npz") else common.reading_options(args)
+        static = read_record(args.static, **of_text)
         print("characterising the static record ...", file=sys.stderr)
         try:
             found = characterise(static).model
         except ValueError as error:
             raise InputError(f"{args.static} can't be characterised: {error}") from None
         more["likelihood"] = FilterModel("likelihood", found, flicker="markov", **options)
-        base = base or models.read_off(static, rate)
+        base = base or models.read_off(static, drive.rate)
     if base is None:
         print(
             "note: no --static and no --model: the models are those of the 2013 paper's 3DM-GX3-25, not of this sensor.",
             file=sys.stderr,
         )
-    made = models.five(base, static=static, rate=rate, names=names, causal=args.causal, **options)
-    return {**made, **{name: m for name, m in more.items() if name not in made}}
+    bases = tuple(dict.fromkeys(variants.split(n)[0] for n in names))
+    known = tuple(n for n in bases if n not in more)
+    made = {
+        **models.five(
+            base, static=static, rate=drive.rate, names=known, causal=args.causal, **options
+        ),
+        **more,
+    }
+    for_all = tuple(k for k in ("scale", "speed") if getattr(args, k))
+    for_all += ("road",) if args.road or args.road_sd else ()
+    out = {}
+    for name in (*names, *(n for n in more if n not in names)):
+        base_name, extras = variants.split(name) if name in names else (name, ())
+        out[name] = variants.varied(
+            made[base_name].with_(effects=effects),
+            (*extras, *for_all),
+            drive,
+            name=name,
+            road_sd=args.road_sd or variants.ROAD_SD,
+        )
+    return out
+
+
+def _turn_on(args, base):
+    from imu_lib.units import DEG, MILLI_G
+
+    stated = None if base is None else base.turn_on
+    given = (args.gyro_bias, args.accel_bias)
+    usual = tuple(
+        v * unit if stated is None else s
+        for v, unit, s in zip(TURN_ON, (DEG, MILLI_G), stated or TURN_ON)
+    )
+    return tuple(u if g is None else g * unit for g, unit, u in zip(given, (DEG, MILLI_G), usual))
+
+
+def _fixes(args, drive, models, heading):
+    """How fixes are taken, and what is to be said of them: their standard deviations as large as
+    the innovations of the first model ask, and an error of their time.
+    """
+    from imu_lib.navigation import preparation, time_error
+
+    gnss = preparation.Gnss(velocity=not args.no_velocity, accept=_codes(args.accept))
+    if args.as_stated:
+        return gnss, ()
+    model = next((m for n, m in models.items() if n.startswith("18AV") and m.levels is None), None)
+    model = (model or next(iter(models.values()))).with_(
+        free={}, constraint_sd=0.0, speed=None, levels=None
+    )
+    print("weighing the fixes ...", file=sys.stderr)
+    found = time_error.time_error(drive, model, gnss=gnss, heading=heading)
+    return found.gnss, found.notes()
 
 
 def _write(study, drive, folder):
@@ -185,56 +342,3 @@ def _write(study, drive, folder):
         ("errors", lambda: plots.outage_errors(study)),
     ):
         (folder / f"{name}.png").write_bytes(report.png(draw()))
-
-
-def _print(study, drive):
-    against = "reference" if "reference" in study.against else "full_gnss"
-    truth = "the drive's reference" if against == "reference" else "the full-GNSS solution"
-    print(
-        f"{drive.name or 'drive'}: {len(study.windows)} outages; maximum horizontal error in m against {truth}\n"
-    )
-    few = len(study.windows) <= 12
-    header = ["outage", "start s", "for s", "km/h", *study.models]
-    errors = {name: study.errors(name, against=against) for name in study.models}
-    if few:
-        rows = [
-            [
-                str(i + 1),
-                f"{w.start:.0f}",
-                f"{w.duration:.0f}",
-                f"{3.6 * w.mean_speed:.1f}",
-                *(f"{errors[m][i]:.4g}" for m in errors),
-            ]
-            for i, w in enumerate(study.windows)
-        ]
-        print(common.table(rows, header), end="\n\n")
-    import numpy as np
-
-    rows = [
-        [
-            name,
-            str(m.states),
-            f"{np.median(errors[name]):.4g}",
-            f"{np.mean(errors[name]):.4g}",
-            f"{np.max(errors[name]):.4g}",
-            f"{np.median([s[-1] for s in m.sigma]):.4g}",
-        ]
-        for name, m in study.models.items()
-    ]
-    print(
-        common.table(rows, ["model", "states", "median", "mean", "worst", "predicted sigma"]),
-        end="\n\n",
-    )
-    if len(study.windows) > 1 and len(study.models) > 1:
-        rows = [
-            [
-                f"{p.better} against {p.than}",
-                f"{p.ratio:.3g} [{p.low:.3g}, {p.high:.3g}]",
-                f"{100 * p.wins:.0f} %",
-                "yes" if p.decided else "no",
-            ]
-            for p in study.paired(against=against)
-        ]
-        print(common.table(rows, ["pair", "ratio of errors [95 %]", "wins", "decided"]))
-    for note in study.notes:
-        print(f"note: {note}")

@@ -23,7 +23,7 @@ from . import attitude, kernel
 from .alignment import Alignment, align
 from .filter_model import FilterModel
 from .innovations import Innovations
-from .preparation import Gnss, Speed, prepare
+from .preparation import Gnss, prepare
 from .solution import Moments, Solution
 from .states import SensorStates, sensor_states
 from .structures import Imu, Logs, Measurements, Nodes, State
@@ -47,19 +47,17 @@ class LooselyCoupled:
         start: Alignment | None = None,
         remove_bias=True,
         sampling="average",
-        speed: Speed | None = None,
     ):
         """model : FilterModel, or Model (then without a bias at switch-on); heading : rad at the
         start, where known; start : the whole alignment, where known (its epoch counts in the first
-        stretch); remove_bias : take the gyros' mean at standstill off the readings; speed : of the
-        wheels, used in outages too
+        stretch); remove_bias : take the gyros' mean at standstill off the readings
         """
         if isinstance(model, Model):
             model = FilterModel(model.name or "model", model)
         self.held = model.held
         self.gnss = gnss = self.held.gnss(gnss or Gnss())
         self.drive = drive = self.held.drive(drive)
-        self.model, self.start, self.speed = model, start, speed
+        self.model, self.start = model, start
         self.heading = self.held.heading(drive, heading)
         self.prepared = prepare(
             drive,
@@ -239,7 +237,7 @@ class LooselyCoupled:
             Imu(stretch.dt, dtheta, stretch.dvel, stretch.extra_noise),
             self.arrays,
             table,
-            speed_table(stretch, begin, end, self.speed),
+            speed_table(stretch, begin, end, self.model.speed),
             self.measurements,
             logs,
             nodes,

@@ -11,6 +11,7 @@ from imu_lib.model import TURN_ON, Model
 
 from .free import GROUPS, priors
 from .held import Held
+from .preparation import Speed
 
 __all__ = ["GROUPS", "FilterModel", "priors"]
 
@@ -28,6 +29,7 @@ class FilterModel:
     constraint_sd : m/s of velocity across the vehicle's axis; 0 leaves the vehicle constraint off
     (it is knowledge about the car, not about the sensor)
     effects : DriveEffects held as well, after those of the model (of two alike the later holds)
+    speed : preparation.Speed of the wheels, used in outages too; None without
     free : parameters estimated as states, about what is held: group of `free.GROUPS` -> standard
     deviation (see `free.priors`)
     """
@@ -42,6 +44,7 @@ class FilterModel:
     constraint_sd: float = 0.0
     constant: bool = False
     effects: tuple = ()
+    speed: Speed | None = None
     free: Mapping = field(default_factory=dict)
 
     def __post_init__(self):
@@ -53,11 +56,8 @@ class FilterModel:
         m/s^2, kept as a constant; flicker noise as Gauss-Markov processes.
         """
         turn_on = tuple(TURN_ON.values()) if model.turn_on is None else model.turn_on
-        return cls(
-            model.name or "model",
-            model,
-            **{"turn_on_sd": turn_on, "constant": True, "flicker": "markov", **changes},
-        )
+        usual = {"turn_on_sd": turn_on, "constant": True, "flicker": "markov"}
+        return cls(**{"name": model.name or "model", "model": model, **usual, **changes})
 
     def with_(self, **changes):
         return replace(self, **changes)

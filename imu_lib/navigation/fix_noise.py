@@ -1,4 +1,4 @@
-"""How much larger than stated the errors of the fixes are, by the filter's own innovations.
+"""How large the errors of the fixes are against what is stated, by the filter's own innovations.
 
 Receivers flatter themselves, antennas are rarely surveyed, and stamps are late: a filter that
 believes a stated centimetre then rejects good fixes.
@@ -11,8 +11,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
+from imu_lib.drive import Drive
+
 from .preparation import Gnss
 
+#: Errors of a receiver wander slowly, which innovations do not show: no guess is cut by more.
+GUESSED = 0.5
 MEDIAN = float(chi2.median(3))
 ROUNDS = 4
 
@@ -34,9 +38,20 @@ def ratios(innovations):
     return tuple(out)
 
 
+def least(drive: Drive, gnss: Gnss) -> Gnss:
+    """The smallest ratios to believe: those of `gnss` where the receiver states standard deviations,
+    GUESSED of them where they are our own guess.
+    """
+    changes = {}
+    for part in ("position", "velocity"):
+        if getattr(drive, f"gnss_{part}_sd") is None:
+            changes[f"{part}_ratio"] = GUESSED * getattr(gnss, f"{part}_ratio")
+    return replace(gnss, **changes)
+
+
 def settled(run, gnss: Gnss, *, rounds=ROUNDS, least: Gnss | None = None):
-    """The standard deviations of the fixes enlarged until their innovations are as large as they
-    say; never made smaller than stated.
+    """The standard deviations of the fixes changed until their innovations are as large as they say,
+    not below the least.
 
     run : function of a Gnss (its `gate` is off) to a Solution; gnss : to begin with; least : never
     below these ratios (None: those of `gnss`)

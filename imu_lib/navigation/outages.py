@@ -160,14 +160,22 @@ class OutageStudy:
                 {"start": w.start, "duration": w.duration, "mean_speed": w.mean_speed}
                 for w in self.windows
             ],
-            "models": {name: self._of(m, against) for name, m in self.models.items()},
+            "models": {name: self._of(name, against) for name in self.models},
             "paired": [p.to_json() for p in self.paired(against=against)],
             "paired_against": against,
             "notes": list(self.notes),
         }
 
-    @staticmethod
-    def _of(model, against):
+    def estimates(self, name):
+        """What a model estimated of the drive: name of the state -> value and sd at the end."""
+        return {
+            state: {"value": value, "sd": sd}
+            for state, (value, sd) in self.models[name].solution.estimates().items()
+            if state.split(" ")[0] in GROUPS
+        }
+
+    def _of(self, name, against):
+        model = self.models[name]
         return {
             "states": model.states,
             "against": {
@@ -179,11 +187,7 @@ class OutageStudy:
             "nis": model.nis,
             "rejected": model.rejected,
             "ranked": not model.lost,
-            "estimates": {
-                name: {"value": value, "sd": sd}
-                for name, (value, sd) in model.solution.estimates().items()
-                if name.split(" ")[0] in GROUPS
-            },
+            "estimates": self.estimates(name),
         }
 
 
@@ -196,6 +200,7 @@ def compare(
     heading=None,
     strict=True,
     progress=False,
+    notes=(),
     **options,
 ) -> OutageStudy:
     """Compare error models over outages of one drive.
@@ -208,7 +213,7 @@ def compare(
     gnss, heading, options : passed to `LooselyCoupled`
     strict : refuse a window that a model cannot start; False leaves it out for all models, and
     says so
-    progress : show a bar on standard error
+    progress : show a bar on standard error; notes : said before the study's own
 
     Raises
     ------
@@ -230,7 +235,7 @@ def compare(
             raise InputError(
                 f"the outage from {w.start:g} s for {w.duration:g} s has a hole in the IMU data, or no fix before it; choose another"
             )
-    engines, solutions, notes = {}, {}, []
+    engines, solutions, notes = {}, {}, list(notes)
     bar = tqdm(models.items(), desc="models", disable=not progress, leave=False)
     for name, model in bar:
         bar.set_postfix_str(name)

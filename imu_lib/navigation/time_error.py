@@ -64,6 +64,21 @@ class TimeError:
             flags += f" --velocity-latency {own:.2f}"
         return f"By the innovations {said} ({self.gain:.0f} nats): run again with {flags}."
 
+    def notes(self):
+        """Sentences on the fixes: how much larger than stated their errors are, and when they are
+        stamped.
+        """
+        out = []
+        for part, ratio in (
+            ("positions", self.gnss.position_ratio),
+            ("velocities", self.gnss.velocity_ratio),
+        ):
+            if abs(ratio - 1.0) > 0.05:
+                out.append(
+                    f"The standard deviations of the fixes' {part} are taken {ratio:.2g} times the given ones, as their innovations ask (--as-stated leaves them)."
+                )
+        return (*out, str(self)) if self.found else tuple(out)
+
 
 def _late(offset):
     return f"stamped {abs(offset):.2f} s too {'late' if offset > 0.0 else 'early'}"
@@ -141,13 +156,14 @@ def whitened_length(innovations):
     return (1.0 + rho) / (1.0 - rho)
 
 
-def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> TimeError | None:
+def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> TimeError:
     """The offset of the fixes' stamps that the innovations ask for, with a lever arm estimated
-    beside it; None where the filter cannot run.
+    beside it.
 
     model, gnss, options : as for `LooselyCoupled`; offsets are beyond what they hold
     """
     own = drive.gnss_velocity is not None and gnss.velocity
+    least = fix_noise.least(drive, gnss)
     groups = ("gnss_time_offset", *(("velocity_offset",) if own else ()))
     free = {**priors(*groups), "lever_arm": LEVER_SD}
     start = from_turns(drive)
@@ -164,11 +180,11 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
         changed = model.with_(effects=(*model.effects, offset), free=free)
         return LooselyCoupled(drive, changed, gnss=gnss, **options).solve(moments=[])
 
-    enlarged, base = fix_noise.settled(partial(run, (0.0, 0.0), {}), gnss)
+    enlarged, base = fix_noise.settled(partial(run, (0.0, 0.0), {}), gnss, least=least)
     at, taken = np.array([start, start]), enlarged
     for _ in range(ROUNDS):
         taken, solution = fix_noise.settled(
-            partial(run, at, free), replace(gnss, **_ratios(taken)), rounds=1, least=gnss
+            partial(run, at, free), replace(gnss, **_ratios(taken)), rounds=1, least=least
         )
         found = solution.estimates()
         value = found["gnss_time_offset offset"]
@@ -177,7 +193,7 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
         at = at + np.clip(step, -0.5, 0.5)
         if np.abs(step).max() < 0.01:
             break
-    _, best = fix_noise.settled(partial(run, at, {}), gnss)
+    _, best = fix_noise.settled(partial(run, at, {}), gnss, least=least)
     keep = np.zeros(len(drive.gnss_time), bool)
     keep[np.intersect1d(base.innovations.index, best.innovations.index)] = True
     length = max(whitened_length(base.innovations), whitened_length(best.innovations))

@@ -6,12 +6,35 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
+from imu_lib.archive import load_arrays, numbers
 from imu_lib.drive import Drive, from_arrays
 from imu_lib.errors import InputError
+from imu_lib.readers import drive_units, names
 from imu_lib.readers import gnss as gnss_files
-from imu_lib.readers.assemble import check_units
 from imu_lib.readers.static import of_one, read_raw
 from imu_lib.readers.streams import slow_kind
+
+
+def _archive(path, rate, gyro_unit, accel_unit, gnss_offset, columns) -> Drive:
+    """A drive from an .npz; units and the first fix's time as the call states them."""
+    if columns:
+        raise InputError(
+            f"{path} is an .npz, whose arrays have their names and their time in s: --columns, --topic and --time-unit say nothing about it; leave them out."
+        )
+    arrays = load_arrays(path)
+    if rate is not None and "time" not in arrays and "gyro" in arrays:
+        arrays["time"] = np.arange(len(arrays["gyro"])) / rate
+    for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
+        if flag and kind in arrays:
+            factor, zero, _ = names.stated(flag, kind)
+            arrays[kind] = (numbers(arrays[kind], f"{path}, array `{kind}`,") - zero) * factor
+    if gnss_offset is not None and "gnss_time" in arrays and np.size(arrays["gnss_time"]):
+        time = numbers(arrays["gnss_time"], f"{path}, array `gnss_time`,")
+        first = float(np.asarray(arrays.get("time", [0.0]), float).ravel()[0])
+        arrays["gnss_time"] = time - np.nanmin(time) + gnss_offset + first
+    return from_arrays(arrays, str(path))
 
 
 def read_drive(
@@ -55,20 +78,15 @@ def read_drive(
             raise InputError(
                 f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA)."
             )
-        drive = Drive.load(path)
-        if not trust_units:
-            check_units(
-                drive.imu(),
-                {"gyro": "rad/s", "accel": "m/s^2"},
-                {"gyro": 1.0, "accel": 1.0},
-                strict=False,
-            )
+        drive = _archive(
+            path, rate, gyro_unit, accel_unit, gnss_offset, columns or topic or time_unit
+        )
     else:
         raw = read_raw(path, columns=columns, topic=topic)
         record, _ = of_one(
             raw,
             {"gyro": gyro_unit, "accel": accel_unit},
-            {"rate": rate, "time_unit": time_unit, "trust": trust_units, "lenient": False},
+            {"rate": rate, "time_unit": time_unit, "trust": True, "lenient": False},
         )
         slow = slow_kind(record)
         if slow:
@@ -80,8 +98,6 @@ def read_drive(
             raise InputError(f"{path} has not all three {missing[0]} axes; a drive needs all six.")
         whole = record.missing()
         if whole.any():
-            import numpy as np
-
             record = record.take(
                 np.flatnonzero(~whole), f"{int(whole.sum()):,} samples without a number left out."
             )
@@ -101,6 +117,15 @@ def read_drive(
         if record.temperature is not None:
             arrays["temperature"] = record.temperature
         drive = from_arrays(arrays, f"{path}", record.notes)
+    if not trust_units:
+        units, factor = [], []
+        for kind, flag, si in (("gyro", gyro_unit, "rad/s"), ("accel", accel_unit, "m/s^2")):
+            of_file = None if gnss is None else raw.unit(kind)
+            flag = flag or (of_file if of_file in names.UNITS[kind] else si)
+            scale, _, stated = names.stated(flag, kind)
+            units.append(stated)
+            factor.append(scale)
+        drive = drive_units.check(drive, *units, tuple(factor))
     if start is not None or stop is not None:
         try:
             drive = drive.slice(start, stop)
