@@ -70,6 +70,12 @@ def is_count(stamp: np.ndarray) -> bool:
     return bool((stamp == np.rint(stamp)).all() and (step == 1).mean() > 0.97)
 
 
+def _odd_in_seconds(step: float) -> bool:
+    """Whether a step is no decimal part of a second to six digits."""
+    scaled = step * 1e6
+    return abs(scaled - round(scaled)) > 1e-3 * max(1.0, scaled * 1e-3)
+
+
 def weights(
     stamp: np.ndarray, first: float, known: dict[str, float] | None = None
 ) -> dict[str, float]:
@@ -91,6 +97,11 @@ def weights(
         out[unit] = prior * usual_rate(rate) * (20.0 if date else 1.0) * (0.3 if odd else 1.0)
     if known:
         return out
+    if "min" in out and regular and _odd_in_seconds(step):
+        # a rate that is round in minutes, and no decimal part of a second: 600 Hz, or 10 Hz in minutes
+        rate = 1.0 / (60.0 * step)
+        if np.abs(USUAL / rate - 1.0).min() < 1e-3:
+            out["min"] *= 20.0
     if whole and is_count(stamp):
         out["counter"] = 0.5 if first in (0.0, 1.0) else 0.01
     elif whole and regular and max(out, key=out.get) != "s":

@@ -285,9 +285,17 @@ def _fit(line: str, delimiter: str | None, width: int) -> list[str] | None:
 
 
 def _all_units(found: list[str]) -> bool:
-    return all(names.spells_unit(f) for f in found) and sum(
-        names.unit_of(f) is not None for f in found
-    ) >= max(2, len(found) // 2)
+    """Whether a line under the names is a row of units: most fields spell one, and none names a
+    reading.
+    """
+    said = [f for f in found if f.strip() not in ("", "-")]
+    known = [f for f in said if names.unit_of(f) is not None]
+    others = [f for f in said if names.unit_of(f) is None]
+    return (
+        len(known) >= max(2, 0.5 * len(said))
+        and all(len(f) <= 12 for f in others)
+        and not any(names.meaning(f).axis for f in said)
+    )
 
 
 def _two_lines(above: list[str], header: tuple[str, ...]) -> tuple[str, ...]:

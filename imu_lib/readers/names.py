@@ -14,7 +14,6 @@ from imu_lib.readers import lexicon
 from imu_lib.readers.spelling import (
     ACCEL_UNITS,
     GYRO_UNITS,
-    SPELLINGS,
     TIME_UNITS,
     UNITS,
     plain,
@@ -212,8 +211,3 @@ def by_unit(name: str, unit: str | None) -> Meaning | None:
     if axis is None or set(rest) - plain_words:
         return None
     return Meaning(kind, axis, found, why=f"an axis in {found}")
-
-
-def spells_unit(text: str) -> bool:
-    """Whether a field of a row of units could be one."""
-    return unit_of(text) is not None or text.strip().lower() in ("-", "", "n/a", "none", *SPELLINGS)

@@ -137,7 +137,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         raw.notes += (f"`{raw.headings['time']}` counts the samples; the rate is that of --rate.",)
         return Timing(*_even(relative / given, float(given)), keep)
     raw.told("time", told.unit, f"{_evidence(raw, 'time')}; {told.why}")
-    if not told.stated and not (told.unit == "s" and stamp.dtype.kind == "f"):
+    fast = clock.mean_step(relative) < 1.0 / 300.0  # in minutes it would be a usual rate, too
+    if not told.stated and (told.unit != "s" or stamp.dtype.kind != "f" or fast):
         raw.notes += (
             f"`{raw.headings['time']}` has {told.why}; --time-unit says otherwise where that is wrong.",
         )

@@ -1,0 +1,133 @@
+"""Logs of many kinds: each opens with its flags and gives the sensor's signal, or asks for what is
+missing and opens with the answer.
+"""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+import strange_logs
+
+from imu_lib import readers
+from imu_lib.cli import common
+from imu_lib.cli.main import joined, parser
+from imu_lib.errors import InputError
+
+LOGS, ASKING = strange_logs.logs(), strange_logs.asking()
+
+
+def opened(path, content, flags):
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    args = parser("check").parse_args(joined(["check", str(path), *shlex.split(flags)]))
+    return readers.read(args.file, **common.record_options(args))
+
+
+def same(found, rate):
+    """Whether the record is the standing sensor's, at its rate."""
+    record = found.record
+    assert record.rate == pytest.approx(rate, rel=1e-3)
+    for kind, right in (("gyro", strange_logs.GYRO), ("accel", strange_logs.ACCEL)):
+        for axis, y in zip("xyz", right.T):
+            if f"{kind}_{axis}" in record:
+                x = record[f"{kind}_{axis}"]
+                # of streams half a sample apart the first reading of one may have no partner
+                first = int(len(x) < len(y) and abs(x[0] - y[1]) < abs(x[0] - y[0]))
+                assert len(y) - 1 <= len(x) <= len(y)
+                # counts are rounded to half a step, 2.5e-4
+                assert np.allclose(x, y[first : first + len(x)], rtol=1e-3, atol=3e-4)
+    assert not record.gaps()
+    assert {c.read_as for c in found.columns} >= {None} or all(c.read_as for c in found.columns)
+    return record
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_opens_and_is_right(tmp_path, name):
+    content, flags, rate = LOGS[name]
+    record = same(opened(tmp_path / name, content, flags), rate)
+    text = content.decode("latin-1") if isinstance(content, bytes) else content
+    one = name.startswith(
+        ("phone_de", "minutes_seconds", "many", "coarse", "neg", "noon", "reset", "plain")
+    )
+    assert len(record.channel_names) == (3 if one or name == "phone_fr.csv" else 6), text[:200]
+
+
+@pytest.mark.parametrize("name", ASKING)
+def test_asks_and_opens_with_the_answer(tmp_path, name):
+    content, flags, asked, answer, rate = ASKING[name]
+    with pytest.raises(InputError, match=re.escape(asked)) as error:
+        opened(tmp_path / name, content, flags)
+    if answer is None:  # the sentence itself holds the names to give
+        named = re.search(r"(?:--columns '|as in )([^' ]+,[^' ]+)", str(error.value))
+        answer = f"--columns {named[1].rstrip('.;')}"
+    same(opened(tmp_path / name, content, f"{flags} {answer}"), rate)
+
+
+def test_what_was_done_is_said(tmp_path):
+    said = {
+        "reset.csv": "falls back",
+        "typed.csv": "rows of their own",
+        "own_stamps.csv": "stamps of its own",
+        "week.csv": "a week",
+        "coarse.csv": "coarser than the sampling",
+        "dataflash.csv": None,
+    }
+    for name, words in said.items():
+        content, flags, _ = LOGS[name]
+        found = opened(tmp_path / name, content, flags)
+        assert words is None or any(words in note for note in found.record.notes), (name, found)
+        if name == "dataflash.csv":
+            assert found.record.temperature[0] == pytest.approx(41.2)
+            time = next(c for c in found.columns if c.read_as == "time")
+            assert (time.name, time.unit) == ("TimeUS", "us")
+    used = opened(tmp_path / "mt_manager.txt", *LOGS["mt_manager.txt"][:2])
+    assert next(c for c in used.columns if c.read_as == "time").unit == "ticks:10000"
+    unused = {c.name: c.evidence for c in used.columns if c.read_as is None}
+    assert unused["Roll"] == "an attitude" and unused["Mag_X"] == "a magnetometer"
+
+
+def test_what_the_call_says_wins_with_a_word(tmp_path):
+    g = strange_logs.table("time [s],ax [m/s^2],ay [m/s^2],az [m/s^2]", strange_logs.T, strange_logs.IN_G)  # fmt: skip
+    with pytest.raises(InputError, match="likely g"):
+        opened(tmp_path / "g.csv", g, "")
+    found = opened(tmp_path / "g.csv", g, "--accel-unit g")
+    assert any("--accel-unit g was taken" in n for n in found.record.notes)
+    assert np.allclose(found.record["accel"], strange_logs.ACCEL, rtol=1e-6)
+    ms = strange_logs.table("time [s],gx [rad/s],gy [rad/s],gz [rad/s]", strange_logs.I * 10, strange_logs.GYRO)  # fmt: skip
+    with pytest.raises(InputError, match="--time-unit ms"):
+        opened(tmp_path / "ms.csv", ms, "")
+    assert opened(tmp_path / "ms.csv", ms, "--time-unit ms").record.rate == 100.0
+    assert opened(tmp_path / "ms.csv", ms, "--time-unit s").record.rate == pytest.approx(0.1)
+
+
+def test_a_unit_for_what_is_not_there_is_said(tmp_path):
+    text = strange_logs.table("time,gx,gy,gz,foo_x,foo_y,foo_z", strange_logs.T, strange_logs.GYRO, strange_logs.ACCEL)  # fmt: skip
+    notes = opened(tmp_path / "a.csv", text, strange_logs.SI).record.notes
+    assert any("--accel-unit m/s^2 was given" in n and "foo_x" in n for n in notes)
+
+
+@pytest.mark.parametrize("unit, zero", [("degF", 32.0), ("K", 273.15)])
+def test_temperatures(tmp_path, unit, zero):
+    factor = 1.8 if unit == "degF" else 1.0
+    warm = 20 + strange_logs.T / 4
+    text = strange_logs.table(f"time [s],gx [rad/s],temp [{unit}]", strange_logs.T, strange_logs.GYRO[:, 0], warm * factor + zero)  # fmt: skip
+    found = opened(tmp_path / "t.csv", text, "")
+    assert np.allclose(found.record.temperature, warm, atol=1e-6)
+    bare = text.replace(f" [{unit}]", "")
+    notes = opened(tmp_path / "t.csv", bare, "").record.notes
+    assert any("degF" in n or "K:" in n for n in notes)
+
+
+def test_flight_logs_and_data_of_r(tmp_path):
+    ulog = pytest.importorskip("pyulog")
+    assert ulog
+    from ulog_writer import write
+
+    stamp = 98_765_432 + 4000 * strange_logs.I
+    write(tmp_path / "a.ulg", stamp, strange_logs.GYRO, strange_logs.ACCEL)
+    same(readers.read(tmp_path / "a.ulg"), 250)
+    write(tmp_path / "b.ulg", stamp, strange_logs.GYRO, strange_logs.ACCEL, apart=True)
+    same(readers.read(tmp_path / "b.ulg"), 250)
+    (tmp_path / "c.ulg").write_bytes((tmp_path / "a.ulg").read_bytes()[:40])
+    with pytest.raises(InputError, match="c.ulg"):
+        readers.read(tmp_path / "c.ulg")
