@@ -4,13 +4,10 @@ import re
 import shutil
 
 import nbformat
-import numpy as np
 import pytest
 
 from conftest import ROOT
-from imu_lib.book import build, chapters, execute, left_out, rerun
-from imu_lib.errors import InputError
-from imu_lib.record import Record
+from imu_lib.book import build, chapters, execute, left_out
 
 CODE, TEXT = nbformat.v4.new_code_cell, nbformat.v4.new_markdown_cell
 PARAMETERS = 'record_path = ""\nchannel = "accel_z"'
@@ -77,13 +74,6 @@ def small_book(tmp_path, monkeypatch):
     return source
 
 
-@pytest.fixture
-def record():
-    return Record(
-        {"gyro_x": np.random.default_rng(20130724).normal(size=500)}, 100.0, name="a b.csv"
-    )
-
-
 def test_two_executions_give_the_same_bytes(small_book):
     path = small_book / "nbs/works.ipynb"
     first = execute.execute_file(path)
@@ -106,49 +96,6 @@ def test_a_failing_chapter_keeps_what_is_stored(tmp_path):
     )
 
 
-def test_rerun_on_a_record(small_book, record, tmp_path):
-    out = tmp_path / "mine"
-    told = []
-    page = rerun.book(
-        record,
-        out,
-        progress=lambda run, done, total: told.append((run.path.stem, run.error, run.left_out)),
-    )
-    reasons = (
-        "there is no temperature in this record",
-        "A check of this chapter does not hold: `len(record) > 99`.",
-    )
-    assert page.is_file() and sorted(told) == [("stops", "", reasons), ("works", "", ())]
-    works = (out / "nbs/works.html").read_text(encoding="utf-8")
-    assert "gyro_x 500" in works, "the channel that this record has, on this record"
-    assert str(tmp_path) not in works and "a b.csv" in works
-    stops = (out / "nbs/stops.html").read_text(encoding="utf-8")
-    assert (
-        "Left out on this record (500 samples, 5 s)" in stops
-        and reasons[0] in stops
-        and "kept" in stops
-    )
-    assert "3 of 7 steps" in stops and "cold" in stops and "Traceback" not in stops
-    assert "it builds on" in stops and "warm: 99" not in stops, (
-        "what an earlier cell left must not pass for the record's"
-    )
-    assert not (out / "nbs/other.html").exists()
-    assert not [
-        page
-        for page in out.rglob("*.html")
-        if re.search(r'(src|href)="(https?:)?//[^"]*[.](js|css)', page.read_text(encoding="utf-8"))
-    ], "readable offline: no script or style sheet from the web"
-    intro = (out / "book/intro.html").read_text(encoding="utf-8")
-    assert (
-        "a b.csv" in intro
-        and "5 s are short for a record at rest" in intro
-        and "in part: there is no temperature" in intro
-    )
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "source"], (
-        "nothing else is left behind"
-    )
-
-
 def test_what_a_failed_cell_leaves_unset():
     source = "import numpy as np\na = 1\nfor k in 'ab':\n    rows[k] = f(k)\n    kept.append(k)\nc, d.e = 2, 3"
     assert left_out.forgotten(source, 4) == ["c", "d", "k", "kept", "rows"]
@@ -160,24 +107,6 @@ def test_what_a_failed_cell_leaves_unset():
         )
         == 4
     )
-
-
-def test_a_failed_build_leaves_nothing(small_book, record, tmp_path, monkeypatch):
-    def fails(*args, **options):
-        raise build.BuildError("the builder said no")
-
-    monkeypatch.setattr(build, "build_pages", fails)
-    with pytest.raises(build.BuildError):
-        rerun.book(record, tmp_path / "mine", progress=lambda *state: None)
-    assert [path.name for path in tmp_path.iterdir()] == ["source"]
-
-
-def test_other_files_are_not_replaced(record, tmp_path):
-    (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(InputError, match="holds other files"):
-        rerun.book(record, tmp_path)
-    with pytest.raises(InputError, match="name a folder"):
-        rerun.book(record, tmp_path / "thesis.tex")
 
 
 def test_a_warning_fails_the_book(small_book, tmp_path):

@@ -44,12 +44,13 @@ class Run:
     left_out: tuple[str, ...] = ()  # on a user's record: why steps were left out
 
 
-def run(notebook, folder: Path, *, after_error=None):
+def run(notebook, folder: Path, *, after_error=None, on_cell=None):
     """Execute `notebook` (a NotebookNode, changed in place) with `folder` as working directory.
 
     Raises nbclient's CellExecutionError where a cell fails; with `after_error` the next cells go
     on instead, after the
-    code that `after_error(cell, reply)` returns.
+    code that `after_error(cell, reply)` returns. `on_cell(cell=, cell_index=)` is told of each cell
+    before it runs.
     """
     from jupyter_core.utils import ensure_async
     from nbclient import NotebookClient
@@ -79,6 +80,8 @@ def run(notebook, folder: Path, *, after_error=None):
 
     if after_error is not None:
         client.on_cell_error = go_on
+    if on_cell is not None:
+        client.on_cell_execute = on_cell
     client.execute()
     settle(notebook)
     return notebook

@@ -68,11 +68,12 @@ def forget(cell, reply: dict) -> str:
     return f"for _name in {names!r}:\n    globals().pop(_name, None)"
 
 
-def explain(notebook, about: str) -> list[str]:
+def explain(notebook, about: str, *, summary: bool = True) -> list[str]:
     """Put a note after every cell that failed and one at the top; returns the reasons, none for
     what only builds on another.
 
-    `about`: the record in a few words, as in "300 samples, 3 s".
+    `about`: the record in a few words, as in "300 samples, 3 s"; `summary`: whether the top says how
+    many steps are left out.
     """
     cells, reasons, lost, builds = [], [], set(), 0
     for cell in notebook.cells:
@@ -93,7 +94,7 @@ def explain(notebook, about: str) -> list[str]:
             text = f":::{{admonition}} Left out on this record ({about})\n:class: note\n{reasons[-1]}\n:::"
         lost.update(forgotten(cell.source, line))
         cells.append(nbformat.v4.new_markdown_cell(text, id=f"left-out-{len(cells)}"))
-    if reasons:
+    if reasons and summary:
         count = len(reasons) + builds
         of = sum(cell.cell_type == "code" for cell in cells)
         verb = "is" if count == 1 else "are"

@@ -1,0 +1,18 @@
+"""The verdict on a record: which grade of sensor, its datasheet, what is wrong, what limits the
+record, and what to record next.
+"""
+
+from imu_lib.verdict.datasheet import datasheet
+from imu_lib.verdict.downloads import write_downloads
+from imu_lib.verdict.findings import anomalies, limits, means, next_record
+from imu_lib.verdict.grade import grades
+
+__all__ = [
+    "anomalies",
+    "datasheet",
+    "grades",
+    "limits",
+    "means",
+    "next_record",
+    "write_downloads",
+]

@@ -1,0 +1,47 @@
+"""The coefficients of a record as a datasheet would print them, each with its interval."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from imu_lib import report
+
+#: Symbol -> what a datasheet calls it on gyros and on accelerometers, and the method it is from.
+ROWS = {
+    "N": ("angle random walk N", "velocity random walk N", "likelihood"),
+    "B": ("bias instability B", "bias instability B", "allan"),
+    "K": ("rate random walk K", "acceleration random walk K", "likelihood"),
+    "sigma": ("Gauss-Markov sigma", "Gauss-Markov sigma", "likelihood"),
+    "correlation_time": ("correlation time Tc", "correlation time Tc", "likelihood"),
+    "Q": ("angle quantization Q", "velocity quantization Q", "allan"),
+    "R": ("rate ramp R", "acceleration ramp R", "allan"),
+}
+
+
+def datasheet(result, sensor: str) -> pd.DataFrame:
+    """One row per coefficient, one column per axis; `value [95 % interval]`, or `< limit`.
+
+    Parameters
+    ----------
+    result : imu_lib.characterise.Characterisation
+    sensor : "gyro" or "accel"
+    """
+    names = [name for name in result.channels if name.startswith(sensor)]
+    rows = {}
+    for symbol, (gyro, accel, method) in ROWS.items():
+        cells = {}
+        for name in names:
+            channel = result[name]
+            table = getattr(channel, method)
+            estimate = table.get(symbol) or channel.allan.get(symbol)
+            cells[name[-1]] = (
+                "not shown" if estimate is None else report.estimate(estimate, symbol, name, 3)
+            )
+        if set(cells.values()) != {"not shown"}:
+            title = gyro if sensor == "gyro" else accel
+            rows[f"{title}, {report.unit_name(symbol, names[0])}"] = cells
+    rows["sum of processes"] = {name[-1]: result[name].choice.name for name in names}
+    rows["goodness of fit, p"] = {
+        name[-1]: report.number(result[name].choice.p_value, 2) for name in names
+    }
+    return pd.DataFrame(rows).T

@@ -1,0 +1,139 @@
+"""What is wrong with a record or missing in its model, what limits it, and what to record next."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib import report, units
+from imu_lib.gap import table
+
+#: A Gauss-Markov process needs 200 correlation times for its variance to 10 %.
+TIMES = 200.0
+OFF = 0.005  # share of gravity by which |f| may be off without a word
+UNLIKELY = 1e-3
+
+
+def means(record) -> list[str]:
+    """Turn-on biases of the gyros, and the length of the specific force against gravity."""
+    out = []
+    gyros = [c for c in record.channel_names if c.startswith("gyro")]
+    if gyros:
+        values = {c: np.nanmean(record.channels[c]) / units.DEG_PER_S for c in gyros}
+        listed = ", ".join(f"{c[-1]} {report.number(v, 3)}" for c, v in values.items())
+        out.append(
+            f"Mean of the gyros, deg/s: {listed}. It is turn-on bias and at most 0.004 deg/s of "
+            "Earth rate."
+        )
+    axes = [f"accel_{a}" for a in "xyz"]
+    if all(a in record for a in axes):
+        force = float(np.linalg.norm([np.nanmean(record.channels[a]) for a in axes]))
+        off = force / units.G - 1.0
+        if force < 0.5 * units.G:
+            out.append(
+                f"The mean specific force is {force:.3g} m/s^2: gravity has been taken out, and "
+                "nothing can be said about the accelerometers' bias."
+            )
+        else:
+            judged = (
+                "within what gravity varies over the Earth"
+                if abs(off) < OFF
+                else f"{100 * abs(off):.1f} % {'above' if off > 0 else 'below'} gravity, a scale factor or "
+                f"biases of up to {abs(off) * 1e3:.0f} mg; poses tell which"
+            )
+            out.append(f"|f| = {force:.4f} m/s^2 against {units.G:.4f} m/s^2: {judged}.")
+    return out
+
+
+def anomalies(health, found=None) -> list[str]:
+    """Findings of the health check, then effects that the fitted model does not have, with their
+    physical reading.
+
+    health : imu_lib.health.Health; found : report of `imu_lib.gap.close`, or None
+    """
+    out = list(health.findings)
+    if found is None:
+        return out
+    told = {}
+    for name, channel in found.channels.items():
+        for step in channel.result.steps:
+            text = f"{name}: {table.describe(step, name)} ({step.where}; confidence {step.confidence:.2g})"
+            told.setdefault((step.effect, step.cause), []).append(text)
+    for (effect, cause), places in told.items():
+        name = effect.replace("_", " ").capitalize()
+        out.append(f"{name}. {cause} Seen in " + "; ".join(places) + ".")
+    for step in found.record_steps:
+        out.append(f"{table.describe(step, 'record')}: {step.where}.")
+    for name, channel in found.channels.items():
+        if channel.result.unexplained:
+            out.append(f"{name}, unexplained: {channel.result.unexplained}.")
+    if found.record_unexplained:
+        out.append(f"Unexplained: {found.record_unexplained}.")
+    return out
+
+
+def limits(record, result, health) -> list[str]:
+    """What this record cannot say, and why."""
+    length = record.duration
+    out = [
+        f"It lasts {units.duration(length)}: the variance of a slow error is known to 10 % where "
+        f"its correlation time is below {report.number(length / TIMES, 2)} s, and nothing is known "
+        f"of errors slower than about {units.duration(length / 3)}."
+    ]
+    for sensor in report.sensors(result):
+        names = [c for c in result.channels if c.startswith(sensor)]
+        absent = [s for s in ("B", "K") if not any(_found(result[c], s) for c in names)]
+        if absent:
+            word = "gyros" if sensor == "gyro" else "accelerometers"
+            out.append(f"Of the {word} it shows no {' and no '.join(absent)}, only upper limits.")
+    bad = [c for c, r in result.channels.items() if r.choice.p_value < UNLIKELY]
+    if bad:
+        out.append(
+            f"No sum of noise processes explains {', '.join(bad)} (p below {UNLIKELY:g}): the "
+            "intervals there hold for the model, not for what it leaves out."
+        )
+    for name, channel in health.channels.items():
+        if channel.resolution and channel.resolution > channel.sd:
+            out.append(
+                f"The output step of {name} is {channel.resolution / channel.sd:.1f} times its "
+                "standard deviation: rounding hides the noise."
+            )
+    if record.temperature is None:
+        out.append("The temperature was not recorded: a drift cannot be told from a warming.")
+    return out
+
+
+def next_record(record, result, health) -> list[str]:
+    """What to record next, in the order in which it helps."""
+    out = []
+    times = [
+        r.likelihood["correlation_time"].value
+        for r in result.channels.values()
+        if "correlation_time" in r.likelihood and r.likelihood["correlation_time"].shown
+    ]
+    wanted = max([TIMES * max(times, default=0.0), 4 * 3600.0])
+    if record.duration < wanted:
+        hours = min(max(4.0, np.ceil(wanted / 3600.0)), 48.0)
+        why = (
+            f"200 times the longest correlation time found, {report.number(max(times), 3)} s"
+            if times and TIMES * max(times) > 4 * 3600.0
+            else "what bias instability and walks ask for"
+        )
+        out.append(f"{hours:g} hours at rest, on a heavy table, away from fans and people ({why}).")
+    if record.temperature is None:
+        out.append("The temperature with it, of the sensor itself where it has one.")
+    if health.clock.gap_count or health.clock.repeats:
+        out.append("A log without lost or repeated samples: stamps of the sensor, not of the host.")
+    if any(c.resolution and c.resolution > 0.5 * c.sd for c in health.channels.values()):
+        out.append("A finer output format or a smaller measuring range: the steps are coarse.")
+    if health.motion.gravity is not None and abs(health.motion.gravity / units.G - 1.0) > OFF:
+        out.append(
+            "24 or more poses put down by hand, three seconds each, for `imu-lib calibrate`."
+        )
+    out.append("The same again on another day: what changes from one switch-on to the next.")
+    return out
+
+
+def _found(channel, symbol) -> bool:
+    """Whether the curve or the likelihood shows a coefficient."""
+    estimates = (channel.allan.get(symbol), channel.likelihood.get(symbol))
+    return any(e is not None and e.shown for e in estimates)
