@@ -112,7 +112,11 @@ def run_record(seed, *, free=False):
 
 
 def _short(step):
-    return step.effect, round(step.confidence, 3), round(min(step.gain, 1e6), 2)
+    return (
+        step.effect,
+        round(step.confidence, 3),
+        None if step.gain is None else round(min(step.gain, 1e6), 2),
+    )
 
 
 def main(argv=None):

@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
 from imu_lib.errors import UndefinedFormError
+from imu_lib.gap import measured
 from imu_lib.gap.effects.common_mode import CommonMode
 from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.time_gaps import TimeGaps
@@ -48,11 +49,13 @@ def timing(record, model) -> tuple[list[Step], str | None]:
                     {k: v for k, v in found.process.to_json().items() if k != "process"},
                     found.intervals,
                     found.where,
-                    0.5 if found.doubt else 0.999,
+                    0.5 if found.doubt else measured.share(effect.name),
                     {"effect": "none", "confidence": 0.0},
                     [],
-                    gain=found.gain,
+                    gain=None,
                     cause=effect.cause,
+                    detected=True,
+                    evidence=found.where,
                 )
             )
             if found.doubt:
@@ -221,6 +224,7 @@ def shared_noise(
         )
         note = {
             "gain": value,
+            "sets": 2.0 * (2**k - k - 1),  # sets of channels, before or behind their filters
             "interval": [N * np.exp(-1.96 * spread), N * np.exp(1.96 * spread)],
             "coherence": float(np.mean([r[i, j] ** 2 for i, j in combinations(members, 2)])),
             "z_before": _size(matrix, count),
@@ -331,7 +335,7 @@ def common_step(process, note) -> Step:
         parameters,
         {"N": note["interval"]},
         f"coherence between {names}: {note['coherence']:.2g} where independent channels have none",
-        float(1 / (1 + np.exp(-(min(note["gain"], 300) - 12)))),
+        measured.odds(note["gain"], note["sets"]),
         {"effect": "none", "confidence": 0.0},
         [],
         gain=note["gain"],

@@ -44,39 +44,53 @@ def _block_powers(y, m):
     return np.abs(np.fft.rfft(y[: k * m].reshape(k, m) * window, axis=1)) ** 2
 
 
+def _independent(ordinates: int) -> float:
+    """Independent ordinates among neighbours under a sine window, whose square has a first Fourier
+    coefficient of half its mean: the powers of neighbours have the correlation 1/4.
+    """
+    return ordinates / (1.0 + 0.5 * (1.0 - 1.0 / ordinates))
+
+
 def _levels(power, fs, bands, joins, excess=0.0) -> list[Check]:
     """Whether bands (first and last ordinate of the blocks' `power`) keep their level over `joins`
     blocks, singly and all in all.
+
+    The squared deviations of one band scatter more than those of normal numbers by 6 over the
+    degrees of freedom of its energies, those of all bands by the correlation of neighbours, too:
+    their sum is a scaled chi-square of the same mean and variance (Satterthwaite 1946).
     """
     k, m = len(power), 2 * (power.shape[1] - 1)
     out = []
     for join in joins:
-        g, total = k // join, 0.0
+        g, total, scatter = k // join, 0.0, 0.0
         if g < 8:
             continue
         span = f"its level changes over {join * m / fs:.3g} s"
         for a, b in bands:
             e = power[: g * join, a:b].sum(axis=1).reshape(g, join).mean(axis=1)
-            # neighbouring ordinates of a sine window overlap: their share of independent ones is
-            # about 0.6
-            free = 2.0 * (b - a) * join * (1.0 if b - a == 1 else 0.62)
+            free = 2.0 * join * _independent(b - a)
             z2 = np.sum((e / e.mean() - 1) ** 2) / (2 / free + excess / (m * join))
-            total += z2
-            lp = chi2.logsf(z2, g - 1) / np.log(10) + np.log10(2 * (len(bands) + 1))
+            wide = 1.0 + 6.0 / free
+            total, scatter = total + z2, scatter + wide
+            lp = chi2.logsf(z2 / wide, (g - 1) / wide) / np.log(10)
             out.append(
                 Check(
                     "stationarity",
-                    float(lp),
+                    float(lp + np.log10(2 * (len(bands) + 1))),
                     f"spectrum between {a * fs / m:.3g} and {b * fs / m:.3g} Hz: {span}",
                 )
             )
         if len(bands) > 1:
-            # the overlap ties neighbouring bands of few ordinates to one another
-            lp = chi2.logsf(total / 1.3, len(bands) * (g - 1) / 1.3) / np.log(10) + np.log10(2)
+            for (a, b), (_, end) in zip(bands[:-1], bands[1:]):
+                # one pair of neighbours, of correlation 1/4, among the sums of two bands
+                rho2 = _independent(b - a) * _independent(end - b) / (4 * (b - a) * (end - b)) ** 2
+                scatter += 2.0 * rho2
+            wide = scatter / len(bands)
+            lp = chi2.logsf(total / wide, len(bands) * (g - 1) / wide) / np.log(10)
             out.append(
                 Check(
                     "stationarity",
-                    float(lp),
+                    float(lp + np.log10(2)),
                     f"spectrum between {bands[0][0] * fs / m:.3g} and {bands[-1][1] * fs / m:.3g} Hz: {span}",
                 )
             )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from imu_lib.gap import fast, rounds
-from imu_lib.gap.engine import measured
+from imu_lib.gap import fast, measured, rounds
+from imu_lib.gap.engine import measured as behind_electronics
 
 Z95 = 1.959963984540054
 
@@ -16,6 +16,9 @@ Z95 = 1.959963984540054
 class Step:
     """One effect: name, parameters, 95 % intervals, where it showed, how sure the name is, and who
     came second.
+
+    `gain` is in log-likelihood; None for what was `detected` without one, by its `evidence`: then
+    the confidence is the measured share of right names among such findings.
     """
 
     effect: str
@@ -25,11 +28,12 @@ class Step:
     confidence: float
     runner_up: dict
     indistinguishable: list
-    gain: float = 0.0
+    gain: float | None = 0.0
     gap_before: float | None = None
     gap_after: float | None = None
     cause: str = ""
-    notes: dict = field(default_factory=dict)
+    detected: bool = False
+    evidence: str = ""
 
     def capped(self, most: float) -> Step:
         """The same step with no more than that confidence."""
@@ -44,7 +48,9 @@ class Step:
             "confidence": round(float(self.confidence), 4),
             "runner_up": _plain(self.runner_up),
             "indistinguishable": list(self.indistinguishable),
-            "gain": None if not np.isfinite(self.gain) else round(float(self.gain), 2),
+            "gain": None if self.gain is None else round(float(self.gain), 2),
+            "detected": self.detected,
+            "evidence": self.evidence,
             "cause": self.cause,
             "gap_before": _plain(self.gap_before),
             "gap_after": _plain(self.gap_after),
@@ -74,7 +80,9 @@ def steps_of_findings(findings, fs) -> list[Step]:
     """Electronics, noise level and lines."""
     out = []
     for f in findings:
-        sure = 1.0 / (1.0 + np.exp(-(min(f.gain, 500.0) - 9.0)))
+        # where there is no likelihood: as often as such a finding was right
+        detected = f.gain is None or not np.isfinite(f.gain)
+        sure = measured.share(f.effect.name) if detected else measured.odds(f.gain, f.places)
         rival = {"effect": "none", "confidence": float(1 - sure)}
         out.append(
             Step(
@@ -85,8 +93,10 @@ def steps_of_findings(findings, fs) -> list[Step]:
                 0.5 if f.doubt else float(sure),
                 rival,
                 [],
-                gain=float(f.gain),
+                gain=None if detected else float(f.gain),
                 cause=f.effect.cause,
+                detected=detected,
+                evidence=f.evidence or (f.where if detected else ""),
             )
         )
     return out
@@ -207,7 +217,7 @@ def where(state, item) -> str:
     without = state.with_items([i for i in state.items if i is not item])
     layout, fs = state.data.layout, state.data.fs
     a, b = (
-        measured(fast.spectrum(s.fit.terms, s.fit.low_pass, layout, fs), state.data.extra)
+        behind_electronics(fast.spectrum(s.fit.terms, s.fit.low_pass, layout, fs), state.data.extra)
         for s in (state, without)
     )
     decibel = 10 * np.log10(np.maximum(a, 1e-300) / np.maximum(b, 1e-300))

@@ -82,7 +82,10 @@ class Finding:
         Of the record: channel -> samples that tell nothing (n,), or what is taken out of it (n,).
     scale : ndarray, shape (n,), optional
         Of a channel: the level of the fast noise through the record, 1 on the whole or before.
+    places : float
+        Independent places among which this one has the largest gain.
     evidence : str
+        What there is instead of a gain.
     """
 
     effect: Effect
@@ -95,6 +98,7 @@ class Finding:
     blank: dict | None = None
     signal: dict | None = None
     scale: np.ndarray | None = None
+    places: float = 1.0
     evidence: str = ""
 
 

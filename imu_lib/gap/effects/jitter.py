@@ -32,7 +32,7 @@ class Jitter(Effect):
         found = Finding(
             self,
             Process(sd=sd),
-            50.0,
+            None,
             f"timing: the stamps scatter by {1e3 * sd:.3g} ms around an even clock",
             {"sd": [sd * (1 - 1.96 / np.sqrt(2 * n)), sd * (1 + 1.96 / np.sqrt(2 * n))]},
         )

@@ -118,6 +118,7 @@ class NoiseLevelChange(ChannelEffect):
                 "time": [(k - slack) / fs, (k + slack) / fs],
             },
         )
+        found.places = 2.0 * np.log(n) * np.sqrt(gain / np.pi)
         left = unsteady(after, fs, independent)
         if left is not None and left[0] < -5:
             found.doubt = left[1]

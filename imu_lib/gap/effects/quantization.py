@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from imu_lib.processes import Quantization as Process
 
 from .base import Finding, Spectral
@@ -26,7 +24,7 @@ class Quantization(Spectral):
         return Finding(
             self,
             process,
-            np.inf,
+            None,
             f"power spectral density rising as the square of the frequency, and {levels} distinct samples on a grid of step {step:.4g}: "
             "increments of a rounded integral",
             {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]},

@@ -60,7 +60,7 @@ class Resolution(Effect):
         return Finding(
             self,
             Stage(lsb=step),
-            np.inf,
+            None,
             f"distribution of the samples: {levels} distinct values, all on a grid of step {step:.4g}",
             {"lsb": [step * (1 - 1e-6), step * (1 + 1e-6)]},
             doubt=missing_codes(x, step),

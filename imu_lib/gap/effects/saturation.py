@@ -8,17 +8,24 @@ from imu_lib.processes import Saturation as Stage
 
 from .base import Effect, Finding
 
+#: Log-likelihood that the outermost level of a grid is fuller than its neighbours foretell, of some
+#: two ends: noise exceeds it in one of 1e5 channels. Without a grid: visits to the end; no two
+#: samples of a continuous noise agree, so that the second is one too many.
+MIN_GAIN, MIN_VISITS = 12.0, 3
+
 
 def _piled(x, step, side) -> float:
-    """How far the outermost value is overfull, as a log-likelihood gain; 0 where it is not."""
+    """How far the outermost value is overfull, as a log-likelihood gain; 0 where it is not, and
+    without bound where there is no grid on which values agree by chance.
+    """
     y = side * x
     top = y.max()
     at = np.flatnonzero(y > top - 0.5 * step) if step else np.flatnonzero(y == top)
     visits = 1 + np.count_nonzero(np.diff(at) > 1)
-    if visits < 3:  # one frozen value is no rail
+    if visits < MIN_VISITS:  # one frozen value is no rail
         return 0.0
     if step is None:
-        return 12.0 * (visits - 1)
+        return np.inf
     k = np.rint((top - y) / step).astype(np.int64)
     h = np.bincount(k[k < 4], minlength=4).astype(float)
     if h[0] < 8:
@@ -45,7 +52,7 @@ def _piled(x, step, side) -> float:
             - 2 * np.sqrt(36 / (h[1] + 0.5) + 64 / (h[2] + 0.5) + 9 / (h[3] + 0.5))
         )
     )
-    return max(over, beyond if beyond >= 12 else 0.0)
+    return max(over, beyond if beyond >= MIN_GAIN else 0.0)
 
 
 class Saturation(Effect):
@@ -61,16 +68,16 @@ class Saturation(Effect):
             old_low = -held.limit if held.low is None else held.low
             high = 0.0 if abs(x.max() - held.limit) <= tolerance else high
             low = 0.0 if abs(x.min() - old_low) <= tolerance else low
-        if max(high, low) < 12:
+        if max(high, low) < MIN_GAIN:
             return None
         top, bottom = float(x.max()), float(x.min())
         half = 0.5 * (step or 0.0)
-        if high >= 12 and low >= 12 and abs(top + bottom) > tolerance:
+        if high >= MIN_GAIN and low >= MIN_GAIN and abs(top + bottom) > tolerance:
             stage = Stage(limit=top, low=bottom)
-        elif high >= 12:
+        elif high >= MIN_GAIN:
             stage = (
                 Stage(limit=top)
-                if bottom > -top - half or low >= 12
+                if bottom > -top - half or low >= MIN_GAIN
                 else Stage(limit=top, low=bottom - abs(top - bottom))
             )
         else:
@@ -79,14 +86,16 @@ class Saturation(Effect):
                 if -bottom >= top
                 else Stage(limit=top + abs(top - bottom), low=bottom)
             )
-        above = x >= top - 1e-9 * abs(top) if high >= 12 else np.zeros(len(x), bool)
-        below = x <= bottom + 1e-9 * abs(bottom) if low >= 12 else np.zeros(len(x), bool)
+        above = x >= top - 1e-9 * abs(top) if high >= MIN_GAIN else np.zeros(len(x), bool)
+        below = x <= bottom + 1e-9 * abs(bottom) if low >= MIN_GAIN else np.zeros(len(x), bool)
         share = (above.sum() + below.sum()) / len(x)
-        ends = " and ".join(f"{v:.5g}" for v, on in ((top, high >= 12), (bottom, low >= 12)) if on)
+        ends = " and ".join(
+            f"{v:.5g}" for v, on in ((top, high >= MIN_GAIN), (bottom, low >= MIN_GAIN)) if on
+        )
         found = Finding(
             self,
             stage,
-            max(high, low),
+            max(high, low) if np.isfinite(max(high, low)) else None,
             f"distribution of the samples: {100 * share:.3g} % of them sit exactly at the end of the range, {ends}",
             {"limit": sorted([stage.limit - half, stage.limit + half])},
         )

@@ -13,8 +13,11 @@ from .base import Effect, Finding
 
 #: First ordinate that is searched: slower oscillations are drifts.
 FIRST = 32
-#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in two of a thousand
-#: channels of an hour at 100 Hz (Rice).
+#: Independent frequencies per sample: n / 2 ordinates, and the largest of a periodogram between
+#: them exceeds that on them as if there were 2.5 times as many (oversampled twice).
+INDEPENDENT = 1.25
+#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in one of a thousand
+#: channels of an hour at 100 Hz, 1.25 n exp(-20).
 THRESHOLD = 20.0
 
 
@@ -132,6 +135,7 @@ class Sinusoid(Effect):
                     "phase": [process.phase - 3.92 / snr, process.phase + 3.92 / snr],
                 },
             )
+            item.places = INDEPENDENT * data.n
             item.doubt = self.doubt(clean, process, level)
             near = any(
                 abs(other.process.frequency - process.frequency) < 20 * data.fs / size

@@ -69,7 +69,7 @@ class Stuck(Effect):
         return Finding(
             self,
             Stage(fraction=fraction, length=typical),
-            10.0 * repeats,
+            None,
             f"distribution of the samples: {len(start)} runs of equal values, the longest {int(length.max()) + 1} samples",
             {
                 "fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],

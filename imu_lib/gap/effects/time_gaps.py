@@ -30,7 +30,7 @@ class TimeGaps(Effect):
         return Finding(
             self,
             Process(fraction=fraction, length=int(max(1, np.median(holes)))),
-            20.0 * len(holes),
+            None,
             f"timing: {len(holes)} gaps, {missing} of {total} samples missing, the longest gap {int(holes.max())} samples",
             {
                 "fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],
