@@ -157,7 +157,7 @@ def battery(x, fs: float, temperature=None) -> dict:
             np.log(far + 1 / n),
             np.log(farther + 1 / n),
             np.log(most),
-            np.log(same + 1 / n),
+            np.log(same + 20 / n),
             np.log(core + 1 / n),
             float(tops >= 3) + float(bottoms >= 3),
         ]

@@ -73,6 +73,7 @@ def analyse(
     seed: int = 0,
     shared: float = 0.0,
     filtered: bool = False,
+    known=None,
     progress=None,
 ) -> ChannelResult:
     """Find, name and add what `base` lacks to be the model of `raw` (NaN where a sample is
@@ -80,13 +81,15 @@ def analyse(
 
     `shared` is the density N of noise that the channel shares with others and that is accounted
     for on the record; it enters
-    before the channel's low-pass filter where it is `filtered`.
+    before the channel's low-pass filter where it is `filtered`. `known`, shape (n,), is what else
+    the record puts into the channel (vibration).
     """
     options = {
         "temperature": temperature,
         "seed": seed,
         "shared": shared,
         "filtered": filtered,
+        "known": known,
         "progress": progress,
     }
     raw = np.asarray(raw, float)
@@ -142,7 +145,7 @@ def _of_differences(step) -> bool:
 
 
 def _analyse(
-    name, raw, fs, base, *, temperature, seed, shared, filtered, progress, integral=False
+    name, raw, fs, base, *, temperature, seed, shared, filtered, known, progress, integral=False
 ) -> ChannelResult:
     say = progress or (lambda text: None)
     rng = np.random.default_rng([seed, sum(map(ord, name))])
@@ -159,7 +162,7 @@ def _analyse(
         )
         drift = known.mean(np.arange(len(raw)) / fs, temperature)
     say("electronics")
-    clean = electronics.undo(raw, fs, given, rng, integral=integral)
+    clean = electronics.undo(raw, fs, given, rng, integral=integral, known=known)
     x = clean.x - drift
     findings = list(clean.findings)
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]

@@ -91,10 +91,12 @@ def gross_jumps(x, fs) -> np.ndarray:
     return out
 
 
-def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
+def undo(raw, fs: float, base, rng, *, integral: bool = False, known=None) -> Clean:
     """Find and undo what the electronics did to `raw` (NaN where a sample is missing); `base` is
     the channel's model (`Sum`).
 
+    `known`, shape (n,), is what the record is known to put into the channel (vibration): it is in
+    the samples that are rounded and clipped, and not in what is clean.
     A grid is taken for that of a rounded integral whose increments are read out where `integral`
     is set.
     """
@@ -136,7 +138,8 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         half = 0.5 * (step or 0.0) + 1e-9 * abs(limit)
         side[~missing] = np.where(good >= limit - half, 1, np.where(good <= low + half, -1, 0))
     x = first_fill(raw, missing)
-    coarse = gross_jumps(x, fs)
+    known = np.zeros(len(x)) if known is None else known
+    coarse = known + gross_jumps(x - known, fs)
     lines, _ = Sinusoid().find(engine.Data(x - coarse, fs))
     for _, signal in lines:
         coarse = coarse + signal
@@ -209,8 +212,8 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False) -> Clean:
         white = float(np.mean(extra[k : k + 12]) * fs / 2)
     blind = smooth.level < EMPTY * np.mean(smooth.on(2048)) if (hidden | spiked).any() else None
     return Clean(
-        clean + coarse,
-        coarse,
+        clean + coarse - known,
+        coarse - known,
         findings,
         white,
         smooth,

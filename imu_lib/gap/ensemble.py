@@ -168,8 +168,9 @@ def draw(model: Sum, draws: Draws, *, common=None):
 def simulate(
     jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool = False
 ) -> list[list[dict]]:
-    """Batteries of simulations: for each job (models, start, stop in samples, shared N or 0, lost
-    mask or None) one list over the seeds.
+    """Batteries of simulations: for each job (models, start, stop in samples, (shared N or 0,
+    vibrations of the channel, step of its number format or None), lost mask or None) one list over
+    the seeds.
 
     A job has one model, or several that stand for what is uncertain in it: they take turns, by the
     last number of the seed.
@@ -184,6 +185,7 @@ def simulate(
             model = models[seed[-1] % len(models)]
             key = (id(model), shared)
             if key not in made:
+                shared, shaken, digits = shared
                 if id(model) not in ready:
                     ready[id(model)] = centred(model, level, t, temperature)
                 model = ready[id(model)]
@@ -193,7 +195,11 @@ def simulate(
                     if not shared
                     else shared * draws.unit(WhiteNoise(N=1.0), 0, before, "common")
                 )
-                made = {key: draw(model, draws, common=common)}
+                for i, vibration in enumerate(shaken):
+                    (moved,) = vibration.on(n, fs, draws.rng("vibration", i)).values()
+                    common = moved if common is None else common + moved
+                x = draw(model, draws, common=common)
+                made = {key: x if digits is None else np.rint(x / digits) * digits}
             x = made[key]
             if lost is not None:
                 x = filled(np.where(lost, np.nan, x))

@@ -12,9 +12,11 @@ from joblib import Parallel, delayed
 from imu_lib.gap import ensemble, record_level
 from imu_lib.gap.battery import battery
 from imu_lib.gap.channel import ChannelResult, analyse
+from imu_lib.gap.effects.resolution import printed
 from imu_lib.gap.grown import FITTED
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
+from imu_lib.processes import from_json
 from imu_lib.record import Record
 
 #: Gap index after the last step beyond which something is left that has no name; that of a right
@@ -140,14 +142,18 @@ def close(
     timing, time_left = record_level.timing(record, model)
     even = record.uniform()
     fs = even.rate
-    raw = {name: np.asarray(even.channels[name]) for name in names}
+    raw = record_level.on_levels({name: np.asarray(even.channels[name]) for name in names})
     temperature = None if even.temperature is None else np.array(even.temperature)
     if temperature is not None and np.isnan(temperature).any():
         temperature = ensemble.filled(temperature)
     total = len(names) + 1 + (4 if simulations else 0)
     held = tuple(p for p in model.record if p.name == "common_mode") if model is not None else ()
+    shaking, known = record_level.vibrations(record, raw, fs, temperature, model)
     shared, note, coherence_left = record_level.shared_noise(
-        raw, fs, held, None if model is None else model.channels
+        {name: x - known.get(name, 0.0) for name, x in raw.items()},
+        fs,
+        held,
+        None if model is None else model.channels,
     )
     tell(1, total, "coherence")
     noise = {name: 0.0 for name in names}
@@ -168,6 +174,7 @@ def close(
             seed,
             noise[name],
             filtered,
+            known.get(name),
         )
         for name in names
     ]
@@ -184,14 +191,13 @@ def close(
         rate=fs,
     )
     record_steps = list(timing)
-    extra = []
+    new = [f for f in shaking if not f.held]
+    record_steps += [record_level.vibration_step(f) for f in new]
+    extra = [f.process for f in new]
     if shared is not None:
         record_steps.append(record_level.common_step(shared, note))
         extra.append(shared)
-    for s in timing:
-        from imu_lib.processes import OF_RECORD
-
-        extra.append(OF_RECORD[s.effect](**s.parameters))
+    extra += [from_json({"process": s.effect, **s.parameters}, on_record=True) for s in timing]
     grown = Model(
         channels={n: r.model for n, r in results.items()},
         record=base.record + tuple(extra),
@@ -207,7 +213,8 @@ def close(
             fs,
             temperature,
             noise,
-            held,
+            [f.process for f in shaking],
+            model.record if model is not None else (),
             filtered,
             simulations,
             seed,
@@ -226,10 +233,29 @@ def close(
     )
 
 
-def _channel(name, x, fs, base, temperature, seed, shared, filtered):
+def _channel(name, x, fs, base, temperature, seed, shared, filtered, known):
     return name, analyse(
-        name, x, fs, base, temperature=temperature, seed=seed, shared=shared, filtered=filtered
+        name,
+        x,
+        fs,
+        base,
+        temperature=temperature,
+        seed=seed,
+        shared=shared,
+        filtered=filtered,
+        known=known,
     )
+
+
+def _of(vibrations, name) -> tuple:
+    """The vibrations on one channel alone, those that it feels."""
+    return tuple(v for v in (p.of(name) for p in vibrations) if v is not None)
+
+
+def _digits(result: ChannelResult, x) -> float | None:
+    """Step of the file's number format, where it is too fine to be the sensor's own grid."""
+    coarse = result.model.find("resolution") is not None or result.model.rounding is not None
+    return None if coarse else printed(x[~np.isnan(x)])
 
 
 def _each(function, work, jobs):
@@ -251,33 +277,41 @@ def _stages_of_model(result: ChannelResult) -> list:
     return [result.base, *result.between, result.model]
 
 
-def _measure(reports, raw, fs, temperature, noise, held, filtered, simulations, seed, jobs, tick):
+def _measure(
+    reports, raw, fs, temperature, noise, shaking, given, filtered, simulations, seed, jobs, tick
+):
     """Gap indices of every channel: before, after each step, after all, and on the held-out part."""
     n = len(next(iter(raw.values())))
     cut = int(FITTED * n)
+    held = [p for p in given if p.name == "common_mode"]
     held_noise = {c: float(np.sqrt(sum(p.N**2 for p in held if c in p.channels))) for c in raw}
+    held_shaking = {c: _of([p for p in given if p.name == "vibration"], c) for c in raw}
     work, keys, levels, passing = [], [], [], set()
     for name, report in reports.items():
         r = report.result
         lost = np.isnan(raw[name])
         lost = lost if lost.any() else None
         chain = _stages_of_model(r) if r.steps else [r.base]
-        if noise[name] != held_noise[name]:
+        shaken = _of(shaking, name)
+        digits = _digits(r, raw[name])
+        if noise[name] != held_noise[name] or shaken != held_shaking[name]:
             chain = [r.base] + chain
         for i, m in enumerate(chain):
-            own = held_noise[name] if i == 0 else noise[name]
+            own = held_noise[name], held_shaking[name], digits
+            if i > 0:
+                own = noise[name], shaken, digits
             work.append(([m], 0, n, own, lost))
             keys.append((name, i))
             if 0 < i < len(chain) - 1:
                 passing.add((name, i))
-            levels.append(ensemble.behind_mean(m, r.mean, n, fs, temperature, own))
+            levels.append(ensemble.behind_mean(m, r.mean, n, fs, temperature, own[0]))
             if i == 0 and r.steps:
                 work.append(([m], cut, n, own, lost))
                 keys.append((name, "held before"))
                 levels.append(levels[-1])
         if r.steps:
             if r.refit:
-                work.append((r.refit, cut, n, noise[name], lost))
+                work.append((r.refit, cut, n, (noise[name], shaken, digits), lost))
                 keys.append((name, "held after"))
                 levels.append(
                     ensemble.behind_mean(r.refit[0], r.mean, n, fs, temperature, noise[name])

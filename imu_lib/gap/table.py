@@ -63,9 +63,9 @@ def value(symbol: str, x, channel: str) -> str:
 def describe(step, channel: str) -> str:
     """Name and parameters of a step."""
     p = step.parameters
-    if channel == "record" and p.get(
-        "channels"
-    ):  # the noise's unit is that of the channels that share it
+    if step.effect == "vibration":
+        return _vibration(p)
+    if step.effect == "common_mode":  # the noise's unit is that of the channels that share it
         kinds = {c.split("_")[0] for c in p["channels"]}
         unit = p["channels"][0] if len(kinds) == 1 else ""
         return (
@@ -81,6 +81,19 @@ def describe(step, channel: str) -> str:
         if v is not None and k != "phase"
     ]
     return step.effect + "  " + ", ".join(shown)
+
+
+def _vibration(p) -> str:
+    """A vibration with its lines, its amplitude on each channel and its time."""
+    out = f"vibration  {p['frequency']:.5g} Hz"
+    if p["harmonics"] > 1:
+        out += f", {p['harmonics']} {'lines' if p.get('lines') else 'multiples'}"
+    if p["bandwidth"]:
+        out += f", {p['bandwidth']:.2g} Hz wide"
+    if p.get("from") is not None:
+        out += f", from {p['from']:.0f} to {p['to']:.0f} s"
+    felt = (f"{c} {value('amplitude', a, c)}" for c, a in zip(p["channels"], p["amplitude"]))
+    return out + ": " + ", ".join(felt)
 
 
 def _hertz(x) -> str:

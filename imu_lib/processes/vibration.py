@@ -41,6 +41,8 @@ class Vibration(Process):
     ratios : sequence of float, one a line, optional
         Amplitudes of the lines over that of the strongest; the same for all channels. Where not
         given, 1 / h.
+    lines : sequence of float, Hz, optional
+        Frequencies of the lines where they are no multiples of `frequency`.
     """
 
     frequency: float = FREE
@@ -51,6 +53,7 @@ class Vibration(Process):
     start: float | None = None
     stop: float | None = None
     ratios: tuple[float, ...] | None = None
+    lines: tuple[float, ...] | None = None
     name: ClassVar[str] = "vibration"
     keys: ClassVar[dict[str, str]] = {"from": "start", "to": "stop"}
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -72,14 +75,17 @@ class Vibration(Process):
         object.__setattr__(self, "amplitude", _numbers("amplitude", amplitude, len(self.channels)))
         if self.harmonics is not None and self.harmonics < 1:
             raise InputError("process vibration: `harmonics` counts the lines, 1 or more")
-        if self.ratios is not None:
-            object.__setattr__(self, "ratios", _numbers("ratios", self.ratios, self.harmonics))
+        for each in ("ratios", "lines"):
+            values = getattr(self, each)
+            if values is not None:
+                object.__setattr__(self, each, _numbers(each, values, self.harmonics))
 
     def to_json(self) -> dict[str, Any]:
         entry = {**super().to_json(), "amplitude": list(self.amplitude)}
         entry["channels"] = list(self.channels)
-        if self.ratios is not None:
-            entry["ratios"] = list(self.ratios)
+        for each in ("ratios", "lines"):
+            if getattr(self, each) is not None:
+                entry[each] = list(getattr(self, each))
         for key, field in self.keys.items():
             if field in entry:
                 entry[key] = entry.pop(field)
@@ -97,6 +103,13 @@ class Vibration(Process):
         return np.array(self.ratios)
 
     @property
+    def frequencies(self) -> Array:
+        """Frequencies of the lines, Hz, shape (harmonics,)."""
+        if self.lines is not None:
+            return np.array(self.lines)
+        return self.frequency * np.arange(1, self.harmonics + 1)
+
+    @property
     def band(self) -> bool:
         """Whether it is a band of noise rather than a line."""
         return self.bandwidth > LINE * self.frequency
@@ -111,24 +124,29 @@ class Vibration(Process):
             out &= t <= self.stop + 1e-9
         return out
 
+    def of(self, channel: str) -> Vibration | None:
+        """The same vibration on one of its channels alone, or None where that does not feel it."""
+        if channel not in self.channels:
+            return None
+        own = self.amplitude[self.channels.index(channel)]
+        return self.with_(channels=(channel,), amplitude=(own,))
+
     def analytic(self, n: int, fs: float, rng: np.random.Generator) -> list[Array]:
         """One draw of each line as a complex signal of amplitude 1, shape (n,) each."""
         self._require()
         if self.band:
-            return [self._noise(n, fs, h, rng) for h in range(1, self.harmonics + 1)]
-        phase = 2 * np.pi * self.frequency / fs * np.arange(n)
-        if self.bandwidth > 0:
-            phase += np.cumsum(rng.standard_normal(n)) * np.sqrt(2 * np.pi * self.bandwidth / fs)
-        return [
-            np.exp(1j * (h * phase + 2 * np.pi * rng.random()))
-            for h in range(1, self.harmonics + 1)
-        ]
+            return [self._noise(n, fs, f, rng) for f in self.frequencies]
+        turns = np.arange(n) / fs
+        if self.bandwidth > 0:  # time runs unevenly, so that all lines wander together
+            step = np.sqrt(self.bandwidth / (2 * np.pi * fs)) / self.frequency
+            turns = turns + np.cumsum(rng.standard_normal(n)) * step
+        return [np.exp(2j * np.pi * (f * turns + rng.random())) for f in self.frequencies]
 
-    def _noise(self, n: int, fs: float, h: int, rng: np.random.Generator) -> Array:
-        """Analytic normal noise of the band around the h-th multiple, mean square 1."""
+    def _noise(self, n: int, fs: float, at: float, rng: np.random.Generator) -> Array:
+        """Analytic normal noise of the band around `at` Hz, mean square 1."""
         f = np.fft.fftfreq(n, 1 / fs)
-        u = (np.abs(f) - h * self.frequency) / (0.5 * h * self.bandwidth)
-        gain = np.where(f > 0, 1.0 / np.sqrt(1.0 + u**4), 0.0)
+        u = (np.abs(f) - at) / (0.5 * self.bandwidth * at / self.frequency)
+        gain = np.where(f > 0, 1.0 / np.sqrt(1.0 + u**8), 0.0)
         gain *= np.sqrt(n / np.sum(gain**2)) if gain.any() else 0.0
         z = (rng.standard_normal(n) + 1j * rng.standard_normal(n)) * np.sqrt(0.5)
         return np.fft.ifft(z * gain) * np.sqrt(n)

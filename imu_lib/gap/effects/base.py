@@ -100,6 +100,9 @@ class Finding:
     scale: np.ndarray | None = None
     places: float = 1.0
     evidence: str = ""
+    #: Bands (low, high) in Hz that a vibration fills; whether the given model has it already.
+    bands: list = field(default_factory=list)
+    held: bool = False
 
 
 @dataclass(frozen=True)

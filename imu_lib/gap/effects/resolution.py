@@ -36,6 +36,79 @@ def grid_of(x) -> tuple[float, float] | None:
     return step, float(u[0] - np.rint(u[0] / step) * step)
 
 
+def printed(x) -> float | None:
+    """The step of the number format that the samples are printed in, however fine, or None where
+    no two agree or they have no common step.
+    """
+    u = np.unique(x)
+    if len(u) in (1, len(x)):
+        return None
+    gap = np.diff(u)
+    step = float(gap[gap > 8 * np.spacing(np.abs(u).max())].min(initial=np.inf))
+    place = (u - u[0]) / step
+    return step if np.abs(place - np.rint(place)).max() < 0.05 else None
+
+
+#: Concentration about the levels of a coarse grid from which on there is one under the printed
+#: digits; cells of the histogram, and standard deviations in a step at the most.
+CONCENTRATED, CELLS, WIDEST = 0.55, 8192, 2.8
+
+
+def ladder(x) -> tuple[float, float, np.ndarray] | None:
+    """(step, width, samples on their levels) of a converter's grid that a calibration has blurred
+    or bent and whose values are printed more finely, or None. `x` has shape (n,).
+
+    Samples of a smooth distribution have no period; those of levels a step apart have one, which
+    the transform of their histogram shows. `width` is the spread of the values about their level.
+    """
+    low, high = np.quantile(x, [0.002, 0.998])
+    sd = 0.5 * float(np.diff(np.quantile(x, [0.16, 0.84]))[0])
+    if not sd > 0:
+        return None
+    span = (high - low) * 1.0001
+    count = np.bincount(
+        ((x[(x >= low) & (x <= high)] - low) / span * CELLS).astype(int), minlength=CELLS
+    )[:CELLS]
+    strength = np.abs(np.fft.rfft(count, 4 * CELLS)) / count.sum()
+    period = np.arange(len(strength)) / (4.0 * span)  # cycles per unit
+    searched = (period > 1 / (WIDEST * sd)) & (period < CELLS / (8 * span))
+    inside = np.flatnonzero(searched & (strength > CONCENTRATED))
+    if len(inside) == 0:
+        return None
+    first = inside[inside < inside[0] + 40]
+    step = 1.0 / period[first[int(np.argmax(strength[first]))]]
+    levels, width = _levels(x, step)
+    if levels is None or width > 0.2 * step:
+        return None
+    even = float(np.polyfit(np.arange(len(levels)), levels, 1)[0])
+    whole = np.rint(np.interp(x, levels, np.arange(len(levels))))
+    out = (x < levels[0]) | (x > levels[-1])
+    whole[out] = np.rint((x[out] - levels[0]) / even)
+    return even, width, levels[0] + even * whole
+
+
+def _levels(x, step: float):
+    """Middles of the levels that lie about `step` apart, and how far samples scatter about them."""
+    u, count = np.unique(x, return_counts=True)
+    gap = np.flatnonzero(np.diff(u) > 0.35 * step)
+    groups = np.split(np.arange(len(u)), gap + 1)
+    middle = np.array([np.average(u[g], weights=count[g]) for g in groups])
+    many = np.array([count[g].sum() for g in groups])
+    keep = many > max(3, 1e-4 * len(x))
+    middle, groups = middle[keep], [g for g, k in zip(groups, keep) if k]
+    if len(middle) < 4:
+        return None, np.inf
+    jump = np.rint(np.diff(middle) / step)
+    if np.any(jump != 1) and np.mean(jump == 1) < 0.7:
+        return None, np.inf
+    place = np.concatenate([[0], np.cumsum(np.maximum(jump, 1))])
+    spread = np.sqrt(
+        sum(np.sum(count[g] * (u[g] - m) ** 2) for g, m in zip(groups, middle))
+        / sum(count[g].sum() for g in groups)
+    )
+    return np.interp(np.arange(place[-1] + 1), place, middle), float(spread)
+
+
 class Resolution(Effect):
     name = "resolution"
     cause = (

@@ -18,9 +18,21 @@ def runs(x) -> tuple[np.ndarray, np.ndarray]:
     return start, stop - start
 
 
-def _least(length, chance) -> tuple[float, float]:
+def by_chance(x) -> float:
+    """How often two neighbours agree by chance: as often as samples further apart, more often as
+    neighbours are correlated. `x` has shape (n,).
+    """
+    x = x - np.mean(x)
+    lags = range(11, 11 + LAGS)
+    far = sum(np.count_nonzero(x[k:] == x[:-k]) for k in lags) + 0.5
+    near = np.median(np.abs(np.diff(x))) + 1e-300
+    apart = np.median(np.abs(x[LAGS:] - x[:-LAGS]))
+    return float(min(far / (LAGS * len(x)) * max(apart / near, 1.0), 0.5))
+
+
+def _least(length, chance, n: int, rate: float) -> tuple[float, float]:
     """The length from which on most runs are frozen samples, given the runs of a simulation that
-    only rounds, and how many
+    only rounds, or the `rate` at which neighbours of a finer grid agree by chance, and how many
     repeats chance makes in runs of that length or more.
 
     The longest chance runs are geometric. There have to be so many more that chance makes them
@@ -28,16 +40,23 @@ def _least(length, chance) -> tuple[float, float]:
     records, and it has to account for three in ten at the most; infinite where no length is like
     that.
     """
-    if len(chance) == 0:
-        return 1, 0.0
-    far = float(np.quantile(chance, 0.99))
-    more = max(float(np.mean(chance[chance >= far] - far)), 0.2)
-    at = np.arange(int(far) + 1, max(int(length.max(initial=0)), int(far)) + 2)
-    want = np.count_nonzero(chance >= far) * (more / (1 + more)) ** (at - far)
+    if chance is None or len(chance) == 0:
+        more = rate / (1 - rate)
+        at = np.arange(1, int(length.max(initial=0)) + 2)
+        want = n * rate * rate ** (at - 1.0)
+    else:
+        far = float(np.quantile(chance, 0.99))
+        more = max(float(np.mean(chance[chance >= far] - far)), 0.2)
+        at = np.arange(int(far) + 1, max(int(length.max(initial=0)), int(far)) + 2)
+        want = np.count_nonzero(chance >= far) * (more / (1 + more)) ** (at - far)
     got = len(length) - np.searchsorted(np.sort(length), at)
     sure = (want < 0.3 * got) & (poisson.sf(got - 1, want) < 1e-5)
     i = int(np.argmax(sure))
     return (at[i], float(want[i] * (at[i] + more))) if sure.any() else (np.inf, 0.0)
+
+
+#: Distances at which samples are compared to learn how often they agree by chance.
+LAGS = 30
 
 
 class Stuck(Effect):
@@ -47,12 +66,13 @@ class Stuck(Effect):
 
     def detect(self, x, clipped, twin, held) -> Finding | None:
         """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the
-        noise (None where the
-        output is continuous, so that no two neighbours agree by chance)."""
+        noise (None where the grid is too fine to matter, and neighbours agree by chance as often as
+        others do)."""
         start, length = runs(x)
         keep = ~clipped[start]
         start, length = start[keep], length[keep]
-        least, chance = (1, 0.0) if twin is None else _least(length, runs(twin)[1])
+        seen = None if twin is None else runs(twin)[1]
+        least, chance = _least(length, seen, len(x), by_chance(x))
         hit = length >= least
         start, length = start[hit], length[hit]
         repeats = int(length.sum())

@@ -1,0 +1,169 @@
+"""Lines that have one cause: whole multiples of one frequency, or many lines that the same channels
+feel at the same time.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from imu_lib.gap.sources import Source, Transforms
+
+#: Multiples that are looked for, and how many lines of a comb have to be there.
+MULTIPLES, SHARE = 40, 0.5
+#: Lines of the same channels from which on they are one finding, multiples or not.
+MANY = 4
+#: Gain from which on a multiple counts that did not stand out by itself.
+WEAK = 6.0
+#: Width over frequency up to which a source is a line.
+NARROW = 0.04
+
+
+def _slack(s: Source, transforms: Transforms) -> float:
+    """How far off the frequency of a source may be, Hz."""
+    return max(3 * s.frequency_sd, 0.5 * s.bandwidth, 1.5 / transforms.duration)
+
+
+def _line(s: Source) -> bool:
+    return s.bandwidth <= NARROW * s.frequency
+
+
+def _together(a: Source, b: Source) -> bool:
+    """Whether two sources share a channel and the time."""
+    if not set(a.channels) & set(b.channels):
+        return False
+    if a.whole or b.whole:
+        return a.whole and b.whole
+    shared = min(a.stop, b.stop) - max(a.start, b.start)
+    return shared > 0.6 * max(a.stop - a.start, b.stop - b.start)
+
+
+def grouped(found: list[Source], transforms: Transforms) -> list[tuple[float, list[Source]]]:
+    """Sources by cause: (fundamental in Hz or 0 where the lines are no multiples, sources)."""
+    left, out = sorted(found, key=lambda s: -s.gain), []
+    while True:
+        comb = _comb(left, transforms)
+        if comb is None:
+            break
+        out.append(comb)
+        left = [s for s in left if s not in comb[1]]
+    for first in left:
+        if any(first in family for _, family in out):
+            continue
+        alike = [
+            s
+            for s in left
+            if _line(s)
+            and _line(first)
+            and s.whole
+            and first.whole
+            and len(set(s.channels) & set(first.channels)) >= 2
+            and not any(s in family for _, family in out)
+        ]
+        out.append((0.0, alike if len(alike) >= MANY else [first]))
+    return _one_cause(out)
+
+
+def _one_cause(families):
+    """Families on the same channels, all the time, as one where there are so many lines that each
+    of its own would be no cause: the products of two clocks.
+    """
+    loud = [f for f in families if all(s.whole and s.bandwidth < 0.3 * s.frequency for s in f[1])]
+    out = list(families)
+    for first in loud:
+        same = [f for f in loud if f in out and _alike(f, first)]
+        if first in out and len(same) > 2 and sum(len(f[1]) for f in same) > MANY:
+            out = [f for f in out if f not in same]
+            out.append((0.0, [s for f in same for s in f[1]]))
+    return out
+
+
+def _alike(a, b) -> bool:
+    """Whether the strongest lines of two families are felt by much the same channels."""
+    x, y = (set(max(f[1], key=lambda s: s.gain).channels) for f in (a, b))
+    return len(x & y) >= 2 and len(x & y) > 0.5 * len(x | y)
+
+
+def _comb(left, transforms):
+    """The best family of multiples, or None: (fundamental, sources)."""
+    lines = [s for s in left if _line(s)]
+    starts = [(s.frequency / k, _slack(s, transforms) / k) for s in lines for k in (1, 2, 3)]
+    starts += [
+        (abs(a.frequency - b.frequency), _slack(a, transforms) + _slack(b, transforms))
+        for a, b in combinations(lines[:12], 2)
+    ]
+    best = None
+    for f0, slack in starts:
+        if f0 < 8 * slack or f0 < 8 / transforms.duration:
+            continue
+        members, orders = _matching(f0, slack, lines, transforms)
+        if len(members) < 2 or not all(_together(members[0], m) for m in members[1:]):
+            continue
+        fill, chance = len(members) / max(orders), _chance(members, orders, f0, transforms)
+        if fill < SHARE or chance > 1e-2:
+            continue
+        key = (len(members), -max(orders))
+        if best is None or key > best[0]:
+            best = (key, _fitted(members, orders, transforms), members)
+    return None if best is None else (best[1], best[2])
+
+
+def _matching(f0, slack, lines, transforms):
+    members, orders = [], []
+    for s in lines:
+        order = int(round(s.frequency / f0))
+        if not 1 <= order <= MULTIPLES:
+            continue
+        near = min(order * slack, 0.1 * f0) + _slack(s, transforms)
+        if abs(s.frequency - order * f0) < near and order not in orders:
+            members.append(s)
+            orders.append(order)
+    return members, orders
+
+
+def _chance(members, orders, f0, transforms) -> float:
+    """How often as many lines elsewhere would lie so close to multiples."""
+    out = 1.0
+    for s in members[1:]:
+        out *= min(1.0, 2 * _slack(s, transforms) / f0 * 4)
+    return out * len(members)
+
+
+def _fitted(members, orders, transforms) -> float:
+    """The fundamental by least squares."""
+    weight = [1.0 / _slack(s, transforms) ** 2 for s in members]
+    f = [s.frequency for s in members]
+    top = sum(w * k * x for w, k, x in zip(weight, orders, f))
+    return float(top / sum(w * k * k for w, k in zip(weight, orders)))
+
+
+def weak_lines(f0: float, family, transforms: Transforms) -> dict[int, dict]:
+    """Multiples of `f0` that do not stand out by themselves but are there: order -> {channel:
+    amplitude}.
+    """
+    strongest = max(family, key=lambda s: s.gain)
+    have = {int(round(s.frequency / f0)) for s in family}
+    width = max(2.0 / transforms.duration, max(s.bandwidth for s in family))
+    out, missed = {}, 0
+    for order in range(1, MULTIPLES + 1):
+        f = order * f0
+        if f > 0.49 * transforms.fs or missed > 2:
+            break
+        if order in have:
+            missed = 0
+            continue
+        a, b = transforms.ordinates(f - width, f + width)
+        amplitude, gain = {}, 0.0
+        for name in strongest.channels:
+            z = transforms.z[name][a:b]
+            density = transforms.density(name, a, b)
+            r = float(np.mean(np.abs(z) ** 2)) * 2 / (transforms.n * transforms.fs) / density
+            own = (b - a) * (r - 1 - np.log(max(r, 1e-9))) if r > 1 else 0.0
+            gain += own
+            excess = max(r - 1, 0.0) * density * (b - a) / transforms.duration
+            amplitude[name] = float(np.sqrt(2 * excess))
+        missed = 0 if gain > WEAK * np.sqrt(len(amplitude)) else missed + 1
+        if not missed:
+            out[order] = amplitude
+    return out

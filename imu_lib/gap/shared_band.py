@@ -1,0 +1,131 @@
+"""Noise that channels share in a part of the spectrum only: where their coherence stands out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.stats import chi2
+
+#: Segments of the record, ordinates of each, and bands that the spectrum is divided into.
+LENGTH, BANDS = 256, 32
+#: log10 of the probability of a band's coherence by chance from which on it stands out.
+RARE = -6.0
+#: First band in which shared noise that ends further up is no noise shared before filters.
+LOWEST = 3
+#: Share of the spectrum beyond which shared noise is white, and coherence outside of a band over
+#: that inside.
+BROAD, OUTSIDE = 0.7, 0.15
+
+
+@dataclass(frozen=True)
+class Band:
+    """Shared noise from `low` to `high` Hz: amplitude by channel, mean squared coherence, gain."""
+
+    low: float
+    high: float
+    amplitude: dict
+    coherence: float
+    gain: float
+    #: Where it stands out at all; `low` to `high` is where it has half of its power or more.
+    reach: tuple[float, float]
+
+
+def bands(channels: dict, fs: float, known=()) -> list[Band]:
+    """Bands in which some channels (name -> (n,), fast part) share noise; lines and bands of the
+    `known` vibrations are left out.
+    """
+    names = list(channels)
+    n = len(next(iter(channels.values())))
+    length = min(LENGTH, 2 ** int(np.log2(max(n // 40, 8))))
+    if len(names) < 2 or length < 32:
+        return []
+    spectra = np.array([_segments(channels[name], length) for name in names])
+    keep = _free(length, fs, known)
+    edge = np.unique(np.linspace(2, length // 2, BANDS + 1).astype(int))
+    cross, count = [], []
+    for a, b in zip(edge[:-1], edge[1:]):
+        z = spectra[:, :, a:b][:, :, keep[a:b]].reshape(len(names), -1)
+        count.append(z.shape[1] / 1.7)  # segments and ordinates of a window overlap
+        cross.append(z @ z.conj().T / max(z.shape[1], 1))
+    cross, count = np.array(cross), np.array(count)
+    level = np.maximum(np.einsum("bii->bi", cross).real, 1e-30)
+    square = np.abs(cross) ** 2 / (level[:, :, None] * level[:, None, :])
+    return _found(names, cross, level, square, count, edge * fs / length, fs / length)
+
+
+def _found(names, cross, level, square, count, edge, step) -> list[Band]:
+    best = None
+    for i, j in combinations(range(len(names)), 2):
+        stands = chi2.logsf(2 * count * square[:, i, j], 2) / np.log(10) < RARE
+        if not stands.any() or stands.mean() > BROAD:
+            continue
+        a, b = _run(square[:, i, j], stands)
+        if a < LOWEST:  # what moves slowly, or all of what filters let through
+            continue
+        inside = np.zeros(len(stands), bool)
+        inside[a:b] = True
+        free = ~inside & (count > 0)
+        if b - a < 2 or free.sum() < 4:
+            continue
+        excess = np.maximum(square[:, i, j] - 1 / np.maximum(count, 1), 0.0)
+        outside = max(np.median(excess[free]), np.mean(excess[:LOWEST]))
+        if outside > OUTSIDE * np.median(excess[a:b]):
+            continue
+        gain = float(np.sum(-count[a:b] * np.log1p(-np.minimum(square[a:b, i, j], 0.999))))
+        if best is None or gain > best[0]:
+            best = (gain, a, b, i, j)
+    if best is None:
+        return []
+    gain, a, b, i, j = best
+    members = {i, j}
+    for k in range(len(names)):
+        if k not in members:
+            joint = max(float(np.sum(2 * count[a:b] * square[a:b, k, m])) for m in members)
+            if chi2.logsf(joint, 2 * (b - a)) / np.log(10) < RARE:
+                members.add(k)
+    members = sorted(members)
+    amplitude = {}
+    beside = [k for k in (a - 3, a - 2, b + 1, b + 2) if 0 <= k < len(level)]
+    for k in members:
+        others = [m for m in members if m != k]
+        shared = max(float(np.mean(np.sqrt(square[a:b, k, m]))) for m in others)
+        rise = np.mean(level[a:b, k]) - (np.median(level[beside, k]) if beside else np.inf)
+        part = max(shared * float(np.mean(level[a:b, k])), float(rise))
+        amplitude[names[k]] = float(np.sqrt(2 * part * (edge[b] - edge[a]) / step))
+    mean = float(np.mean(square[a:b, i, j]))
+    height = np.abs(cross[a:b, i, j])
+    half = np.flatnonzero(height > 0.5 * np.median(np.sort(height)[-max(2, (b - a) // 2) :]))
+    low, high = edge[a + half[0]], edge[a + half[-1] + 1]
+    return [Band(float(low), float(high), amplitude, mean, gain, (edge[a], edge[b]))]
+
+
+def _segments(x, length):
+    """Spectra of half-overlapping segments, scaled so that their mean square is the variance of an
+    ordinate, shape (segments, length / 2).
+    """
+    window = np.sin(np.pi * (np.arange(length) + 0.5) / length)
+    parts = np.lib.stride_tricks.sliding_window_view(x, length)[:: length // 2]
+    z = np.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * window, axis=1)
+    return z[:, : length // 2] * (2.0 / length)
+
+
+def _free(length, fs, known):
+    """Ordinates that no known vibration reaches, shape (length / 2,)."""
+    f = np.arange(length // 2) * fs / length
+    out = np.ones(len(f), bool)
+    for process in known:
+        for line in process.frequencies:
+            out &= np.abs(f - line) > 1.5 * fs / length + process.bandwidth
+    return out
+
+
+def _run(value, stands) -> tuple[int, int]:
+    """First and one behind the last of the longest run that stands out, holes of one allowed."""
+    closed = stands.copy()
+    closed[1:-1] |= stands[:-2] & stands[2:]
+    step = np.diff(np.concatenate([[0], closed.astype(np.int8), [0]]))
+    start, stop = np.flatnonzero(step == 1), np.flatnonzero(step == -1)
+    best = int(np.argmax([value[a:b].sum() for a, b in zip(start, stop)]))
+    return int(start[best]), int(stop[best])

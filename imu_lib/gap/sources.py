@@ -1,0 +1,298 @@
+"""One place in frequency over all channels: who feels it, from when to when, how wide, how strong.
+
+The band around a place is brought down to zero frequency and sampled at its own width (`Zoom`):
+its samples are then nearly independent complex numbers, normal where there is nothing but noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.fft import ifft, next_fast_len, rfft
+
+from imu_lib.gap.narrow_band import Place
+
+#: Gain in log-likelihood from which on a channel feels what another one shows, and power over its
+#: surroundings that it needs at the least.
+FELT, LEAST = 9.0, 1.12
+#: Gain that a beginning and an end have to bring; share of the excess that may be left outside.
+TIMED, OUTSIDE = 18.0, 0.3
+#: Blocks in which the beginning and the end are sought.
+BLOCKS = 360
+
+
+@dataclass(frozen=True)
+class Source:
+    """What shakes several channels at one place of the spectrum.
+
+    `amplitude` and `sd` (its standard deviation) by channel, of a sinusoid of the same power;
+    `bandwidth` Hz, 0 where the line is as narrow as the record can tell; `fading` 0 where its
+    amplitude is steady, 1 where it is that of normal noise; `strength` its power over that of the
+    noise in the band on the channel that shows it best.
+    """
+
+    place: Place
+    frequency: float
+    frequency_sd: float
+    bandwidth: float
+    start: float | None
+    stop: float | None
+    amplitude: dict
+    sd: dict
+    gain: float
+    fading: float
+    strength: float
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Who feels it, in the order of the record."""
+        return tuple(self.amplitude)
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is there all the time."""
+        return self.start is None and self.stop is None
+
+
+class Transforms:
+    """Transforms of all channels (name -> (n,), fast part), made once."""
+
+    def __init__(self, channels: dict, fs: float):
+        self.names, self.fs = list(channels), fs
+        self.n = len(next(iter(channels.values())))
+        self.z = {name: rfft(x) for name, x in channels.items()}
+
+    @property
+    def duration(self) -> float:
+        return self.n / self.fs
+
+    def ordinates(self, low: float, high: float) -> tuple[int, int]:
+        """First ordinate of a band and the one behind its last."""
+        top = self.n // 2
+        a = int(np.clip(np.floor(low * self.duration), 1, top - 2))
+        b = int(np.clip(np.ceil(high * self.duration) + 1, a + 2, top))
+        return a, b
+
+    def density(self, name: str, a: int, b: int) -> float:
+        """Level beside the ordinates a to b, one-sided, unit^2/Hz, lines beside it left out."""
+        z, reach = self.z[name], int(np.clip(b - a, 60, 20_000))
+        sides = []
+        for lo, hi in ((max(1, a - reach), a), (b, min(len(z) - 1, b + reach))):
+            if hi - lo >= 20:
+                sides.append(np.log(np.median(np.abs(z[lo:hi]) ** 2) / np.log(2) + 1e-300))
+        if not sides:
+            return float(np.mean(np.abs(z[1:-1]) ** 2)) * 2 / (self.n * self.fs)
+        return float(np.exp(np.mean(sides))) * 2 / (self.n * self.fs)
+
+    def zoom(self, name: str, a: int, b: int) -> np.ndarray:
+        """The band of ordinates a to b as complex samples at its own width, of mean square 1 where
+        it is as loud as what is beside it.
+        """
+        size = next_fast_len(b - a)
+        part = np.zeros(size, complex)
+        part[: b - a] = self.z[name][a:b]
+        signal = ifft(part) * size * (2.0 / self.n)
+        return signal / np.sqrt(2 * self.density(name, a, b) * (b - a) * self.fs / self.n)
+
+
+def examined(place: Place, found_on, transforms: Transforms) -> Source:
+    """The source behind a `place` that was found on the channels `found_on`."""
+    a, b = transforms.ordinates(place.low, place.high)
+    z = {name: transforms.zoom(name, a, b) for name in transforms.names}
+    count = len(next(iter(z.values())))
+    time = (np.arange(count) + 0.5) / count * transforms.duration
+    on = (time >= place.start) & (time <= place.stop)
+    felt = _felt(z, on, (b - a) / count, found_on)
+    span = _timed(felt, a, b, transforms)
+    on = np.ones(count, bool) if span is None else (time >= span[0]) & (time <= span[1])
+    felt = _felt(z, on, (b - a) / count, found_on)
+    frequency, frequency_sd, bandwidth = _width(z, felt, on, a, b, transforms)
+    best = max(felt, key=lambda name: felt[name][1])
+    ratio = felt[best][0]
+    amplitude, sd = {}, {}
+    dof = max(on.sum() * (b - a) / count, 1.0)
+    for name, (r, _) in felt.items():
+        scale = transforms.density(name, a, b) * (b - a) * transforms.fs / transforms.n
+        amplitude[name] = float(np.sqrt(2 * max(r - 1.0, 1e-6) * scale))
+        free = dof if bandwidth == 0 else min(dof, 1 + bandwidth * transforms.duration * on.mean())
+        spread = (2 * (r - 1) + 1) / dof + (0 if bandwidth == 0 else (r - 1) ** 2 / free)
+        sd[name] = float(0.5 * amplitude[name] * np.sqrt(spread) / max(r - 1.0, 1e-6))
+    return Source(
+        place,
+        frequency,
+        frequency_sd,
+        bandwidth,
+        *(span or (None, None)),
+        {n: amplitude[n] for n in transforms.names if n in amplitude},
+        sd,
+        float(sum(g for _, g in felt.values())),
+        _fading(z[best][on], ratio),
+        float(ratio - 1.0),
+    )
+
+
+def _felt(z, on, share, found_on) -> dict:
+    """Channels that feel it: name -> (power over the surroundings, gain)."""
+    out = {}
+    dof = max(on.sum() * share, 1.0)
+    for name, x in z.items():
+        r = float(np.mean(np.abs(x[on]) ** 2)) / share
+        gain = dof * (r - 1 - np.log(max(r, 1e-9))) if r > 1 else 0.0
+        if name in found_on or gain > FELT and r > LEAST:
+            out[name] = (max(r, 1.0 + 1e-6), float(gain))
+    return out
+
+
+def _timed(felt, a, b, transforms) -> tuple[float, float] | None:
+    """(from, to) in s, sought in a band as much wider as its strength allows: its samples are
+    shorter.
+    """
+    strength = max(r - 1.0 for r, _ in felt.values())
+    wider = int(np.clip(min(strength / 2, BLOCKS / (b - a)), 1, 40) * (b - a))
+    middle, half = (a + b) // 2, wider // 2 + 1
+    if wider > b - a and middle - half > 1 and middle + half < transforms.n // 2:
+        a, b = middle - half, middle + half
+    z = {name: transforms.zoom(name, a, b) for name in felt}
+    share = (b - a) / len(next(iter(z.values())))
+    ratio = {name: max(float(np.mean(np.abs(x) ** 2)) / share, 1.001) for name, x in z.items()}
+    z = {name: x / np.sqrt(share) for name, x in z.items()}
+    return _span(z, ratio, transforms.duration)
+
+
+def _span(z, ratio, duration) -> tuple[float, float] | None:
+    """(from, to) in s where the excess has a beginning or an end, else None."""
+    share = {name: (r - 1) / r for name, r in ratio.items()}
+    total = sum(share.values())
+    power = sum(w / total * np.abs(z[name]) ** 2 for name, w in share.items())
+    size = max(1, len(power) // BLOCKS)
+    k = len(power) // size
+    if k < 12:
+        return None
+    e = power[: k * size].reshape(k, size).mean(axis=1)
+    dof = size * min(len(ratio), 2)
+    c = np.concatenate([[0.0], np.cumsum(e)])
+    i, j = np.triu_indices(k + 1, 2)
+    n_on, n_off = j - i, k - (j - i)
+    keep = n_off > 0
+    i, j, n_on, n_off = i[keep], j[keep], n_on[keep], n_off[keep]
+    on = (c[j] - c[i]) / n_on
+    off = (c[-1] - (c[j] - c[i])) / n_off
+    ll = -dof * (n_on * np.log(on) + n_off * np.log(np.maximum(off, 1e-12)))
+    ll[on < off] = -np.inf
+    best = int(np.argmax(ll))
+    gain = ll[best] + dof * k * np.log(c[-1] / k)
+    excess, outside = on[best] - 1.0, max(off[best] - 1.0, 0.0)
+    if gain < TIMED or excess <= 0 or outside > OUTSIDE * excess:
+        return None
+    step = duration * size / len(power)
+    start, stop = i[best] * step, j[best] * step
+    return (
+        float(start if i[best] > 1 else 0.0),
+        float(stop if j[best] < k - 1 else duration),
+    )
+
+
+def _width(z, felt, on, a, b, transforms) -> tuple[float, float, float]:
+    """Frequency with its standard deviation and width at half power, Hz, of what is felt."""
+    count = len(on)
+    rate = count / transforms.duration  # of the zoomed samples
+    first, last = np.flatnonzero(on)[[0, -1]]
+    part = slice(first, last + 1)
+    length = last + 1 - first
+    window = np.sin(np.pi * (np.arange(length) + 0.5) / length)
+    size = next_fast_len(4 * length)
+    weight = sum((r - 1) for r, _ in felt.values())
+    power = sum(
+        (r - 1) / weight * np.abs(np.fft.fft(z[name][part] * window, size)) ** 2
+        for name, (r, _) in felt.items()
+    )
+    seconds = length / rate
+    f = transforms.fs / transforms.n * a + np.arange(size) / size * rate
+    keep = f <= transforms.fs / transforms.n * (b - 1)
+    f, power = f[keep], power[keep]
+    ratio = max(r for r, _ in felt.values())
+    floor = power.mean() / ratio  # of the noise in the band
+    over = np.maximum(power - floor, 0.0)
+    # what noise leaves of itself is no width: ordinates that stand out, in runs of a segment
+    over[power < 4 * floor] *= 0.25
+    peak = int(np.argmax(over))
+    steps = np.cumsum(over) / over.sum()
+    q = np.interp([0.25, 0.5, 0.75], steps, f)
+    half = float(q[2] - q[0])
+    snr = max(ratio - 1, 1e-3) * max(on.sum(), 1)
+    if half < 2.0 / seconds:
+        best = f[peak]
+        if 0 < peak < len(power) - 1:
+            y = np.log(np.maximum(power[peak - 1 : peak + 2], 1e-300))
+            bend = y[0] - 2 * y[1] + y[2]
+            if bend < 0:
+                best += 0.5 * (y[0] - y[2]) / bend * (f[1] - f[0])
+        return float(best), float(np.sqrt(3 / snr) / (np.pi * seconds)), 0.0
+    return float(q[1]), float(half / np.sqrt(max(half * seconds, 1.0))), half
+
+
+def _fading(x, ratio: float) -> float:
+    """Between 0, a steady amplitude, and 1, that of normal noise, from the fourth moment of the
+    zoomed band; 1 where the noise hides it.
+    """
+    r = ratio - 1.0
+    if len(x) < 30 or r < 0.5:
+        return 1.0
+    p = np.abs(x) ** 2
+    kurtosis = float(np.mean(p**2) / np.mean(p) ** 2)
+    steady = (r * r + 4 * r + 2) / (1 + r) ** 2
+    return float(np.clip((kurtosis - steady) / (2.0 - steady), 0.0, 1.5))
+
+
+def sources(places: dict, transforms: Transforms) -> list[Source]:
+    """All sources behind the places of the channels (name -> list of `Place`), the strongest
+    first, each place used once.
+    """
+    left = [(p, name) for name, found in places.items() for p in found]
+    left.sort(key=lambda item: -item[0].gain)
+    out = []
+    while left:
+        place, first = left[0]
+        near, names = [left[0]], {first}
+        grown = True
+        while grown:  # a line that wanders is seen in pieces
+            grown = False
+            for item in left:
+                if item not in near and _meets(item, place, names, transforms):
+                    place = _joined(place, item[0])
+                    near.append(item)
+                    names.add(item[1])
+                    grown = True
+        left = [item for item in left if item not in near]
+        out.append(examined(place, names, transforms))
+    return out
+
+
+def _meets(item, place: Place, names, transforms) -> bool:
+    """Whether a place on a channel belongs to one that was found: their bands meet, and at the
+    same time or on a channel that shows it already.
+    """
+    other, name = item
+    slack = transforms.fs / max(place.length, other.length)
+    if other.high - other.low > 3 * (place.high - place.low) and other.gain < place.gain:
+        # wide and faint over narrow and strong: it is what is left beside the line
+        return place.low - slack <= other.high and other.low - slack <= place.high
+    return place.overlaps(other, slack) or (
+        name in names and place.low <= other.high and other.low <= place.high
+    )
+
+
+def _joined(place: Place, other: Place) -> Place:
+    """A place widened to the band and the time of another of its make."""
+    if other.high - other.low > 3 * (place.high - place.low):
+        return place
+    whole = min(place.start, other.start), max(place.stop, other.stop)
+    return replace(
+        place,
+        low=min(place.low, other.low),
+        high=max(place.high, other.high),
+        start=whole[0],
+        stop=whole[1],
+        gain=max(place.gain, other.gain),
+    )
