@@ -141,12 +141,14 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
     around = surroundings(whole)
     first = max(5, int(np.ceil(least / segments.f[1])))  # slower is a drift
     total = np.vstack([np.zeros(power.shape[1]), np.cumsum(power, axis=0, dtype=float)])
-    rows, spans, dofs = [], [], []
+    rows, spans, dofs, usual = [], [], [], 1.0
     for a, b in _stretches(count):
         ratio = (total[b] - total[a]) / (b - a) / around
-        # the level of a stretch in eight parts of the spectrum
+        # the level of a stretch in eight parts of the spectrum; where most of a part lies far below
+        # its surroundings, between the lobes of a filter, these are the level
         own = _levels(ratio)
-        rows.append(ratio / own)
+        usual = np.minimum(own / 0.75, 1.0) if not rows else usual
+        rows.append(ratio * (usual / own))
         spans.append((a, b))
         dofs.append(independent(b - a))
     ratio, dof = np.array(rows), np.array(dofs)[:, None]
@@ -163,6 +165,10 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
             break
         lo, hi = _extent(ratio[j], i, float(dof[j, 0]))
         a, b = spans[j]
+        wide = hi - lo > 1 and segments.length < LENGTHS[2]
+        if wide and _lobe((total[b] - total[a]) / (b - a), lo, i):
+            gain[:, max(0, lo - 2) : hi + 3] = 0.0
+            continue
         strength = float(gain[j, lo : hi + 1].sum())
         half = 0.5 * segments.f[1]
         out.append(
@@ -178,6 +184,17 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
         )
         gain[:, max(0, lo - 2) : hi + 3] = 0.0
     return out
+
+
+def _lobe(power, lo: int, peak: int) -> bool:
+    """Whether what stands out is no louder than what lies below it in frequency: a lobe of a
+    filter rises behind its null, and never as high as the one before.
+    """
+    width = 2 * (peak - lo) + 1
+    below = power[max(2, lo // 2) : max(lo, 3)]
+    if len(below) < width:
+        return False
+    return bool(np.convolve(below, np.ones(width) / width, "valid").max() > 0.8 * power[peak])
 
 
 def _levels(ratio, parts: int = 8) -> np.ndarray:
