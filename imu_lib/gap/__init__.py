@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from .effects import CATALOGUE
 from .ensemble import Index
-from .loop import ChannelReport, Report, close
+from .found import ChannelReport, Report
+from .loop import close
 from .steps import Step
 
 __all__ = ["CATALOGUE", "ChannelReport", "Index", "Report", "Step", "close"]

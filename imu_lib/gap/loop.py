@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from imu_lib.gap import ensemble, record_level
+from imu_lib.gap import ensemble, record_level, shaken
 from imu_lib.gap.battery import battery
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.effects.resolution import printed
+from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.grown import FITTED
-from imu_lib.gap.steps import Step
 from imu_lib.model import Model
 from imu_lib.processes import from_json
 from imu_lib.record import Record
@@ -22,72 +22,6 @@ from imu_lib.record import Record
 #: Gap index after the last step beyond which something is left that has no name; that of a right
 #: model scatters by 0.06 about 1.
 FAR = 1.35
-
-
-@dataclass
-class ChannelReport:
-    """A channel's result with its gap: whole, held out, by domain."""
-
-    result: ChannelResult
-    before: ensemble.Index | None = None
-    after: ensemble.Index | None = None
-    held_out: dict | None = None
-    batteries: dict = field(default_factory=dict)
-
-    def to_json(self) -> dict:
-        r = self.result
-        by_domain = {}
-        if self.before is not None:
-            by_domain = {
-                d: {"before": round(v, 3), "after": round(self.after.domains[d], 3)}
-                for d, v in self.before.domains.items()
-            }
-        before, after = (
-            None if index is None else round(index.value, 4) for index in (self.before, self.after)
-        )
-        return {
-            "gap_before": before,
-            "gap_after": after,
-            "gap_held_out": self.held_out,
-            "gap_by_domain": by_domain,
-            "steps": [s.to_json() for s in r.steps],
-            "absorbed": list(r.absorbed),
-            "unexplained": r.unexplained,
-        }
-
-
-@dataclass
-class Report:
-    """What the workflow found: a report for each channel, the record's own steps, the model it
-    started from and the grown one.
-    """
-
-    channels: dict[str, ChannelReport]
-    record_steps: list[Step]
-    record_unexplained: str | None
-    base: Model
-    model: Model
-    record: Record
-    seconds: float
-    given: bool
-
-    def to_json(self) -> dict:
-        """The contract's object."""
-        return {
-            "channels": {name: c.to_json() for name, c in self.channels.items()},
-            "record": {
-                "steps": [s.to_json() for s in self.record_steps],
-                "unexplained": self.record_unexplained,
-            },
-            "seconds": round(self.seconds, 2),
-        }
-
-    @property
-    def steps(self) -> list[tuple[str, Step]]:
-        """(channel or "record", step) of everything found."""
-        return [(name, s) for name, c in self.channels.items() for s in c.result.steps] + [
-            ("record", s) for s in self.record_steps
-        ]
 
 
 def close(
@@ -142,13 +76,13 @@ def close(
     timing, time_left = record_level.timing(record, model)
     even = record.uniform()
     fs = even.rate
-    raw = record_level.on_levels({name: np.asarray(even.channels[name]) for name in names})
+    raw = shaken.on_levels({name: np.asarray(even.channels[name]) for name in names})
     temperature = None if even.temperature is None else np.array(even.temperature)
     if temperature is not None and np.isnan(temperature).any():
         temperature = ensemble.filled(temperature)
     total = len(names) + 1 + (4 if simulations else 0)
     held = tuple(p for p in model.record if p.name == "common_mode") if model is not None else ()
-    shaking, known = record_level.vibrations(record, raw, fs, temperature, model)
+    shaking, known = shaken.vibrations(record, raw, fs, temperature, model)
     shared, note, coherence_left = record_level.shared_noise(
         {name: x - known.get(name, 0.0) for name, x in raw.items()},
         fs,
@@ -192,7 +126,7 @@ def close(
     )
     record_steps = list(timing)
     new = [f for f in shaking if not f.held]
-    record_steps += [record_level.vibration_step(f) for f in new]
+    record_steps += [shaken.vibration_step(f) for f in new]
     extra = [f.process for f in new]
     if shared is not None:
         record_steps.append(record_level.common_step(shared, note))
@@ -292,14 +226,14 @@ def _measure(
         lost = np.isnan(raw[name])
         lost = lost if lost.any() else None
         chain = _stages_of_model(r) if r.steps else [r.base]
-        shaken = _of(shaking, name)
+        felt = _of(shaking, name)
         digits = _digits(r, raw[name])
-        if noise[name] != held_noise[name] or shaken != held_shaking[name]:
+        if noise[name] != held_noise[name] or felt != held_shaking[name]:
             chain = [r.base] + chain
         for i, m in enumerate(chain):
             own = held_noise[name], held_shaking[name], digits
             if i > 0:
-                own = noise[name], shaken, digits
+                own = noise[name], felt, digits
             work.append(([m], 0, n, own, lost))
             keys.append((name, i))
             if 0 < i < len(chain) - 1:
@@ -311,7 +245,7 @@ def _measure(
                 levels.append(levels[-1])
         if r.steps:
             if r.refit:
-                work.append((r.refit, cut, n, (noise[name], shaken, digits), lost))
+                work.append((r.refit, cut, n, (noise[name], felt, digits), lost))
                 keys.append((name, "held after"))
                 levels.append(
                     ensemble.behind_mean(r.refit[0], r.mean, n, fs, temperature, noise[name])

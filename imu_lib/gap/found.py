@@ -1,0 +1,77 @@
+"""What the workflow found: a report for each channel and one for the record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from imu_lib.gap import ensemble
+from imu_lib.gap.channel import ChannelResult
+from imu_lib.gap.steps import Step
+from imu_lib.model import Model
+from imu_lib.record import Record
+
+
+@dataclass
+class ChannelReport:
+    """A channel's result with its gap: whole, held out, by domain."""
+
+    result: ChannelResult
+    before: ensemble.Index | None = None
+    after: ensemble.Index | None = None
+    held_out: dict | None = None
+    batteries: dict = field(default_factory=dict)
+
+    def to_json(self) -> dict:
+        r = self.result
+        by_domain = {}
+        if self.before is not None:
+            by_domain = {
+                d: {"before": round(v, 3), "after": round(self.after.domains[d], 3)}
+                for d, v in self.before.domains.items()
+            }
+        before, after = (
+            None if index is None else round(index.value, 4) for index in (self.before, self.after)
+        )
+        return {
+            "gap_before": before,
+            "gap_after": after,
+            "gap_held_out": self.held_out,
+            "gap_by_domain": by_domain,
+            "steps": [s.to_json() for s in r.steps],
+            "absorbed": list(r.absorbed),
+            "unexplained": r.unexplained,
+        }
+
+
+@dataclass
+class Report:
+    """What the workflow found: a report for each channel, the record's own steps, the model it
+    started from and the grown one.
+    """
+
+    channels: dict[str, ChannelReport]
+    record_steps: list[Step]
+    record_unexplained: str | None
+    base: Model
+    model: Model
+    record: Record
+    seconds: float
+    given: bool
+
+    def to_json(self) -> dict:
+        """The contract's object."""
+        return {
+            "channels": {name: c.to_json() for name, c in self.channels.items()},
+            "record": {
+                "steps": [s.to_json() for s in self.record_steps],
+                "unexplained": self.record_unexplained,
+            },
+            "seconds": round(self.seconds, 2),
+        }
+
+    @property
+    def steps(self) -> list[tuple[str, Step]]:
+        """(channel or "record", step) of everything found."""
+        return [(name, s) for name, c in self.channels.items() for s in c.result.steps] + [
+            ("record", s) for s in self.record_steps
+        ]

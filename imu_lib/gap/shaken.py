@@ -1,0 +1,66 @@
+"""The record before its channels: on the levels of its converters, and what shakes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.gap.effects.resolution import grid_of, ladder
+from imu_lib.gap.effects.vibration import VIBRATION
+from imu_lib.gap.steps import Step
+
+
+@dataclass(frozen=True)
+class RecordView:
+    """What an effect of the record looks at: the record with its stamps, its channels on the even
+    grid (NaN where a sample is missing) at `fs` Hz, the temperature there, the given model.
+    """
+
+    record: object
+    raw: dict
+    fs: float
+    temperature: np.ndarray | None
+    model: object
+
+
+def vibrations(record, raw, fs, temperature, model) -> tuple[list, dict]:
+    """What shakes the record: findings, and what they put into the channels (name -> (n,))."""
+    view = RecordView(record, raw, fs, temperature, model)
+    found = VIBRATION.candidates(view)
+    known: dict = {}
+    for item in found:
+        for name, signal in item.signal.items():
+            known[name] = known.get(name, 0.0) + signal
+    return found, known
+
+
+def vibration_step(found) -> Step:
+    """A vibration as a step of the record."""
+    parameters = {k: v for k, v in found.process.to_json().items() if k != "process"}
+    return Step(
+        "vibration",
+        parameters,
+        found.intervals,
+        found.where,
+        float(1 / (1 + np.exp(-(min(found.gain, 300) - 25)))),
+        {"effect": "sinusoid", "confidence": 0.0},
+        [],
+        gain=found.gain,
+        cause=VIBRATION.cause,
+    )
+
+
+def on_levels(raw: dict) -> dict:
+    """The channels (name -> (n,)) on the levels of their converters, where a calibration has
+    blurred these and more digits were printed than there are levels.
+    """
+    out = {}
+    for name, x in raw.items():
+        good = x[~np.isnan(x)]
+        grid, levels = grid_of(good), ladder(good)
+        out[name] = x
+        if levels is not None and (grid is None or levels[0] > 1.5 * grid[0]):
+            out[name] = np.array(x)
+            out[name][~np.isnan(x)] = levels[2]
+    return out
