@@ -24,7 +24,7 @@ def test_index_of_a_right_model_is_one_on_average_and_scatters_little():
     model = Sum((WhiteNoise(N=1e-3), Flicker(B=2e-4)))
     n, fs = 30_000, 100.0
     rows = ensemble.simulate(
-        [([model], 0, n, 0.0, None)], n, fs, [[3, i] for i in range(260)], None, [0.0]
+        [([model], 0, n, ensemble.Beside(), None)], n, fs, [[3, i] for i in range(260)], None, [0.0]
     )[0]
     values = np.array([ensemble.index(row, rows[:100]).value for row in rows[100:]])
     # 160 values of 0.06 scatter about the index's own median, which 100 simulations give to 1 %:

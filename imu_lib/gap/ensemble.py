@@ -165,12 +165,26 @@ def draw(model: Sum, draws: Draws, *, common=None):
     return model.behind(slow, quick, draws.fs, draws.rng("electronics"), common=common)
 
 
+@dataclass(frozen=True)
+class Beside:
+    """What a channel has beside its own model: the density N of noise that it shares with others,
+    the vibrations that it feels, and the step of the number format that it is printed in.
+    """
+
+    shared: float = 0.0
+    vibrations: tuple = ()
+    digits: float | None = None
+
+    def printed(self, x) -> np.ndarray:
+        """Samples as the file prints them, shape (n,)."""
+        return x if self.digits is None else np.rint(x / self.digits) * self.digits
+
+
 def simulate(
     jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool = False
 ) -> list[list[dict]]:
-    """Batteries of simulations: for each job (models, start, stop in samples, (shared N or 0,
-    vibrations of the channel, step of its number format or None), lost mask or None) one list over
-    the seeds.
+    """Batteries of simulations: for each job (models, start, stop in samples, `Beside`, lost
+    mask or None) one list over the seeds.
 
     A job has one model, or several that stand for what is uncertain in it: they take turns, by the
     last number of the seed.
@@ -181,25 +195,24 @@ def simulate(
     out = [[] for _ in jobs]
     for seed in seeds:
         draws, made = Draws(seed, n, fs, temperature), {}
-        for k, ((models, start, stop, shared, lost), level) in enumerate(zip(jobs, levels)):
+        for k, ((models, start, stop, beside, lost), level) in enumerate(zip(jobs, levels)):
             model = models[seed[-1] % len(models)]
-            key = (id(model), shared)
+            key = (id(model), beside)
             if key not in made:
-                shared, shaken, digits = shared
                 if id(model) not in ready:
                     ready[id(model)] = centred(model, level, t, temperature)
                 model = ready[id(model)]
                 before = model.low_pass if filtered else None
                 common = (
                     None
-                    if not shared
-                    else shared * draws.unit(WhiteNoise(N=1.0), 0, before, "common")
+                    if not beside.shared
+                    else beside.shared * draws.unit(WhiteNoise(N=1.0), 0, before, "common")
                 )
-                for i, vibration in enumerate(shaken):
+                for i, vibration in enumerate(beside.vibrations):
                     (moved,) = vibration.on(n, fs, draws.rng("vibration", i)).values()
                     common = moved if common is None else common + moved
                 x = draw(model, draws, common=common)
-                made = {key: x if digits is None else np.rint(x / digits) * digits}
+                made = {key: beside.printed(x)}
             x = made[key]
             if lost is not None:
                 x = filled(np.where(lost, np.nan, x))

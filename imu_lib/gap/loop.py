@@ -231,21 +231,21 @@ def _measure(
         if noise[name] != held_noise[name] or felt != held_shaking[name]:
             chain = [r.base] + chain
         for i, m in enumerate(chain):
-            own = held_noise[name], held_shaking[name], digits
+            own = ensemble.Beside(held_noise[name], held_shaking[name], digits)
             if i > 0:
-                own = noise[name], felt, digits
+                own = ensemble.Beside(noise[name], felt, digits)
             work.append(([m], 0, n, own, lost))
             keys.append((name, i))
             if 0 < i < len(chain) - 1:
                 passing.add((name, i))
-            levels.append(ensemble.behind_mean(m, r.mean, n, fs, temperature, own[0]))
+            levels.append(ensemble.behind_mean(m, r.mean, n, fs, temperature, own.shared))
             if i == 0 and r.steps:
                 work.append(([m], cut, n, own, lost))
                 keys.append((name, "held before"))
                 levels.append(levels[-1])
         if r.steps:
             if r.refit:
-                work.append((r.refit, cut, n, (noise[name], felt, digits), lost))
+                work.append((r.refit, cut, n, ensemble.Beside(noise[name], felt, digits), lost))
                 keys.append((name, "held after"))
                 levels.append(
                     ensemble.behind_mean(r.refit[0], r.mean, n, fs, temperature, noise[name])
