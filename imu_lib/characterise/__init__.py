@@ -13,9 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 from joblib import Parallel, delayed
 
-from imu_lib import units
-from imu_lib.characterise.channel import Channel, channel, fitted, limits, plainly, stretches
+from imu_lib import scheduler, units
+from imu_lib.characterise.channel import (
+    Channel,
+    channel,
+    fitted,
+    limits,
+    of_long,
+    plainly,
+    stretches,
+)
 from imu_lib.errors import InputError
+from imu_lib.long_record import LongRecord
 from imu_lib.model import Model
 from imu_lib.record import Record
 
@@ -65,7 +74,7 @@ def characterise(
 
     Parameters
     ----------
-    record : Record
+    record : Record or LongRecord
     channels : sequence of str, optional
         Default all.
     candidates : dict of str to Sum, optional
@@ -79,6 +88,8 @@ def characterise(
     ever changes.
     A channel that never changes is left out, and a note says so.
     """
+    if isinstance(record, LongRecord):
+        return _of_long(record, channels, candidates, workers, progress)
     gap_free = record.continuous().enough()
     flat = [name for name in channels or record.channel_names if np.ptp(gap_free[name]) == 0]
     names = tuple(name for name in channels or record.channel_names if name not in flat)
@@ -92,19 +103,38 @@ def characterise(
         (name, gap_free[name], stretches(filled[name]), record.rate, candidates) for name in names
     ]
     cores = workers or (min(len(tasks), os.cpu_count() or 1) if record.n > PARALLEL else 1)
-    found = {}
     with Parallel(n_jobs=cores, return_as="generator_unordered", max_nbytes=None) as pool:
-        for result in pool(delayed(channel)(*task) for task in tasks):
-            found[result.name] = result
-            if progress is not None:
-                progress(result.name)
+        results = pool(delayed(channel)(*task) for task in tasks)
+        return _gathered(record, results, progress, notes + _of_record(record, flat))
+
+
+def _of_long(record, channels, candidates, workers, progress):
+    """A record on disk: each process reads one channel at a time."""
+    names = tuple(n for n in channels or record.channel_names if n not in record.flat)
+    if not names:
+        raise InputError(
+            f"{record.source}: no channel ever changes, so there is no noise to describe; check the logger."
+        )
+    tasks = [(record, name, candidates) for name in names]
+    cores = workers or min(len(tasks), os.cpu_count() or 1)
+    notes = _of_record(record, record.flat)
+    return _gathered(record, scheduler.shared(of_long, tasks, cores), progress, notes)
+
+
+def _gathered(record, results, progress, notes):
+    """The channels' results as they come, and what is said of the record."""
+    found = {}
+    for result in results:
+        found[result.name] = result
+        if progress is not None:
+            progress(result.name)
     return Characterisation(
-        {name: found[name] for name in names},
+        {name: found[name] for name in record.channel_names if name in found},
         record.rate,
         record.duration,
         record.name,
         record.source,
-        record.notes + notes + _of_record(record, flat),
+        record.notes + notes,
     )
 
 
@@ -112,10 +142,10 @@ def _of_record(record, flat):
     notes = [f"{name} never changes and is left out." for name in flat]
     gaps = record.gaps()
     if gaps:
-        longest = max(gaps, key=lambda gap: gap.duration)
+        start, longest, _ = max(gaps, key=lambda gap: gap[1])
         notes.append(
-            f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest {longest.duration:.3g} s at "
-            f"{longest.start:.6g} s: the likelihood takes every stretch, the other methods the longest one."
+            f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest {longest:.3g} s at "
+            f"{start:.6g} s: the likelihood takes every stretch, the other methods the longest one."
         )
     if record.duration < 600:
         notes.append(

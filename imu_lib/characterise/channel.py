@@ -150,6 +150,22 @@ def _passes_over(parts, x, whole, fs):
     return [passes.over_array(p, fs, curves=False) for p, ok in zip(parts, keep) if ok]
 
 
+def of_long(record, name, candidates=None) -> Channel:
+    """All methods on one channel of a record on disk."""
+    fs, runs = record.rate, record.continuous()
+    n = int(runs[-1, 2] + runs[-1, 1] - runs[-1, 0] - runs[0, 2])
+    whole = passes.over(record.pieces(name, runs), n, fs)
+    lengths = (record.runs[:, 1] - record.runs[:, 0]).tolist()
+    keep = usable(lengths)
+    parts = [whole]
+    if any(keep) and lengths != [n]:
+        parts = [
+            passes.over(record.pieces(name, record.runs[i : i + 1]), lengths[i], fs, curves=False)
+            for i in np.flatnonzero(keep)
+        ]
+    return of_passes(name, whole, parts, fs, candidates)
+
+
 def of_passes(name, whole, parts, fs, candidates=None) -> Channel:
     """All methods on one long channel.
 

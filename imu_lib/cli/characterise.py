@@ -47,7 +47,7 @@ def run(args):
     common.check_out(out)
     for form in formats if out is None else ():
         common.check_writable(export.FORMATS[form][0])
-    record = common.open_record(args)
+    record = common.open_either(args)
 
     from imu_lib import report
     from imu_lib.characterise import characterise

@@ -141,6 +141,20 @@ def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool =
     return record
 
 
+def open_either(args: argparse.Namespace):
+    """As `open_record`; a record that is long and can be read by pieces stays on disk."""
+    from imu_lib.long_record import open_long
+    from imu_lib.stream import LONG
+
+    if args.file and not (args.gyro or args.accel or getattr(args, "only", None)):
+        record = open_long(args.file, **record_options(args))
+        if record is not None and record.longest > LONG:
+            for note in record.notes:
+                print(f"note: {note}", file=sys.stderr)
+            return record
+    return open_record(args)
+
+
 def add_json_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json", metavar="FILE", help="write the whole result as JSON (- for standard output)"

@@ -113,6 +113,9 @@ def main(argv: list[str] | None = None) -> int:
             signal.SIGTERM, lambda *_: sys.exit(143)
         )  # temporary files are cleaned up on the way out
     argv = joined(argv)
+    # matrices here are small: threads of the linear algebra would only wait for each other
+    for library in ("OPENBLAS", "MKL", "OMP"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     command = next((a for a in argv if not a.startswith("-")), None)
     from imu_lib.errors import ImuLibError
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
+from imu_lib.stream.scratch import bounds
 from imu_lib.stream.windowed import Windowed
 
 #: Share of the rate after halving up to which the gain is 1 to 1e-6 and nothing is folded.
@@ -83,8 +84,9 @@ def original(coefficients, n, halvings):
     """Coefficients p = 1, 2, ... of the orthonormal cosine transform of a series of `n` values from
     those of the series halved `halvings` times.
     """
-    p = np.arange(1, coefficients.size + 1)
     out = np.array(coefficients)
-    for k in range(halvings):
-        out *= np.sqrt(2.0) / gain(p / (2.0 * n) * 2**k)
+    for low, high in bounds(out.size, 1 << 13):
+        share = np.arange(low + 1, high + 1) / (2.0 * n)
+        for k in range(halvings):
+            out[low:high] *= np.sqrt(2.0) / gain(share * 2**k)
     return out

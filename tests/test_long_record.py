@@ -1,0 +1,158 @@
+"""A record that stays on disk gives what the record in memory gives."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from imu_lib import characterise, long_record, readers
+from imu_lib.model import Model
+from imu_lib.record import Record
+from imu_lib.writers import arrays, write_record
+
+FS, N = 200.0, 400_000
+LEAST = 1 << 16  # samples from which on these tests call a record long
+
+MODEL = Model.from_json(
+    {
+        "gyro_x": [
+            {"process": "constant", "value": 0.01},
+            {"process": "white_noise", "N": 1e-4},
+            {"process": "gauss_markov", "sigma": 2e-4, "correlation_time": 20.0},
+        ],
+        "accel_z": [
+            {"process": "constant", "value": -9.8},
+            {"process": "white_noise", "N": 1e-3},
+            {"process": "random_walk", "K": 1e-5},
+        ],
+    }
+)
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """Records of 65,536 samples count as long."""
+    monkeypatch.setattr(sys.modules["imu_lib.long_record.record"], "LONG", LEAST)
+    monkeypatch.setattr(sys.modules["imu_lib.characterise.channel"], "LONG", LEAST)
+    monkeypatch.setattr(sys.modules["imu_lib.characterise.channel"], "SHORTEST", LEAST // 4)
+
+
+@pytest.fixture(scope="module")
+def signals():
+    return MODEL.simulate(N, FS, np.random.default_rng(2))
+
+
+def saved(record, path):
+    if path.suffix == ".npz":  # not compressed: read where it lies
+        np.savez(path, **arrays(record))
+    else:
+        write_record(record, path)
+    return path
+
+
+def holed(signals):
+    """A record with a long gap, a short one and a few numbers missing."""
+    keep = np.ones(N, dtype=bool)
+    keep[250_000:260_000] = False
+    keep[100_000:100_004] = False
+    time = np.arange(N)[keep] / FS
+    channels = {c: x[keep].copy() for c, x in signals.items()}
+    for x in channels.values():
+        x[50_000:50_003] = np.nan
+    return Record(channels, FS, time=time)
+
+
+def numbers(result):
+    """Every coefficient, by its path."""
+    out = {}
+
+    def walk(value, path):
+        if isinstance(value, dict):
+            for key, entry in value.items():
+                walk(entry, (*path, key))
+        elif isinstance(value, list):
+            for key, entry in enumerate(value):
+                walk(entry, (*path, key))
+        elif isinstance(value, float):
+            out[path] = value
+
+    for name, channel in result.channels.items():
+        walk(channel.to_json(), (name,))
+    return out
+
+
+@pytest.mark.parametrize(("suffix", "gaps"), [(".parquet", True), (".npz", False)])
+def test_characterised_on_disk_as_in_memory(suffix, gaps, signals, short, tmp_path):
+    record = holed(signals) if gaps else Record(signals, FS)
+    path = saved(record, tmp_path / f"record{suffix}")
+    on_disk = long_record.open_long(path)
+    assert on_disk is not None and on_disk.rate == FS
+    in_memory = readers.read_record(path)
+    assert on_disk.duration == pytest.approx(in_memory.duration)
+    if gaps:
+        assert [g[2] for g in on_disk.gaps() if g[2] > 4] == [10_000]
+    a = numbers(characterise.characterise(in_memory, workers=1))
+    b = numbers(characterise.characterise(on_disk, workers=1))
+    assert set(a) == set(b) and len(a) > 60
+    for path_, value in a.items():
+        assert b[path_] == pytest.approx(value, rel=1e-9, nan_ok=True), path_
+
+
+def test_units_and_counts_are_those_of_the_file(signals, short, tmp_path):
+    """A column in deg/s, one in g, and integers of a stated scale."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    rate = np.rad2deg(signals["gyro_x"])
+    table = pa.table(
+        {
+            "time [ms]": np.arange(N) * 5,
+            "gyro_x [deg/s]": rate,
+            "accel_z [g]": signals["accel_z"] / 9.80665,
+        }
+    )
+    parquet.write_table(table, tmp_path / "units.parquet")
+    record = long_record.open_long(tmp_path / "units.parquet")
+    assert record.rate == 200.0
+    got = np.concatenate(list(record.pieces("gyro_x", record.runs)))
+    np.testing.assert_allclose(got, signals["gyro_x"], rtol=1e-12)
+    got = np.concatenate(list(record.pieces("accel_z", record.runs)))
+    np.testing.assert_allclose(got, signals["accel_z"], rtol=1e-12)
+
+
+def test_what_the_readers_do_more_than_scale_is_left_to_them(signals, short, tmp_path):
+    """Jittering stamps, repeats: no LongRecord, the ordinary way."""
+    rng = np.random.default_rng(1)
+    time = np.arange(N) / FS + 1e-3 * rng.random(N)
+    path = saved(Record(signals, FS, time=time), tmp_path / "jitter.npz")
+    assert long_record.open_long(path) is None
+    assert long_record.open_long(path, start=3.0) is None
+    assert long_record.open_long(tmp_path) is None
+
+
+def test_command_on_disk(signals, short, tmp_path, capsys, monkeypatch):
+    from imu_lib import stream
+    from imu_lib.cli.main import main
+
+    monkeypatch.setattr(stream, "LONG", LEAST)
+    path = saved(Record(signals, FS), tmp_path / "record.parquet")
+    call = ["characterise", str(path), "--workers", "1", "--json", str(tmp_path / "r.json")]
+    assert main(call) == 0
+    said = json.loads((tmp_path / "r.json").read_text())
+    assert said["channels"]["gyro_x"]["likelihood"]["N"]["value"] == pytest.approx(1e-4, rel=0.01)
+
+
+def test_infinite_value_is_named(signals, short, tmp_path):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    from imu_lib import InputError
+
+    x = signals["gyro_x"].copy()
+    x[300_000] = np.inf
+    parquet.write_table(
+        pa.table({"time [s]": np.arange(N) / FS, "gyro_x [rad/s]": x}), tmp_path / "inf.parquet"
+    )
+    with pytest.raises(InputError, match="row 300001"):
+        long_record.open_long(tmp_path / "inf.parquet")
