@@ -43,7 +43,7 @@ class Draws:
         """The generator of what is called `name`, the same at every call."""
         return np.random.default_rng([*self.seed, count, *name.encode()])
 
-    def terms(self, terms, low_pass=None) -> tuple[np.ndarray, np.ndarray]:
+    def terms(self, terms, low_pass=None, tails=None) -> tuple[np.ndarray, np.ndarray]:
         """Sums of the slow and of the quick processes behind the filter, shapes (n,)."""
         slow, quick, seen = np.zeros(self.n), np.zeros(self.n), {}
         for term in terms:
@@ -56,7 +56,12 @@ class Draws:
             amplitude = next(p.name for p in term.parameters if p.kind == "amplitude")
             unit = term.with_(**{amplitude: 1.0})
             part = quick if term.fast else slow
-            part += getattr(term, amplitude) * self.unit(unit, count, low_pass)
+            if tails is not None and term.name == "white_noise":
+                one = self.unit(unit, count, None) * tails.scales(self.n, self.rng("tails"))
+                one = one if low_pass is None else through(one, low_pass, self.fs)
+            else:
+                one = self.unit(unit, count, low_pass)
+            part += getattr(term, amplitude) * one
         return slow, quick
 
     def unit(self, process, count: int, low_pass, name: str | None = None) -> np.ndarray:
@@ -161,7 +166,7 @@ def behind_mean(
 
 def draw(model: Sum, draws: Draws, *, common=None):
     """A realisation of the model, shape (n,)."""
-    slow, quick = draws.terms(model.terms, model.low_pass)
+    slow, quick = draws.terms(model.terms, model.low_pass, model.tails)
     return model.behind(slow, quick, draws.fs, draws.rng("electronics"), common=common)
 
 

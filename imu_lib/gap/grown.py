@@ -133,7 +133,10 @@ def _drawn(state, rng, count):
         prior = np.diag(1.0 / np.concatenate([np.asarray(s.widths, float) for s in fit.slots]) ** 2)
         low, high = likelihood.bounds()
         cov = np.linalg.inv(np.linalg.pinv(fit.cov) + prior)
-        vectors = rng.multivariate_normal(fit.vector, cov, count, method="eigh")
+        # a parameter at its bound says nothing: rounding may leave it a variance below zero
+        size, axes = np.linalg.eigh(0.5 * (cov + cov.T))
+        root = axes * np.sqrt(np.maximum(size, 0.0))
+        vectors = fit.vector + rng.standard_normal((count, len(size))) @ root.T
         at = np.cumsum([0, *(len(s.names) for s in fit.slots)])
         for k in (at[i] for i, s in enumerate(fit.slots) if s.index == -1):
             # a filter's cutoff takes a few values only: its spectrum is made once for each

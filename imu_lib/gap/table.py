@@ -75,8 +75,7 @@ def describe(step, channel: str) -> str:
     if step.effect == "parameter_change":
         return f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> {value(p['name'], p['to'], channel)}"
     shown = [
-        KINDS.get(k)
-        or f"{k} {_hertz(v) if k == 'rate' and step.effect in SAMPLED else value(k, v, channel)}"
+        KINDS.get(k) or f"{k} {_shown(step.effect, k, v, channel)}"
         for k, v in p.items()
         if v is not None and k != "phase"
     ]
@@ -96,8 +95,13 @@ def _vibration(p) -> str:
     return out + ": " + ", ".join(felt)
 
 
-def _hertz(x) -> str:
-    return f"{x:.5g} Hz"
+def _shown(effect: str, symbol: str, x, channel: str) -> str:
+    """A parameter of an effect whose symbol means something else in others."""
+    if symbol == "rate" and effect in SAMPLED:
+        return f"{x:.5g} Hz"
+    if effect == "wandering_level" and symbol == "sd":
+        return f"{100 * x:.3g} %"
+    return value(symbol, x, channel)
 
 
 def table(found) -> str:

@@ -10,6 +10,7 @@ from scipy.stats import chi2, kstest
 from imu_lib.gap.outliers import loudest
 from imu_lib.processes import Spikes as Stage
 
+from . import heavy_tails as tails
 from .base import Effect, Finding
 
 #: From here on a surprise is looked at as a spike of its own, standard deviations.
@@ -58,6 +59,12 @@ def mixture(y):
         if best is None or r.fun < best.fun:
             best = r
     return -best.fun, 1 / (1 + np.exp(-best.x[0])), float(np.exp(best.x[1])), s
+
+
+def normal_gain(y, s) -> float:
+    """Log-likelihood of N(0, s^2) for `y` less that of the best normal distribution, shape (n,)."""
+    ratio = float(np.mean(y * y)) / s**2
+    return 0.5 * len(y) * (1.0 + np.log(ratio) - ratio)
 
 
 def exceedances(y, s):
@@ -123,6 +130,8 @@ class Spikes(Effect):
             gain < 14 or len(hit) < 2 or scale < 2.5
         ):  # a broader shoulder is another distribution, not spikes
             return None
+        if held is None and not traces and tails.fitted(y)[0] > gain + normal_gain(y, s):
+            return None  # heavy tails: there is no height at which spikes begin
         sd = s * np.sqrt(smooth.conditional_variance)
         rate, height = p * smooth.fs, scale * sd
         if (

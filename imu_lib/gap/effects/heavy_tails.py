@@ -1,0 +1,90 @@
+"""White noise with heavier tails than a normal one."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import gammaln, ndtri
+from scipy.stats import t as student
+
+from imu_lib.processes import HeavyTails as Stage
+
+from .base import ChannelEffect, Finding
+from .noise_level_change import unsteady
+
+#: Gain in log-likelihood over a normal distribution, and degrees of freedom beyond which nobody
+#: would tell.
+GAIN, MOST = 14.0, 60.0
+#: log10 p of an unsteady level below which tails may be nothing but that.
+STEADY = -5.0
+
+
+def fitted(y) -> tuple[float, float, float, float]:
+    """(gain over a normal distribution, degrees of freedom, scale, sd of the logarithm of the
+    freedom) of the Student's distribution that is likeliest for `y` (n,).
+    """
+    square = y * y
+    if len(square) > 200_000:  # the centre says little
+        order = np.sort(square)
+        far, near = order[-40_000:], order[:-40_000]
+        near = near[:: max(1, len(near) // 60_000)]
+        weight = (len(square) - 40_000) / len(near)
+        values = np.concatenate([far, near])
+        count = np.concatenate([np.ones(len(far)), np.full(len(near), weight)])
+    else:
+        values, count = square, np.ones(len(square))
+    n = count.sum()
+
+    def loss(v):
+        freedom, scale = 2.0 + np.exp(v[0]), np.exp(2 * v[1])
+        constant = gammaln(0.5 * (freedom + 1)) - gammaln(0.5 * freedom)
+        constant -= 0.5 * np.log(np.pi * freedom * scale)
+        return -n * constant + 0.5 * (freedom + 1) * (count @ np.log1p(values / (freedom * scale)))
+
+    start = [np.log(4.0), 0.5 * np.log(np.average(values, weights=count) * 2 / 3)]
+    best = minimize(loss, start, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-2})
+    normal = 0.5 * n * (np.log(2 * np.pi * (count @ values) / n) + 1.0)
+    h = 0.05
+    curve = (
+        loss(best.x + [h, 0]) - 2 * best.fun + loss(best.x - [h, 0])
+    ) / h**2  # of the logarithm of what is beyond 2
+    freedom = 2.0 + np.exp(best.x[0])
+    sd = (freedom - 2.0) / freedom / np.sqrt(max(curve, 1e-9))
+    return float(normal - best.fun), float(freedom), float(np.exp(best.x[1])), float(sd)
+
+
+class HeavyTails(ChannelEffect):
+    name = "heavy_tails"
+    cause = "The noise has many sources of unequal strength, or an interpolating or dithering converter: large deviations come more often than in normal noise."
+    domain = "distribution"
+
+    def candidates(self, view):
+        y, independent = view.y, view.smooth.independent
+        held = None if view.given is None else view.given.find(self.name)
+        if held is not None:
+            return []
+        gain, freedom, _, sd = fitted(y - np.mean(y))
+        gain *= independent
+        if gain < GAIN or freedom > MOST:
+            return []
+        u = (y - np.mean(y)) / np.std(y)
+        found = Finding(
+            self,
+            Stage(freedom=freedom),
+            gain,
+            f"distribution of the innovations: {np.count_nonzero(np.abs(u) > 4)} of {len(u)} beyond four standard deviations, "
+            f"where normal noise has {6.3e-5 * len(u):.1f}",
+            {"freedom": [freedom * np.exp(-1.96 * sd), freedom * np.exp(1.96 * sd)]},
+        )
+        left = unsteady(y, view.fs, independent)
+        if left is not None and left[0] < STEADY:
+            found.doubt = left[1]
+        return [found]
+
+    def normal(self, y, finding):
+        freedom = finding.process.freedom
+        u = (y - np.mean(y)) / np.std(y) * np.sqrt(freedom / (freedom - 2.0))
+        return np.sign(u) * -ndtri(np.maximum(student.sf(np.abs(u), freedom), 1e-300))
+
+
+EFFECTS = (HeavyTails(),)

@@ -1,0 +1,140 @@
+"""A noise level that wanders."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, toeplitz
+from scipy.optimize import minimize
+
+from imu_lib.processes import WanderingLevel as Stage
+
+from .base import ChannelEffect, Finding
+from .noise_level_change import unsteady
+
+#: Blocks whose energies are looked at, and samples in a block at the least.
+BLOCKS, SHORTEST = 600, 24
+#: Gain in log-likelihood that it has to bring, and what two parameters more than a single change
+#: are held against it.
+GAIN, HANDICAP = 20.0, 8.0
+#: log10 p of an unsteady level beyond which it does more than wander.
+STEADY = -5.0
+
+
+class Level:
+    """The logarithm of the level of a white series `y` (n,) as a Gauss-Markov process seen through
+    the energies of blocks.
+    """
+
+    def __init__(self, y, fs: float, independent: float):
+        self.m = max(SHORTEST, len(y) // BLOCKS)
+        self.k = len(y) // self.m
+        part = y[: self.k * self.m].reshape(self.k, self.m)
+        self.energy = np.maximum(np.mean(part**2, axis=1), 1e-12)
+        self.log = 0.5 * np.log(self.energy)
+        kurtosis = np.mean(part**4) / np.mean(self.energy**2) * (self.m + 2) / self.m
+        self.noise = 0.25 * max(kurtosis - 1.0, 1.0) / (self.m * independent)
+        self.step = self.m / fs
+        self.ones = np.ones(self.k)
+
+    def covariance(self, sd: float, time: float):
+        """First column of the covariance of the blocks' logarithms, without their own noise."""
+        return sd**2 * np.exp(-np.arange(self.k) * self.step / time)
+
+    def loss(self, v) -> float:
+        """Half of -2 log L at (log sd, log correlation time)."""
+        column = self.covariance(*np.exp(v))
+        column[0] += self.noise
+        factor = cho_factor(toeplitz(column), lower=True)
+        z = cho_solve(factor, np.column_stack([self.log, self.ones]))
+        mean = (self.ones @ z[:, 0]) / (self.ones @ z[:, 1])
+        rest = self.log - mean
+        return float(np.sum(np.log(np.diag(factor[0]))) + 0.5 * rest @ (z[:, 0] - mean * z[:, 1]))
+
+    def fit(self):
+        """(sd, correlation time, sd of their logarithms (2,)) of the maximum, or None."""
+        longest = self.k * self.step / 3
+        best = None
+        for time in np.geomspace(2 * self.step, longest, 5):
+            start = [np.log(max(np.std(self.log), 1e-3)), np.log(time)]
+            r = minimize(
+                self.loss,
+                start,
+                method="Nelder-Mead",
+                options={"xatol": 0.02, "fatol": 0.02, "maxiter": 60},
+                bounds=((-7, 1.5), (np.log(self.step), np.log(longest))),
+            )
+            if best is None or r.fun < best.fun:
+                best = r
+        h, curve = 0.1, []
+        for i in range(2):
+            e = h * (np.arange(2) == i)
+            curve.append((self.loss(best.x + e) - 2 * best.fun + self.loss(best.x - e)) / h**2)
+        return *np.exp(best.x), 1.0 / np.sqrt(np.maximum(curve, 0.05))
+
+    def smoothed(self, sd: float, time: float):
+        """The logarithm of the level of each block: with its own energy, and from the others alone;
+        shapes (k,).
+        """
+        c = toeplitz(self.covariance(sd, time))
+        whole = cho_factor(c + self.noise * np.eye(self.k), lower=True)
+        weight = cho_solve(whole, c).T
+        mean = np.mean(self.log)
+        level = weight @ (self.log - mean)
+        own = np.diag(weight)
+        return mean + level, mean + (level - own * (self.log - mean)) / (1 - own)
+
+
+class WanderingLevel(ChannelEffect):
+    name = "wandering_level"
+    cause = "What makes the noise rises and falls slowly: the surroundings shake more and less, a supply or a temperature moves the gain."
+    domain = "stationarity"
+
+    def candidates(self, view):
+        y, independent = view.y, view.smooth.independent
+        before = unsteady(y, view.fs, independent)
+        if before is None or before[0] > STEADY:
+            return []
+        if view.given is not None and view.given.find(self.name) is not None:
+            return []
+        level = Level(y, view.fs, independent)
+        if level.k < 40:
+            return []
+        sd, time, spread = level.fit()
+        known, foretold = level.smoothed(sd, time)
+        gain = (
+            independent
+            * level.m
+            * float(
+                np.sum(
+                    0.5 * (np.log(np.mean(level.energy)) - 2 * foretold)
+                    + 0.5 * level.energy * (1 / np.mean(level.energy) - np.exp(-2 * foretold))
+                )
+            )
+        )
+        if gain < GAIN + HANDICAP:
+            return []
+        centre = (np.arange(level.k) + 0.5) * level.m
+        scale = np.exp(np.interp(np.arange(len(y)), centre, known))
+        scale /= np.sqrt(np.mean(scale**2))
+        low, high = np.exp(np.quantile(known - np.mean(known), [0.025, 0.975]))
+        found = Finding(
+            self,
+            Stage(sd=float(sd), correlation_time=float(time)),
+            gain - HANDICAP,
+            f"variance of the innovations: the noise is between {low:.2g} and {high:.2g} times its usual level, over {time:.3g} s",
+            {
+                "sd": [sd * np.exp(-1.96 * spread[0]), sd * np.exp(1.96 * spread[0])],
+                "correlation_time": [
+                    time * np.exp(-1.96 * spread[1]),
+                    time * np.exp(1.96 * spread[1]),
+                ],
+            },
+            scale=scale,
+        )
+        after = unsteady(y / scale, view.fs, independent)
+        if after is not None and after[0] < STEADY:
+            found.doubt = after[1]
+        return [found]
+
+
+EFFECTS = (WanderingLevel(),)

@@ -1,0 +1,75 @@
+"""The distribution and the level of the noise: heavy tails, a level that wanders, and what looks
+like either.
+"""
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from imu_lib.gap.channel import analyse
+from imu_lib.processes import Sum, WhiteNoise
+
+FS, N = 100.0, 60_000
+BASE = Sum((WhiteNoise(N=1e-4),))
+SD = 1e-4 * np.sqrt(FS)
+
+
+def wandering(rng, sd, seconds, fs=FS, n=N):
+    """exp of a Gauss-Markov process."""
+    pole = np.exp(-1 / (fs * seconds))
+    g = signal.lfilter(
+        [np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n + 5 * int(fs * seconds))
+    )
+    return np.exp(sd * g[-n:])
+
+
+@pytest.mark.parametrize("freedom", [3.0, 5.0, 9.0])
+@pytest.mark.parametrize("base", [BASE, None], ids=["given", "free"])
+def test_heavy_tails_have_their_freedom(freedom, base):
+    rng = np.random.default_rng(int(freedom))
+    x = SD * rng.standard_t(freedom, N) * np.sqrt((freedom - 2) / freedom)
+    found = analyse("gyro_x", x, FS, base)
+    (step,) = found.steps
+    assert step.effect == "heavy_tails" and step.confidence > 0.9
+    low, high = step.intervals["freedom"]
+    # of three intervals of 95 % one is allowed to miss by as much as it is wide
+    assert low - (high - low) / 2 < freedom < high + (high - low) / 2
+    assert found.unexplained is None
+
+
+@pytest.mark.parametrize(("sd", "seconds"), [(0.35, 40.0), (0.15, 15.0)])
+def test_a_level_that_wanders_has_its_size_and_time(sd, seconds):
+    rng = np.random.default_rng(7)
+    x = SD * wandering(rng, sd, seconds) * rng.standard_normal(N)
+    found = analyse("accel_x", x, FS, None)
+    (step,) = found.steps
+    assert step.effect == "wandering_level" and step.confidence > 0.9
+    # 15 and 40 correlation times: 25 % and 16 % in its size, half in its time
+    assert step.parameters["sd"] == pytest.approx(sd, rel=0.5)
+    assert step.parameters["correlation_time"] == pytest.approx(seconds, rel=0.8)
+    assert found.unexplained is None
+
+
+def test_a_level_that_wanders_and_heavy_tails_are_both_named():
+    rng = np.random.default_rng(8)
+    x = SD * wandering(rng, 0.4, 20.0) * rng.standard_t(5, N) * np.sqrt(3 / 5)
+    found = analyse("accel_x", x, FS, BASE)
+    assert {s.effect for s in found.steps} >= {"wandering_level", "heavy_tails"}
+
+
+def test_one_change_of_level_and_spikes_keep_their_names():
+    rng = np.random.default_rng(9)
+    x = SD * rng.standard_normal(N)
+    x[N // 3 :] *= 1.4
+    assert [s.effect for s in analyse("gyro_x", x, FS, BASE).steps] == ["noise_level_change"]
+    x = SD * rng.standard_normal(N)
+    hit = rng.random(N) < 2e-3
+    x[hit] += 12 * SD * rng.standard_normal(hit.sum())
+    assert [s.effect for s in analyse("gyro_x", x, FS, BASE).steps] == ["spikes"]
+
+
+def test_normal_noise_behind_a_filter_has_neither():
+    rng = np.random.default_rng(10)
+    x = signal.lfilter([0.3], [1, -0.7], SD * rng.standard_normal(N))
+    names = {s.effect for s in analyse("gyro_x", x, FS, None).steps}
+    assert not names & {"heavy_tails", "wandering_level"}
