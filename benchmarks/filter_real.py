@@ -43,7 +43,11 @@ def main():
     for name in ("span_a", "span_b", "span_c"):
         drive = Drive.load(data / f"{name}.npz")
         solution = run(
-            drive, MODEL, gnss=Gnss(velocity_floor=0.15, accept=(1,) if name == "span_c" else None)
+            drive,
+            MODEL,
+            gnss=Gnss(
+                velocity_floor=0.15, position_floor=0.5, accept=(1,) if name == "span_c" else None
+            ),
         )
         used = drive.gnss_fix == 1
         content["drives"][name] = {

@@ -212,7 +212,9 @@ def main():
         "drives": {},
     }
     for name in ("span_a", "span_b", "span_c"):
-        gnss = Gnss(accept=(1,) if name == "span_c" else None, velocity_floor=0.15)
+        gnss = Gnss(
+            accept=(1,) if name == "span_c" else None, velocity_floor=0.15, position_floor=0.5
+        )
         content["drives"][name] = compare(inu, name, Drive.load(data / f"{name}.npz"), gnss)
         print(name, content["drives"][name])
     RESULT.write_text(json.dumps(content, indent=1) + "\n")

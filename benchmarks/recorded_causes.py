@@ -86,7 +86,9 @@ def main():
     pooled, labels = {n: [] for n in entries}, []
     for name in ("span_a", "span_b", "span_c", "kth_car"):
         drive = Drive.load(data / "drive" / f"{name}.npz")
-        gnss = preparation.Gnss(accept=(1,) if name == "span_c" else None, velocity_floor=0.15)
+        gnss = preparation.Gnss(
+            accept=(1,) if name == "span_c" else None, velocity_floor=0.15, position_floor=0.5
+        )
         windows = outages.regular_windows(drive, duration=30.0, every=30.0, settle=60.0)
         study = outages.compare(drive, entries, windows, gnss=gnss, strict=False)
         errors = {n: study.errors(n, against=study.against[-1]) for n in entries}

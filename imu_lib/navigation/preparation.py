@@ -20,6 +20,8 @@ BRIDGE_NOISE = 100.0  # white noise densities are multiplied by this over a brid
 # m/s: velocities further from the motion of their own positions than this, in the median, are not
 # used
 VELOCITY_TRUST = 1.0
+SPAN = 10.0  # s over which that is asked
+HOLE = 2.5  # s between fixes over which no motion is taken
 SHORTEST_STRETCH = 5.0  # s: a stretch between holes shorter than this is left out
 
 
@@ -193,17 +195,23 @@ def _apart(fixes: Fixes, later):
 
 def _disagreement(time, position, velocity, later=0.0):
     """Median distance, m/s, between received velocities, taken `later` s than the positions, and
-    those of the positions about 2 s apart; 0 where the positions are too few.
+    the motion of those positions over SPAN s, which is long enough for the noise of a position not
+    to matter; 0 where there are too few.
     """
-    after = np.searchsorted(time, time + later + 1.0)
-    before = np.searchsorted(time, time + later - 1.0, side="right") - 1
-    good = np.flatnonzero((after < time.size) & (before >= 0))
-    gap = time[after[good]] - time[before[good]]
-    good, gap = good[gap < 4.0], gap[gap < 4.0]
-    if good.size < 20:
+    if time.size < 20:
         return 0.0
-    moved = earth.meters(position[after[good]], position[before[good]]) / gap[:, None]
-    return float(np.median(np.linalg.norm(moved[:, :2] - velocity[good, :2], axis=1)))
+    mean = 0.5 * (velocity[1:, :2] + velocity[:-1, :2]) * np.diff(time)[:, None]
+    path = np.vstack([np.zeros(2), np.cumsum(mean, axis=0)])
+    holes = np.concatenate([[0], np.cumsum(np.diff(time) > HOLE)])
+    after = np.minimum(np.searchsorted(time, time + SPAN), time.size - 1)
+    gap = time[after] - time
+    good = (holes[after] == holes) & (gap > 0.5 * SPAN)
+    if good.sum() < 20:
+        return 0.0
+    at = np.column_stack([np.interp(time - later, time, column) for column in path.T])
+    said = (at[after[good]] - at[good]) / gap[good, None]
+    moved = earth.meters(position[after[good]], position[good])[:, :2] / gap[good, None]
+    return float(np.median(np.linalg.norm(moved - said, axis=1)))
 
 
 def prepare(

@@ -28,8 +28,8 @@ ROUNDS = 4
 class TimeError:
     """Offset of the stamps of the fixes, s (positive: late), of positions and of velocities (None
     without them), their standard deviations, the nats that the innovations gain by it, divided by
-    the number of fixes that their correlation makes worth one, and how fixes are taken without it,
-    their standard deviations as large as the innovations ask.
+    the number of fixes that the correlation left in them makes worth one, and how fixes are taken without and
+    with it, their standard deviations as large as the innovations ask.
     """
 
     offset: float
@@ -38,6 +38,7 @@ class TimeError:
     velocity_sd: float | None
     gain: float
     gnss: Gnss
+    corrected: Gnss
 
     @property
     def found(self):
@@ -193,10 +194,10 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
         at = at + np.clip(step, -0.5, 0.5)
         if np.abs(step).max() < 0.01:
             break
-    _, best = fix_noise.settled(partial(run, at, {}), gnss, least=least)
+    corrected, best = fix_noise.settled(partial(run, at, {}), gnss, least=least)
     keep = np.zeros(len(drive.gnss_time), bool)
     keep[np.intersect1d(base.innovations.index, best.innovations.index)] = True
-    length = max(whitened_length(base.innovations), whitened_length(best.innovations))
+    length = whitened_length(best.innovations)
     gain = (best.innovations.total(keep) - base.innovations.total(keep)) / length
     return TimeError(
         float(at[0]),
@@ -205,6 +206,7 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
         float(velocity[1]) if own else None,
         float(gain),
         enlarged,
+        corrected,
     )
 
 

@@ -1,0 +1,171 @@
+"""`imu-lib outages` on drives as they come: other units, another rate, late stamps, a reference that
+jumps, models that lose the drive; each remedy that a message names is tried.
+"""
+
+import json
+
+import numpy as np
+import pytest
+
+from imu_lib import preset
+from imu_lib.cli.main import main
+from imu_lib.drive_effects import DriveEffect
+from imu_lib.navigation import earth, models, reference, simulation, trajectory, turin
+from imu_lib.units import DEG
+
+PAPER = preset("3dm-gx3-25-2013")
+FAST = ("--model", "preset:3dm-gx3-25-2013", "--models", "18AV", "--windows", "150:30,190:30")
+
+
+@pytest.fixture(scope="module")
+def drive():
+    whole = turin.drive(1)
+    path = trajectory.Trajectory(whole.position, whole.angles, 0.0, 240.0)
+    return simulation.simulate_drive(path, PAPER, np.random.default_rng(8), name="drawn")
+
+
+def run(tmp_path, drive, *flags, expect=0):
+    file, out = tmp_path / "drive.npz", tmp_path / "out.json"
+    drive.save(file)
+    assert main(["outages", str(file), *FAST, "--json", str(out), *flags]) in (
+        (0, None) if expect == 0 else (expect,)
+    )
+    return json.loads(out.read_text()) if expect == 0 else None
+
+
+def _errors(content):
+    return content["models"]["18AV"]["against"]["reference"]["max"]
+
+
+def test_the_table_and_the_json_say_whether_to_believe(tmp_path, drive, capsys):
+    content = run(tmp_path, drive, "--models", "18AV,18AV+scale")
+    model = content["models"]["18AV+scale"]
+    assert 0.8 < model["nis"] < 1.2 and model["ranked"]
+    assert model["rejected"] == {"position": 0.0, "velocity": 0.0}
+    assert 0.2 < model["error_over_predicted"] < 3.0
+    assert set(model["estimates"]) == {f"{s}_scale {a}" for s in ("accel", "gyro") for a in "xyz"}
+    printed = capsys.readouterr().out
+    for column in ("predicted sigma", "error/predicted", "NIS", "rejected", "accel_scale x"):
+        assert column in printed
+
+
+def test_late_stamps_are_told_and_the_remedy_works(tmp_path, drive, capsys):
+    late = drive.with_(gnss_time=np.asarray(drive.gnss_time) + 0.5)
+    before = run(tmp_path, late)
+    (said,) = [n for n in before["notes"] if "--latency" in n]
+    flags = said.split("run again with ")[1].rstrip(".").split()
+    # the filter knows the offset to a hundredth or so at one fix a second
+    assert flags[0] == "--latency" and float(flags[1]) == pytest.approx(0.5, abs=0.04)
+    after = run(tmp_path, late, *flags)
+    assert not any("--latency" in n for n in after["notes"])
+    assert max(_errors(after)) < 0.5 * min(_errors(before))
+
+
+def test_a_model_file_says_what_is_held_of_the_drive(tmp_path, drive):
+    late = drive.with_(gnss_time=np.asarray(drive.gnss_time) + 0.5)
+    effect = DriveEffect("gnss_time_offset", {"offset": 0.5})
+    PAPER.with_drive((effect,)).save(tmp_path / "model.json")
+    content = run(tmp_path, late, "--model", str(tmp_path / "model.json"), "--models", "15AV,18AV")
+    assert not any("--latency" in n for n in content["notes"])
+    assert len(content["models"]) == 3
+
+
+def test_units_other_than_the_formats(tmp_path, drive, capsys):
+    degrees = drive.with_(gyro=np.asarray(drive.gyro) / DEG)
+    run(tmp_path, degrees, expect=2)
+    error = capsys.readouterr().err
+    assert "--gyro-unit deg/s" in error and "Traceback" not in error
+    converted = run(tmp_path, degrees, "--gyro-unit", "deg/s")
+    straight = run(tmp_path, drive)
+    assert _errors(converted) == pytest.approx(_errors(straight), rel=1e-6)
+    in_g = drive.with_(accel=np.asarray(drive.accel) / 9.80665)
+    run(tmp_path, in_g, expect=2)
+    assert "--accel-unit g" in capsys.readouterr().err
+    assert run(tmp_path, in_g, "--accel-unit", "g")["models"].keys() == converted["models"].keys()
+
+
+def test_ten_samples_a_second_are_not_refused(tmp_path, drive):
+    n = len(drive.time) // 10 * 10
+    mean = {
+        k: np.asarray(getattr(drive, k))[:n].reshape(-1, 10, 3).mean(1) for k in ("gyro", "accel")
+    }
+    slow = drive.with_(time=np.asarray(drive.time)[:n][9::10], temperature=None, **mean)
+    content = run(tmp_path, slow, "--models", "18AV,18AVWD")
+    errors = {k: np.median(m["against"]["reference"]["max"]) for k, m in content["models"].items()}
+    assert errors["18AVWD"] < 3.0 * errors["18AV"]
+
+
+def test_levels_follow_the_rate():
+    at_100, at_10 = models.levels_at(100.0), models.levels_at(10.0)
+    assert at_100 == turin.LEVELS_TABLE_7
+    assert all(at_10[c] == max(at_100[c] - 3, 0) for c in at_100)
+    assert models.levels_at(200.0)["gyro_x"] == at_100["gyro_x"] + 1
+
+
+def test_a_reference_that_jumps_is_not_scored_against(tmp_path, drive, capsys):
+    time, position = np.asarray(drive.reference_time), np.array(drive.reference_position)
+    moved = (time > 160.0) & (time < 185.0)
+    position[moved] = earth.shift(position[moved], [60.0, 50.0, 0.0])
+    bad = drive.with_(reference_position=position)
+    found = reference.look(bad)
+    assert "jumps" in found.notes[0] and "78 m" in found.notes[0]
+    assert not found.good(150.0, 180.0) and not found.good(170.0, 175.0)
+    assert found.good(100.0, 150.0) and found.good(190.0, 220.0)
+    assert reference.look(drive).notes == ()
+    content = run(tmp_path, bad)
+    first, second = content["models"]["18AV"]["against"]["reference"]["max"]
+    assert first is None and second < 60.0
+    assert any("not scored against the reference" in n for n in content["notes"])
+
+
+def test_a_model_that_loses_the_drive_is_not_ranked(tmp_path, drive):
+    scaled = drive.with_(accel=np.asarray(drive.accel) * 1.15)
+    PAPER.save(tmp_path / "model.json")
+    content = run(
+        tmp_path,
+        scaled,
+        "--as-stated",
+        "--model",
+        str(tmp_path / "model.json"),
+        "--models",
+        "15AV,18AV+scale",
+        "--accel-bias",
+        "0.1",
+        "--gyro-bias",
+        "0.001",
+    )
+    ranked = {n for n, m in content["models"].items() if m["ranked"]}
+    assert "18AV+scale" in ranked and "15AV" not in ranked
+    assert all({p["better"], p["than"]} <= ranked for p in content["paired"])
+    assert any("15AV rejects" in n and "not ranked" in n for n in content["notes"])
+
+
+@pytest.mark.parametrize(
+    "flags, said",
+    [
+        (("--speed",), "`speed` (m/s)"),
+        (("--lever-arm", "1,2"), "X,Y,Z"),
+        (("--models", "18AV+wings"), "unknown addition 'wings'"),
+        (("--models", "19AV"), "unknown model '19AV'"),
+        (("--columns", "time,gyro_x"), "leave them out"),
+        (("--start", "50", "--stop", "20"), "--stop 20"),
+    ],
+)
+def test_what_cannot_be_is_said_in_a_sentence(tmp_path, drive, capsys, flags, said):
+    run(tmp_path, drive, *flags, expect=2)
+    error = capsys.readouterr().err
+    assert said in error and "Traceback" not in error
+
+
+def test_every_flag_of_the_drive_is_taken(tmp_path, drive):
+    speed = np.hypot(*np.asarray(drive.reference_velocity)[::20, :2].T)
+    fast = drive.with_(extra={"speed": speed, "speed_time": np.asarray(drive.time)[::20]})
+    plain = run(tmp_path, fast, "--as-stated")["models"]["18AV"]["against"]["reference"]["max"]
+    known = run(
+        tmp_path,
+        fast,
+        *("--as-stated", "--speed", "--road-sd", "0.5", "--scale", "--lever-arm=-0.1,0,0.1"),
+        *("--latency", "0.0", "--velocity-latency", "0.01", "--gnss-offset", "1.0"),
+    )["models"]["18AV"]
+    assert "speed_scale scale" in known["estimates"] and "accel_scale z" in known["estimates"]
+    assert np.median(known["against"]["reference"]["max"]) < np.median(plain)
