@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from imu_lib import units
-from imu_lib.errors import InputError
+from imu_lib.errors import InputError, UndefinedFormError
 from imu_lib.model import Model
 from imu_lib.processes import Sum
 
@@ -23,16 +23,41 @@ HORIZON = 30.0
 SPAN = (1.0, 1000.0)
 #: What counts as white at those times.
 WHITE = ("white_noise", "quantization")
+#: A process that forgets within this many seconds is white noise to such a program, s.
+FORGOTTEN = 1.0
+
+
+def fast(entry: Sum) -> Sum:
+    """The random terms that are neither white nor slow: what a filter of the sensor leaves of its noise,
+    a Gauss-Markov process of a few hundredths of a second. Their spectrum is flat below the
+    frequencies at which a bias is followed.
+    """
+    return Sum(tuple(t for t in entry.noise.terms if t.name not in WHITE and _forgets(t)))
+
+
+def _forgets(term) -> bool:
+    """Whether a term's spectrum keeps more than half its low end up to 1 / (2 pi FORGOTTEN) Hz, as
+    that of a Gauss-Markov process does whose correlation time is below FORGOTTEN.
+    """
+    try:
+        low, edge = term.psd(np.array([1e-6, 1.0 / (2.0 * np.pi * FORGOTTEN)]))
+    except UndefinedFormError:
+        return False
+    return bool(np.isfinite(low) and 0.5 * low < edge < 2.0 * low)
 
 
 def slow(entry: Sum) -> Sum:
-    """The random terms of a channel that are not white, without stages."""
-    return Sum(tuple(t for t in entry.noise.terms if t.name not in WHITE))
+    """The random terms of a channel that are neither white nor fast, without stages."""
+    quick = fast(entry).terms
+    return Sum(tuple(t for t in entry.noise.terms if t.name not in WHITE and t not in quick))
 
 
 def white(entry: Sum) -> float:
-    """Density N of the white terms of a channel, unit/sqrt(Hz); 0 where there are none."""
-    return float(np.sqrt(sum(t.N**2 for t in entry.terms if t.name == "white_noise")))
+    """Density N of a channel where a bias is followed, unit/sqrt(Hz); 0 where it has none: that of
+    the white terms and the low end of the fast ones (one-sided 2 N^2; 2 sigma^2 Tc for Gauss-Markov).
+    """
+    low = sum(float(t.psd(np.array([1e-6]))[0]) / 2.0 for t in fast(entry).terms)
+    return float(np.sqrt(sum(t.N**2 for t in entry.terms if t.name == "white_noise") + low))
 
 
 def equivalent_walk(entry: Sum, horizon: float = HORIZON) -> float:
@@ -168,9 +193,10 @@ def ros(model: Model) -> str:
 
 
 def _variance(entry, rate):
-    """Variance of one sample about its bias: the white terms behind the filter, unit^2."""
-    fast = Sum(tuple(t for t in entry.terms if t.name in WHITE), entry.stages)
-    return float(fast.autocovariance(np.zeros(1), rate)[0]) if fast.terms else 0.0
+    """Variance of one sample about its bias: white and fast terms behind the filter, unit^2."""
+    quick = fast(entry).terms
+    sample = Sum(tuple(t for t in entry.terms if t.name in WHITE or t in quick), entry.stages)
+    return float(sample.autocovariance(np.zeros(1), rate)[0]) if sample.terms else 0.0
 
 
 def gnss_ins_sim(model: Model) -> str:

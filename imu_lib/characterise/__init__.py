@@ -14,6 +14,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from imu_lib import scheduler, units
+from imu_lib.characterise import causes
 from imu_lib.characterise.channel import (
     Channel,
     channel,
@@ -26,6 +27,7 @@ from imu_lib.characterise.channel import (
 from imu_lib.errors import InputError
 from imu_lib.long_record import LongRecord
 from imu_lib.model import Model
+from imu_lib.readers.side_by_side import own_rates
 from imu_lib.record import Record
 
 #: Records above this many samples are worth a process per axis.
@@ -90,6 +92,9 @@ def characterise(
     """
     if isinstance(record, LongRecord):
         return _of_long(record, channels, candidates, workers, progress)
+    apart = own_rates(record)
+    if apart:
+        return _apart(record, apart, channels, candidates, workers, progress)
     gap_free = record.continuous().enough()
     flat = [name for name in channels or record.channel_names if np.ptp(gap_free[name]) == 0]
     names = tuple(name for name in channels or record.channel_names if name not in flat)
@@ -105,7 +110,8 @@ def characterise(
     cores = workers or (min(len(tasks), os.cpu_count() or 1) if record.n > PARALLEL else 1)
     with Parallel(n_jobs=cores, return_as="generator_unordered", max_nbytes=None) as pool:
         results = pool(delayed(channel)(*task) for task in tasks)
-        return _gathered(record, results, progress, notes + _of_record(record, flat))
+        notes += _of_record(record, flat) + causes.notes(gap_free, names)
+        return _gathered(record, results, progress, notes)
 
 
 def _of_long(record, channels, candidates, workers, progress):
@@ -135,6 +141,25 @@ def _gathered(record, results, progress, notes):
         record.name,
         record.source,
         record.notes + notes,
+    )
+
+
+def _apart(record, apart, channels, candidates, workers, progress) -> Characterisation:
+    """Gyro and accelerometer that come at rates of their own, each at its own."""
+    found, notes = {}, list(record.notes)
+    for part in apart.values():
+        names = [c for c in part.channel_names if channels is None or c in channels]
+        if not names:
+            continue
+        one = characterise(
+            part, channels=names, candidates=candidates, workers=workers, progress=progress
+        )
+        found |= one.channels
+        notes += [n for n in one.notes if n not in notes]
+    rates = " and ".join(f"{kind} at {part.rate:.6g} Hz" for kind, part in apart.items())
+    notes.append(f"Each sensor was characterised at its own rate: {rates}.")
+    return Characterisation(
+        found, record.rate, record.duration, record.name, record.source, tuple(notes)
     )
 
 

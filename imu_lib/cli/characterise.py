@@ -1,6 +1,5 @@
 """`imu-lib characterise FILE`: all methods on all channels of a record at rest."""
 
-import sys
 from pathlib import Path
 
 from imu_lib.cli import common
@@ -47,7 +46,7 @@ def run(args):
     common.check_out(out)
     for form in formats if out is None else ():
         common.check_writable(export.FORMATS[form][0])
-    record = common.open_either(args)
+    record = common.open_either(args, one_rate=False)
 
     from imu_lib import report
     from imu_lib.characterise import characterise
@@ -74,9 +73,7 @@ def _characterised(record, workers, characterise):
     from imu_lib.characterise import plainly
 
     names = record.channel_names
-    bar = common.progress(about="channels", total=len(names))
-    if bar.disable:
-        print(f"characterising {', '.join(names)} ...", file=sys.stderr)
+    bar = common.progress(about="characterising channels", total=len(names))
     try:
         return characterise(record, workers=workers, progress=lambda name: bar.update(1))
     except ValueError as error:  # the record, not the call: the estimators say what it lacks

@@ -5,11 +5,13 @@ tables, progress.
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import math
 import os
 import sys
 import tempfile
+import time
 from collections.abc import Iterable, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -141,7 +143,7 @@ def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool =
     return record
 
 
-def open_either(args: argparse.Namespace):
+def open_either(args: argparse.Namespace, *, one_rate: bool = True):
     """As `open_record`; a record that is long and can be read by pieces stays on disk."""
     from imu_lib.long_record import open_long
     from imu_lib.stream import LONG
@@ -152,7 +154,7 @@ def open_either(args: argparse.Namespace):
             for note in record.notes:
                 print(f"note: {note}", file=sys.stderr)
             return record
-    return open_record(args)
+    return open_record(args, one_rate=one_rate)
 
 
 def add_json_argument(parser: argparse.ArgumentParser) -> None:
@@ -264,7 +266,7 @@ def write_json(value, path) -> None:
         return
     text = json.dumps(plain(value), indent=2, allow_nan=False) + "\n"
     if path == "-":
-        sys.stdout.write(text)
+        (_OUTPUT[-1] if _OUTPUT else sys.stdout).write(text)
         return
     with atomic_path(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -309,8 +311,65 @@ def estimate_text(estimate, symbol: str, channel: str) -> str:
     return f"{in_datasheet_unit(estimate.value, symbol, channel)} [{low}, {high}]"
 
 
+class Lines:
+    """Progress where standard error is no terminal: a line at the start, one now and then, one at the
+    end. It has what is used of tqdm: iteration, `update`, `close`.
+    """
+
+    EVERY = 10.0  # s between lines
+
+    def __init__(self, iterable=None, about: str = "", total: int | None = None):
+        self.iterable, self.about, self.n = iterable, about or "working", 0
+        self.total = total if total is not None else getattr(iterable, "__len__", lambda: None)()
+        self.began = self.told = time.monotonic()
+        self._tell()
+
+    def _tell(self, end: str = "") -> None:
+        of = f" of {self.total:,}" if self.total else ""
+        print(f"{self.about}: {self.n:,}{of}{end}", file=sys.stderr, flush=True)
+        self.told = time.monotonic()
+
+    def update(self, n: int = 1) -> None:
+        self.n += n
+        if time.monotonic() - self.told > self.EVERY:
+            self._tell()
+
+    def close(self) -> None:
+        took = time.monotonic() - self.began
+        if self.n and took > 1.0:
+            self._tell(f", {took:.0f} s")
+        self.n = 0
+
+    def __iter__(self):
+        for item in self.iterable:
+            yield item
+            self.update()
+        self.close()
+
+
 def progress(iterable=None, *, about: str = "", total: int | None = None):
-    """tqdm on standard error, quiet where that is no terminal."""
+    """Progress on standard error: tqdm's bar on a terminal, a line now and then in a file."""
     from tqdm import tqdm
 
-    return tqdm(iterable, desc=about, total=total, file=sys.stderr, disable=None, leave=False)
+    if not sys.stderr.isatty():
+        return Lines(iterable, about, total)
+    return tqdm(iterable, desc=about, total=total, file=sys.stderr, leave=False)
+
+
+_OUTPUT: list = []  # where JSON goes while a command's other words are kept off standard output
+
+
+@contextmanager
+def json_alone(path):
+    """While it lasts, standard output is JSON alone where `path` is `-`: what a command prints for
+    readers is left out.
+    """
+    if path != "-":
+        yield
+        return
+    _OUTPUT.append(sys.stdout)
+    sys.stdout = io.StringIO()
+    try:
+        yield
+    finally:
+        sys.stdout = _OUTPUT.pop()

@@ -69,5 +69,5 @@ def marks(args) -> int:
     if args.out:
         write_marks(found, args.out)
     if args.json:
-        common.write_json(args.json, {name: asdict(m) for name, m in found.items()})
+        common.write_json({name: asdict(m) for name, m in found.items()}, args.json)
     return 0

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 
 #: Beyond these shares a channel is left out (missing; stuck at one value; one value scattered all
 #: over), and a record is cut to
@@ -164,9 +165,17 @@ def _sound(record, name):
     return part
 
 
+_TOLD = [0.0]  # when the last line of progress was written
+
+
 def _progress(done, total, text):
-    """A bar that a terminal draws over; nothing where standard error is a file."""
+    """A bar that a terminal draws over; a line now and then where standard error is a file."""
     if not sys.stderr.isatty():
+        from imu_lib.cli import common
+
+        if done == 0 or done >= total or time.monotonic() - _TOLD[0] > common.Lines.EVERY:
+            print(f"gap: {done:,} of {total:,}, {text[:70]}", file=sys.stderr, flush=True)
+            _TOLD[0] = time.monotonic()
         return
     width = 24
     bar = "#" * int(width * min(done, total) / total)

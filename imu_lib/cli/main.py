@@ -121,7 +121,10 @@ def main(argv: list[str] | None = None) -> int:
 
     try:
         args = parser(command).parse_args(argv)
-        return int(args.run(args) or 0)
+        from imu_lib.cli.common import json_alone
+
+        with json_alone(getattr(args, "json", None)):
+            return int(args.run(args) or 0)
     except ImuLibError as error:
         return _fault(str(error))
     except OSError as error:

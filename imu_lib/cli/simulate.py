@@ -4,7 +4,6 @@ model.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 from imu_lib.cli import common
@@ -121,9 +120,7 @@ def _by_pieces(model, n, rate, generator, temperature, part):
     from imu_lib.stream import CHUNK
     from imu_lib.writers import write_pieces
 
-    bar = common.progress(about="channels", total=len(model.channel_names))
-    if bar.disable:
-        print(f"drawing {', '.join(model.channel_names)} ...", file=sys.stderr)
+    bar = common.progress(about="drawing channels", total=len(model.channel_names))
     options = {"temperature": temperature, "folder": part.resolve().parent}
     drawn = drawing.draw(
         model, n, rate, generator, progress=lambda channel: bar.update(1), **options

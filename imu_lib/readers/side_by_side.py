@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.errors import InputError
 from imu_lib.record import Record
 
@@ -139,3 +140,29 @@ def slow_kind(record: Record) -> str | None:
             if (np.abs(step - np.median(step)) <= 1).mean() > 0.9:
                 return kind
     return None
+
+
+def own_rates(record: Record) -> dict[str, Record]:
+    """Gyro and accelerometer of a record in which one comes at a lower rate, each at its own."""
+    slow = slow_kind(record)
+    if slow is None:
+        return {}
+    out = {}
+    for kind in ("gyro", "accel"):
+        channels = {c: x for c, x in record.channels.items() if c.startswith(kind)}
+        rows = np.arange(record.n)
+        if kind == slow:
+            rows = np.flatnonzero(~np.logical_and.reduce([np.isnan(x) for x in channels.values()]))
+        t = record.times()[rows]
+        rate = record.rate if kind != slow else timing.measured_rate(t)
+        even = np.abs((t - t[0]) * rate - np.arange(len(t))).max() < 1e-2
+        out[kind] = Record(
+            {c: x[rows] for c, x in channels.items()},
+            rate,
+            None if even else t - t[0],
+            None if record.temperature is None else record.temperature[rows],
+            record.name,
+            record.source,
+            record.notes,
+        )
+    return out
