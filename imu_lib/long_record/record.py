@@ -12,6 +12,7 @@ from imu_lib import readers
 from imu_lib.errors import InputError
 from imu_lib.long_record import columns, grid
 from imu_lib.readers import names
+from imu_lib.readers.streams import slow_kind
 from imu_lib.record import CHANNELS
 from imu_lib.stream import CHUNK, LONG
 
@@ -126,6 +127,8 @@ def open_long(path, *, start=None, stop=None, trust_units=False, **options):
     if rows <= LONG:
         return None
     head = _head(source, path, trust_units=trust_units, **options)
+    if head.n != HEAD or slow_kind(head):
+        return None  # rows that are copies, or streams in rows of their own: read whole
     found = _matched(source, {k for k, n in sizes.items() if n == rows}, head)
     if found is None:
         return None
