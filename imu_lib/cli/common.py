@@ -11,11 +11,11 @@ import math
 import os
 import sys
 import tempfile
-import time
 from collections.abc import Iterable, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from imu_lib.cli.progress import Lines, progress  # noqa: F401 - part of what is shared
 from imu_lib.errors import InputError
 
 
@@ -309,51 +309,6 @@ def estimate_text(estimate, symbol: str, channel: str) -> str:
     if estimate.value is None:
         return f"< {high}"
     return f"{in_datasheet_unit(estimate.value, symbol, channel)} [{low}, {high}]"
-
-
-class Lines:
-    """Progress where standard error is no terminal: a line at the start, one now and then, one at the
-    end. It has what is used of tqdm: iteration, `update`, `close`.
-    """
-
-    EVERY = 10.0  # s between lines
-
-    def __init__(self, iterable=None, about: str = "", total: int | None = None):
-        self.iterable, self.about, self.n = iterable, about or "working", 0
-        self.total = total if total is not None else getattr(iterable, "__len__", lambda: None)()
-        self.began = self.told = time.monotonic()
-        self._tell()
-
-    def _tell(self, end: str = "") -> None:
-        of = f" of {self.total:,}" if self.total else ""
-        print(f"{self.about}: {self.n:,}{of}{end}", file=sys.stderr, flush=True)
-        self.told = time.monotonic()
-
-    def update(self, n: int = 1) -> None:
-        self.n += n
-        if time.monotonic() - self.told > self.EVERY:
-            self._tell()
-
-    def close(self) -> None:
-        took = time.monotonic() - self.began
-        if self.n and took > 1.0:
-            self._tell(f", {took:.0f} s")
-        self.n = 0
-
-    def __iter__(self):
-        for item in self.iterable:
-            yield item
-            self.update()
-        self.close()
-
-
-def progress(iterable=None, *, about: str = "", total: int | None = None):
-    """Progress on standard error: tqdm's bar on a terminal, a line now and then in a file."""
-    from tqdm import tqdm
-
-    if not sys.stderr.isatty():
-        return Lines(iterable, about, total)
-    return tqdm(iterable, desc=about, total=total, file=sys.stderr, leave=False)
 
 
 _OUTPUT: list = []  # where JSON goes while a command's other words are kept off standard output
