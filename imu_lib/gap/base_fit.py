@@ -10,14 +10,20 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.gap import fast, slow
+from imu_lib.gap.drifts import drift_candidates
 from imu_lib.gap.effects import CATALOGUE, DRIFTS, SPECTRAL
 from imu_lib.gap.engine import Data
 from imu_lib.gap.search import filter_candidates
-from imu_lib.gap.state import State
+from imu_lib.gap.state import EVIDENCE, State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
 #: What a filter in the sensor has to add to the evidence of a free base.
 FILTER = 6.0
+#: Log evidence that a noise more in the base has to bring: one that the record does not show costs
+#: nothing else, its parameters being as open as before.
+PER_NOISE = 1.0
+#: How many drifts are named beside a free base.
+MAX_DRIFTS = 2
 #: Parts of the sampling rate below which a base is fitted to start a filter beside it.
 BELOW = (0.1, 0.02)
 #: Samples in the shortest correlation time of a free base.
@@ -74,29 +80,45 @@ def _slow(slot, fs):
 
 
 def free_base(data: Data, held=()) -> State:
-    """The best family by evidence, as a state whose base is free.
+    """The best family by evidence, as a state whose base is free, beside the drifts and the filter
+    that stand far out of it.
 
-    A filter in the sensor is tried at once, beside a base fitted to the low part of the band, up
-    to each of `BELOW`: fitted
-    to all of it, flicker or a quick Gauss-Markov process would imitate the roll-off.
+    A drift competes with the families, each by itself: fitted first, a random walk would imitate a
+    ramp that is plain to see. A filter in the sensor is tried beside a base fitted to the low part
+    of the band, up to each of `BELOW`: fitted to all of it, flicker or a quick Gauss-Markov process
+    would imitate the roll-off.
     """
-    best = _best_family(data, held)
+    families = _families(data, held)
+    best = max(families, key=_worth)
+    for _ in range(MAX_DRIFTS):
+        trials = [s.plus(item) for s in families for item in drift_candidates(s)]
+        top = max(trials, key=_worth, default=None)
+        if top is None or _worth(top) < _worth(best) + EVIDENCE:
+            break
+        best = top
+        families = [s.plus(best.items[-1]) for s in families]
     for share in BELOW:
         low = copy(data)
         low.layout = replace(
             data.layout, nu=np.where(data.layout.f < share * data.fs, data.layout.nu, 0.0)
         )
-        below = _best_family(low, held).settled()
-        for item in filter_candidates(State(data, below.base)):
-            trial = State(data, below.base, [item], base_slots=below.base_slots)
+        below = max(_families(low, held, best.drifts), key=_worth).settled()
+        for item in filter_candidates(State(data, below.base, below.items)):
+            trial = State(data, below.base, [*below.items, item], base_slots=below.base_slots)
             if trial.evidence > best.evidence + FILTER:
                 best = trial
     return best.settled()
 
 
-def _best_family(data, held):
-    best = None
+def _worth(state: State) -> float:
+    return state.evidence - PER_NOISE * len(state.base)
+
+
+def _families(data, held, items=()) -> list[State]:
+    """The likeliest start of every family, fitted beside `items`."""
+    out = []
     for family in FAMILIES:
+        states = []
         for terms in _starts(data, family):
             terms = list(held) + terms
             slots = [
@@ -104,10 +126,9 @@ def _best_family(data, held):
                 for i, t in enumerate(terms)
                 if i >= len(held)
             ]
-            state = State(data, terms, base_slots=slots)
-            if best is None or state.evidence > best.evidence:
-                best = state
-    return best
+            states.append(State(data, terms, items, base_slots=slots))
+        out.append(max(states, key=lambda state: state.evidence))
+    return out
 
 
 #: An effect is swallowed if the base takes this share of the information on its strength, for this
@@ -163,4 +184,5 @@ def absorbed(state: State) -> list[str]:
                 names.append(effect.name)
     if "gauss_markov" in names:  # two levels whose dwells are lost in the noise have its spectrum
         names.append("telegraph")
-    return list(dict.fromkeys([*names, "parameter_change"]))
+    found = {item.name for item in state.items}
+    return [n for n in dict.fromkeys([*names, "parameter_change"]) if n not in found]

@@ -12,11 +12,8 @@ from imu_lib.gap import effects, fast
 from imu_lib.gap.drifts import drift_candidates, retuned
 from imu_lib.gap.engine import SCREEN, amplitude_occam, measured
 from imu_lib.gap.search import change_candidates, filter_candidates, spectral_candidates
-from imu_lib.gap.state import Item, State
+from imu_lib.gap.state import EVIDENCE, GAIN, Item, State
 
-#: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records,
-#: benchmarks/gap_null.py).
-EVIDENCE, GAIN = 3.0, 9.0
 #: Alternatives within this log evidence of the winner cannot be told from it.
 NEAR = 3.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second

@@ -11,6 +11,9 @@ import numpy as np
 from imu_lib.gap import effects
 from imu_lib.gap.engine import Data, Fit, Likelihood, Slot
 
+#: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records,
+#: benchmarks/gap_null.py).
+EVIDENCE, GAIN = 3.0, 9.0
 #: A change of a held parameter is log-normal, half of the time within a factor of two or so, else
 #: of any size: shares and
 #: standard deviations of the two (the width is what the fit assumes first).
@@ -130,6 +133,11 @@ class State:
             and i.column is None
             and i.name != "low_pass"
         ]
+
+    @property
+    def drifts(self) -> list:
+        """The items that add a column to the regression."""
+        return [i for i in self.items if i.column is not None]
 
     @property
     def cleaned(self) -> Data:

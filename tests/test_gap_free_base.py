@@ -1,0 +1,32 @@
+"""A free base does not imitate what stands far out of the noise, nor show noises that are not there."""
+
+import numpy as np
+import pytest
+
+from imu_lib.gap.channel import analyse
+
+FS, N = 50.0, 60_000
+
+
+def drift(kind, t):
+    return {
+        "ramp": 2.0 * t / t[-1],
+        "warm_up": 1.5 * np.exp(-t / 90.0),
+        "step": 1.2 * (t > 700.0),
+        "none": 0.0 * t,
+    }[kind]
+
+
+@pytest.mark.parametrize(
+    "kind, walk", [("ramp", 0.0), ("step", 0.0), ("warm_up", 0.0), ("none", 2e-3)]
+)
+def test_a_drift_that_stands_far_out_is_named_beside_a_free_base(kind, walk):
+    """The noise of a block of 4 s has a standard deviation of 0.4, the drifts 1.2 to 2."""
+    rng = np.random.default_rng([3, len(kind)])
+    t = np.arange(N) / FS
+    x = 5.0 * rng.standard_normal(N) + walk * np.cumsum(rng.standard_normal(N)) + drift(kind, t)
+    found = analyse("gyro_x", x, FS, None, seed=1)
+    assert [s.effect for s in found.steps] == ([] if kind == "none" else [kind])
+    assert found.unexplained is None
+    if not walk:  # nothing but white noise is in the base
+        assert [p.name for p in found.base.terms] == ["white_noise"]
