@@ -7,6 +7,7 @@ from pathlib import Path
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 PATTERNS = (
+    "CHANGELOG.md",
     "book/*.*",
     "book/_static/*",
     "nbs/*.ipynb",

@@ -7,47 +7,50 @@ import re
 import nbformat
 
 from conftest import ROOT
-from imu_lib.book import chapters
-
-NAME = r"((?:fig|tab|eq)-(?:2008|2011|2013)-[\w-]+)"
+from imu_lib.book import chapters, reproduced
 
 
-def targets():
-    """Target of a table, figure or equation of a paper -> the chapters that define it."""
-    found = {}
-    for chapter in chapters.chapters(ROOT):
-        for cell in nbformat.read(chapter.path, as_version=4).cells:
-            if cell.cell_type == "markdown":
-                for pattern in (
-                    rf"^\({NAME}\)=",
-                    rf"\$\$\s*\({NAME}\)",
-                    rf":(?:label|name): {NAME}",
-                ):
-                    for name in re.findall(pattern, cell.source, re.MULTILINE):
-                        found.setdefault(name, []).append(chapter.slug)
-    return found
-
-
-def linked():
-    text = (ROOT / "book/reproduced.md").read_text(encoding="utf-8")
-    return set(re.findall(rf"[<`]{NAME}[>`]", text))
+def labels():
+    return [
+        label
+        for paper in reproduced.items(ROOT)
+        for item in paper["item"]
+        for label in item.get("labels", ())
+    ]
 
 
 def test_each_target_is_defined_once():
-    assert not {name: slugs for name, slugs in targets().items() if len(slugs) > 1}
+    assert not {name: slugs for name, slugs in reproduced.targets(ROOT).items() if len(slugs) > 1}
 
 
 def test_index_and_chapters_agree():
-    assert linked() == set(targets())
+    found = {name for name in reproduced.targets(ROOT) if not name.startswith("eq-")}
+    assert len(labels()) == len(set(labels())) and set(labels()) == found
 
 
 def test_what_is_not_reproduced_has_its_reason():
-    rows = [
-        row
-        for row in (ROOT / "book/reproduced.md").read_text(encoding="utf-8").splitlines()
-        if row.startswith("|") and "not reproduced" in row
-    ]
-    assert all(re.search(r"not reproduced: \w", row) for row in rows), "\n".join(rows)
+    for paper in reproduced.items(ROOT):
+        for item in paper["item"]:
+            assert item.get("labels") or re.match(r"\w", item.get("reason", "")), item
+
+
+def test_printed_tables_have_their_numbers():
+    """Each table of measured values is compared by a chapter, and no comparison is left out."""
+    stored, names = (
+        reproduced.comparisons(ROOT),
+        {
+            f"{paper['year']} {item['name']}": item
+            for paper in reproduced.items(ROOT)
+            for item in paper["item"]
+        },
+    )
+    assert set(stored) <= set(names)
+    measured = {f"2013 Table {n}" for n in range(2, 11)} | {"2011 Table 2", "2011 Table 3"}
+    assert measured | {"2008 Table 2", "2008 Table 3", "2008 Table 4"} == set(stored)
+    text = reproduced.page(ROOT)
+    assert all(
+        f"{entry['within']} of {entry['values']} within" in text for entry in stored.values()
+    )
 
 
 def test_every_citation_is_in_the_bibliography():
@@ -59,6 +62,7 @@ def test_every_citation_is_in_the_bibliography():
         )
     )
     texts = [path.read_text(encoding="utf-8") for path in (ROOT / "book").glob("*.md")]
+    texts.append(reproduced.page(ROOT))
     for chapter in chapters.chapters(ROOT):
         texts += [cell.source for cell in nbformat.read(chapter.path, as_version=4).cells]
     cited = {

@@ -13,6 +13,7 @@ import yaml
 PACKAGE = Path(__file__).resolve().parents[1]
 # what a build copies, by folder: the rest of a checkout is no part of the book
 SOURCES = (
+    "CHANGELOG.md",
     "book/*.*",
     "book/_static/*",
     "nbs/*.ipynb",

@@ -7,9 +7,11 @@ referred to; a table that `imu_lib.tables.show` drew becomes a table of the page
 of `book/_static/book.js` for sorting it and saving it as CSV.
 """
 
+import re
 from html.parser import HTMLParser
 
 from docutils import nodes
+from sphinx import addnodes
 from sphinx.transforms import SphinxTransform
 
 
@@ -137,6 +139,35 @@ def adopt(document, output, node):
         document.set_id(node)
 
 
+class Functions(SphinxTransform):
+    """Turns the code of a table of symbols into links to the reference, where it names a function."""
+
+    default_priority = 700
+
+    def apply(self, **_):
+        if not self.env.docname.startswith("nbs/"):
+            return
+        for table in self.document.findall(nodes.table):
+            if "computed" in table.get("classes", ()):
+                continue
+            for literal in list(table.findall(nodes.literal)):
+                name = re.match(r"[A-Za-z_]\w*\.[A-Za-z_]\w*", literal.astext())
+                if name is None or isinstance(literal.parent, addnodes.pending_xref):
+                    continue
+                link = addnodes.pending_xref(
+                    "",
+                    refdomain="py",
+                    reftype="obj",
+                    reftarget=name[0],
+                    refspecific=True,
+                    refexplicit=True,
+                    refwarn=False,
+                    refdoc=self.env.docname,
+                )
+                literal.replace_self(link)
+                link += literal
+
+
 def page_context(app, pagename, templatename, context, doctree):
     """Leave out Thebe, which needs a network (and is declared twice), and say what printing does."""
     context["script_files"] = [
@@ -153,5 +184,6 @@ def page_context(app, pagename, templatename, context, doctree):
 
 def setup(app):
     app.add_transform(Outputs)
+    app.add_transform(Functions)
     app.connect("html-page-context", page_context, priority=900)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -9,6 +9,7 @@ from imu_lib.tables.coefficients import (
     held,
     values_of,
 )
+from imu_lib.tables.compared import Comparison, compare, flat
 from imu_lib.tables.shown import Shown, show
 from imu_lib.tables.studies import (
     calibration_coverage,
@@ -24,12 +25,15 @@ from imu_lib.tables.studies import (
 
 __all__ = [
     "USUAL",
+    "Comparison",
     "Shown",
     "autoregressive_models",
     "calibration_coverage",
     "coefficients",
+    "compare",
     "coverage",
     "coverage_by_channel",
+    "flat",
     "flat_parts",
     "gauss_markov",
     "held",
