@@ -182,7 +182,28 @@ def page_context(app, pagename, templatename, context, doctree):
                 button["text"], button["tooltip"] = "Print this page", "Print this page, or to PDF"
 
 
+def plain_docstring(app, what, name, obj, options, lines):
+    """Docstrings are plain text with formulas: what reStructuredText would take for markup is not."""
+    for number, line in enumerate(lines):
+        bullet, line = re.match(r"(\s*(?:\* )?)(.*)", line).groups()
+        parts = re.split(r"(`+[^`]+`+)", line)
+        lines[number] = bullet + "".join(
+            part
+            if part.startswith("`")
+            else re.sub(r"(?<=\w)_(?=\W|$)", r"\\_", re.sub(r"([|*])", r"\\\1", part))
+            for part in parts
+        )
+
+
+def skip_values(app, what, name, obj, skip, options):
+    """Only functions and classes have an entry in the reference; tables of values do not."""
+    return True if what == "module" and not callable(obj) else skip
+
+
 def setup(app):
+    if "sphinx.ext.autodoc" in app.extensions:
+        app.connect("autodoc-process-docstring", plain_docstring, priority=100)
+        app.connect("autodoc-skip-member", skip_values)
     app.add_transform(Outputs)
     app.add_transform(Functions)
     app.connect("html-page-context", page_context, priority=900)
