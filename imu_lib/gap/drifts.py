@@ -50,6 +50,23 @@ def drift_candidates(state: State) -> list[Item]:
         item = _best_drift(state, effect, scan, 0.0 if beside else SCREEN)
         if item is not None:
             out.append(item)
+        if effect.name == "temperature":
+            out += _bent(effect, scan, state.cleaned)
+    return out
+
+
+def _bent(effect, scan, data) -> list[Item]:
+    """A bias that follows the temperature with a curvature, a lag or both; a fitted base may have
+    taken so much of it for noise that only the whole shape wins it back.
+    """
+    out = []
+    for process in effect.candidates(data):
+        for best, intervals, width in effect.bent(process, scan, data):
+            gain = float(scan(effect, [best])[0][0])
+            if gain > SCREEN:
+                note = {"screen": gain, "intervals": intervals, "width": width}
+                column = np.diff(effect.columns([best], data)[:, 0])
+                out.append(Item(effect.key, best, column=column, note=note))
     return out
 
 

@@ -120,6 +120,7 @@ def steps_of_items(state, rivals, n_base) -> list[Step]:
             sd = float(np.sqrt(max(v, 0.0)))
             process = item.process.with_(**{item.effect.amplitude: float(b)})
             intervals[item.effect.amplitude] = [b - Z95 * sd, b + Z95 * sd]
+            intervals.update(item.note.get("intervals", {}))
             if "profile" in item.note:
                 intervals[item.effect.shape] = item.note["profile"]
             parameters = _parameters(process)

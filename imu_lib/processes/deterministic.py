@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy.signal import lfilter
@@ -175,6 +175,14 @@ class Temperature(Deterministic):
         Parameter("curvature", "signed", "signal unit/degC^2", optional=True),
         Parameter("lag", "time", "of the sensor behind the thermometer, s", optional=True),
     )
+
+    def with_(self, **parameters: Any) -> Self:
+        """The same process with some parameters replaced. A new slope alone keeps the shape: the
+        curvature grows with it.
+        """
+        if self.curvature and "slope" in parameters and "curvature" not in parameters:
+            parameters["curvature"] = self.curvature * parameters["slope"] / self.slope
+        return super().with_(**parameters)
 
     def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()

@@ -1,12 +1,18 @@
-"""A bias that follows the temperature."""
+"""A bias that follows the temperature, perhaps bent and behind a lag."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import minimize
 
 from imu_lib.processes import Temperature as Process
 
 from .base import Drift
+
+#: Log odds against a curvature and against a lag.
+BENT = 6.0
+#: The usual reference of datasheets, degC, taken for a bent characteristic that reaches near it.
+USUAL, NEAR = 25.0, 10.0
 
 
 class Temperature(Drift):
@@ -19,6 +25,70 @@ class Temperature(Drift):
         if data.temperature is None or not np.ptp(data.block_temperature) > 0:
             return []
         return [Process(slope=1.0, reference=float(np.mean(data.block_temperature)))]
+
+    def bent(self, process, scan, data) -> list:
+        """(process, 95 % intervals, log odds against it) with a curvature, with a lag and with
+        both, at their best by `scan(effect, processes)`, which fits the amplitude.
+        """
+        middle, sd = process.reference, float(np.std(data.block_temperature))
+
+        def made(v, curved, lagged):
+            angle = v[0] if curved else 0.0
+            return Process(
+                slope=float(np.cos(angle) / sd),
+                reference=middle,
+                curvature=float(np.sin(angle) / sd**2) if curved else None,
+                lag=float(np.exp(v[1])) if lagged else None,
+            )
+
+        def gain(v, curved, lagged):
+            return float(scan(self, [made(v, curved, lagged)])[0][0])
+
+        lags = np.log(np.geomspace(0.5 * data.m / data.fs, data.duration / 4, 9))
+        out = []
+        for curved, lagged in ((True, False), (False, True), (True, True)):
+            starts = [
+                (a, t)
+                for a in (np.linspace(-1.5, 1.5, 9) if curved else (0.0,))
+                for t in (lags if lagged else lags[:1])
+            ]
+            r = minimize(
+                lambda v, *kind: -gain(v, *kind),
+                max(starts, key=lambda v: gain(v, curved, lagged)),
+                args=(curved, lagged),
+                method="Nelder-Mead",
+                bounds=((-1.57, 1.57), (lags[0], lags[-1])),
+                options={"xatol": 1e-3, "fatol": 1e-2, "maxiter": 120},
+            )
+            found = made(r.x, curved, lagged)
+            intervals = self._intervals(r.x, curved, lagged, gain, found)
+            found = self._referred(found.with_(slope=1.0), data)
+            out.append((found, intervals, -BENT * (curved + lagged)))
+        return out
+
+    @staticmethod
+    def _intervals(v, curved, lagged, gain, found):
+        """95 % intervals of the lag, from the bend of the log-likelihood."""
+        if not lagged:
+            return {}
+        h = 0.05
+        up, down = ((v[0], v[1] + s * h) for s in (1, -1))
+        curve = 2 * gain(v, curved, lagged) - gain(up, curved, lagged) - gain(down, curved, lagged)
+        spread = 1.96 * h / np.sqrt(max(curve, 1e-3))
+        return {"lag": [found.lag * np.exp(-spread), found.lag * np.exp(spread)]}
+
+    @staticmethod
+    def _referred(process, data):
+        """The same characteristic with its slope at the usual reference temperature."""
+        t = data.block_temperature
+        if process.curvature is None or not t.min() - NEAR < USUAL < t.max() + NEAR:
+            return process
+        slope = 1.0 + 2.0 * process.curvature * (USUAL - process.reference)
+        if abs(slope) < 1e-6:
+            return process
+        return Process(
+            slope=1.0, reference=USUAL, curvature=process.curvature / slope, lag=process.lag
+        )
 
 
 EFFECTS = (Temperature(),)
