@@ -61,12 +61,12 @@ def _bent(effect, scan, data) -> list[Item]:
     """
     out = []
     for process in effect.candidates(data):
-        for best, intervals, width in effect.bent(process, scan, data):
+        for best, intervals, odds in effect.bent(process, scan, data):
             gain = float(scan(effect, [best])[0][0])
             if gain > SCREEN:
-                note = {"screen": gain, "intervals": intervals, "width": width}
+                note = {"screen": gain, "intervals": intervals, "ll": 0.0}
                 column = np.diff(effect.columns([best], data)[:, 0])
-                out.append(Item(effect.key, best, column=column, note=note))
+                out.append(Item(effect.key, best, column=column, bonus=odds, note=note))
     return out
 
 
