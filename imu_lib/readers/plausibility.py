@@ -27,8 +27,11 @@ NOISY = 2.5e-3  # rad/s/sqrt(Hz), 8.6 deg/sqrt(h): hardly any gyro at rest has m
 #: Noise of the accelerometer over that of the gyro beside it, m/s^2 per rad/s: 5 to 30 in MEMS units.
 RATIO = (12.0, np.log(3.0))
 GYRO_BIAS = (0.1, 0.7)  # rad/s where a bias begins to be unusual, spread of its logarithm above it
+OPTICAL = (
+    5e-6  # rad/s/sqrt(Hz), 0.017 deg/sqrt(h): below, only fibre-optic and ring-laser gyros are
+)
 REFUSED = 7.0  # log-odds for another unit from which a stated one is refused
-DOUBTED = 3.5  # and from which a word is said
+DOUBTED = 2.5  # and from which a word is said
 
 
 class Told(NamedTuple):
@@ -209,6 +212,12 @@ def gyro_unit(
     )
     odds = best - score
     if best_unit == unit or odds < DOUBTED:
+        if strict and quiet and noise is None and unit != "rad/s" and 0 < still < OPTICAL:
+            return Told(
+                f"the rates stated in {unit} have a {_worst(still, bias)}, that of an optical gyro; of a MEMS gyro the unit would likely be rad/s",
+                False,
+                "rad/s",
+            )
         return None
     worst = _worst(still, bias)
     if noise and still and noise / still > 60:
