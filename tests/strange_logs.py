@@ -111,6 +111,21 @@ def logs():
     out["negative.csv"] = (table("t,gx [rad/s],gy [rad/s],gz [rad/s]", T - 2, GYRO), "", 100)
     out["noon.csv"] = (table("Time,gx [deg/s],gy [deg/s],gz [deg/s]", clock((11, 59, 50), 0.1, "%I:%M:%S.%f %p", 0), DPS), "", 10)
     out["reset.csv"] = (table("time [ms],gx [rad/s],gy [rad/s],gz [rad/s]", np.r_[I[:200] * 10 + 5000, I[:200] * 10], GYRO), "", 100)
+    six = "t [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]"
+    body = table("", T, GYRO, ACCEL)
+    lines = body.splitlines()
+    out["raw_beside.csv"] = (table("t [s],ax_raw,ay_raw,az_raw,gx_raw,gy_raw,gz_raw,ax [g],ay [g],az [g],gx [deg/s],gy [deg/s],gz [deg/s]", T, np.rint(IN_G * 16384).astype(int), np.rint(DPS * 131).astype(int), IN_G, DPS), "", 100)
+    out["header_again.csv"] = ("\n".join([six, *lines[:200], six, *lines[200:], "End of log", "Total: 400 samples"]) + "\n", "", 100)
+    out["wide.csv"] = ("\ufeff" + six.replace(",", "\t") + "\n" + body.replace(",", "\t")).encode("utf-16-le"), "", 100
+    out["quoted_commas.csv"] = (six + "\n" + "\n".join('"' + '","'.join(f.replace(".", ",") for f in r.split(",")) + '"' for r in lines) + "\n", "", 100)
+    out["letters.csv"] = (table("Time (s),Gx (g),Gy (g),Gz (g),ax (deg/s),ay (deg/s),az (deg/s)", T, IN_G, DPS), "", 100)
+    out["turned.csv"] = (table("t(s),Gyro Z (deg/s),Gyro Y (deg/s),Gyro X (deg/s),Acc Z (g),Acc Y (g),Acc X (g)", T, DPS[:, ::-1], IN_G[:, ::-1]), "", 100)
+    parts = [f"2021-03-04,10:00:{k // 100:02d},{k % 100 * 10}" for k in I]
+    out["clock_and_ms.csv"] = ("Date,Time,ms" + six[5:] + "\n" + "\n".join(f"{p},{r.partition(',')[2]}" for p, r in zip(parts, lines)) + "\n", "", 100)
+    out["digits.csv"] = (table("UTC time (HHMMSS.SS)" + six[5:], [f"{c[:2]}{c[3:5]}{c[6:]}" for c in clock((10, 59, 58))], GYRO, ACCEL), "", 100)
+    out["counter.csv"] = (table("cnt" + six[5:], I % 256, GYRO, ACCEL), "--rate 100", 100)
+    echo = "header:\n  stamp:\n    sec: {}\n    nanosec: {}\n  frame_id: imu\norientation:\n  x: 0.0\n  w: 1.0\nangular_velocity:\n  x: {:.8f}\n  y: {:.8f}\n  z: {:.8f}\nlinear_acceleration:\n  x: {:.6f}\n  y: {:.6f}\n  z: {:.6f}\n---\n"
+    out["echo.txt"] = ("".join(echo.format(1600000000 + k // 100, k % 100 * 10**7, *GYRO[k], *ACCEL[k]) for k in I), SI, 100)
     plain = table("time [s],gx [rad/s],gy [rad/s],gz [rad/s]", T, GYRO).encode()
     out["plain.csv.gz"], out["plain.csv.bz2"], out["plain.csv.xz"] = (gzip.compress(plain), "", 100), (bz2.compress(plain), "", 100), (lzma.compress(plain), "", 100)
     return out
@@ -131,7 +146,9 @@ def asking():
     out["whole_seconds.csv"] = (table("t,gx,gy,gz", I, GYRO), "--gyro-unit rad/s", "--rate HZ", "--rate 100", 100)
     out["flag_of_a_column_that_is_not_there.csv"] = (table("time,foo_x,foo_y,foo_z", T, GYRO), "--gyro-unit rad/s", "--columns", "--columns time,gyro_x,gyro_y,gyro_z", 100)
     out["counts.csv"] = (table("time [s],gx [lsb],gy [lsb],gz [lsb]", T, np.rint(DPS * 1e4).astype(int)), "", "--gyro-unit counts:C", "--gyro-unit counts:10000", 100)
+    out["hundredths.csv"] = (table("t [s],gx [0.01 deg/s],gy [0.01 deg/s],gz [0.01 deg/s]", T, DPS * 100), "", "--gyro-unit counts:100", "--gyro-unit counts:100", 100)
+    out["tenths.csv"] = (table("t [0.1 ms],gx [rad/s],gy [rad/s],gz [rad/s]", I * 100, GYRO), "", "--time-unit ticks:10000", "--time-unit ticks:10000", 100)
+    out["accel_first.csv"] = (table("", T, zero + 3, ACCEL, zero + 4, GYRO), SI, "--columns", None, 100)
     out["minutes.csv"] = (table("time,gx,gy,gz", T / 6, GYRO, form="%.9f"), "--gyro-unit rad/s", "--time-unit min", "--time-unit min", 10)
-    del zero
     return out
     # fmt: on

@@ -13,6 +13,7 @@ from imu_lib import readers
 from imu_lib.cli import common
 from imu_lib.cli.main import joined, parser
 from imu_lib.errors import InputError
+from imu_lib.readers import plausibility
 
 LOGS, ASKING = strange_logs.logs(), strange_logs.asking()
 
@@ -70,6 +71,7 @@ def test_what_was_done_is_said(tmp_path):
         "own_stamps.csv": "stamps of its own",
         "week.csv": "a week",
         "coarse.csv": "coarser than the sampling",
+        "header_again.csv": "appended",
         "dataflash.csv": None,
     }
     for name, words in said.items():
@@ -131,3 +133,48 @@ def test_flight_logs_and_data_of_r(tmp_path):
     (tmp_path / "c.ulg").write_bytes((tmp_path / "a.ulg").read_bytes()[:40])
     with pytest.raises(InputError, match="c.ulg"):
         readers.read(tmp_path / "c.ulg")
+
+
+@pytest.mark.parametrize(
+    ("fs", "gyro", "accel", "bias"),
+    [
+        (200.0, 3e-7, 3e-4, (4e-5, 1e-5, 5e-5)),  # fibre optic, 0.001 deg/sqrt(h)
+        (200.0, 3.5e-6, 1.2e-3, (5e-5, -4e-5, 3e-5)),  # tactical, 0.012 deg/sqrt(h)
+        (500.0, 4.4e-5, 1.2e-3, (1e-4, 2e-4, -1e-4)),  # tactical MEMS, 0.15 deg/sqrt(h)
+        (100.0, 8.7e-5, 3.9e-3, (0.02, -0.03, 0.01)),  # consumer, 0.005 deg/s/sqrt(Hz)
+        (100.0, 3e-3, 5e-3, (0.2, -0.1, 0.1)),  # very poor, 10 deg/sqrt(h)
+        (5.0, 9e-4, 3e-3, (0.01, 0.0, -0.02)),  # decimated to 5 Hz
+        (4.16, 2.6e-3, 4e-3, (0.01, 0.0, -0.01)),  # 0.3 deg/s in every sample
+    ],
+)
+def test_no_true_unit_is_refused(fs, gyro, accel, bias):
+    """From fibre-optic to very poor: data sheets' noise densities, rad/s and m/s^2 per sqrt(Hz)."""
+    rng = np.random.default_rng(8)
+    w = rng.normal(0, gyro * np.sqrt(fs), (3000, 3)) + bias
+    a = rng.normal(0, accel * np.sqrt(fs), (3000, 3)) - [0, 0, 9.8]
+    for unit in ("rad/s", "deg/s", "deg/h"):
+        told = plausibility.gyro_unit(w, a, fs, unit, strict=True)
+        alone = plausibility.gyro_unit(w, None, fs, unit, strict=True)
+        assert not (told and told.refused) and not (alone and alone.refused)
+
+
+def test_a_moving_car_passes_in_its_unit():
+    rng = np.random.default_rng(3)
+    fs, n = 100.0, 30_000
+    t = np.arange(n) / fs
+    go = (t > 30)[:, None]
+    yaw = 0.2 * np.sin(2 * np.pi * t / 20) * go[:, 0]
+    w = np.column_stack([0.02 * np.sin(3 * t), 0.03 * np.sin(5 * t), 0 * t]) * go
+    w[:, 2] += yaw
+    w += rng.normal(0, 2e-3, (n, 3)) + rng.normal(0, 0.03, (n, 3)) * go
+    a = np.column_stack([1.5 * np.sin(t / 7), 2 * yaw, 0 * t - 9.81]) + rng.normal(0, 0.6, (n, 3))
+    assert plausibility.gyro_unit(w, a, fs, "rad/s", strict=True) is None
+    assert plausibility.gyro_unit(w, a, fs, "deg/s", strict=True) is None
+    assert plausibility.gyro_unit(w / (np.pi / 180), a, fs, "rad/s", strict=True).likely == "deg/s"
+    assert plausibility.accel_unit(a, "m/s^2", 1.0) is None
+
+
+def test_gravity_that_is_off_is_said():
+    a = np.random.default_rng(1).normal(0, 0.02, (3000, 3)) - [0, 0, 9.05]
+    told = plausibility.accel_unit(a, "m/s^2", 1.0)
+    assert not told.refused and "7.7 % below gravity" in told.why

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from imu_lib.errors import InputError
 from imu_lib.readers import names
 from imu_lib.readers.names import SIGNALS, Meaning
@@ -23,9 +25,9 @@ class Heading:
     unit: str | None = None
 
 
-def example(told, headings) -> str:
-    """Names by position for columns that say nothing: clocks and text as they are, then the
-    numbers as they most often stand.
+def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
+    """Names by position for columns that say nothing: clocks and text as they are, then the numbers
+    as they most often stand; the accelerometer first where the first three have the steadier length.
     """
     out = []
     numbers = [
@@ -33,10 +35,29 @@ def example(told, headings) -> str:
         for i, h in enumerate(headings)
         if h.kind in ("number", "empty") and told[i].quantity is None
     ]
+    rising = None
+    if values:
+        numbers = [i for i in numbers if _moves(values[i])] or numbers
+        rising = next((i for i in numbers if _rises(values[i])), None)
+        if rising is not None and len(numbers) != 6:
+            numbers = [rising, *(i for i in numbers if i != rising)]
     order = ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
     stamped = any(h.kind in STAMPS for h in headings) or any(m.quantity == "time" for m in told)
-    if not stamped and len(numbers) not in (1, 3, 6):
+    if not stamped and (
+        rising is not None and len(numbers) != 6 or values is None and len(numbers) not in (1, 3, 6)
+    ):
         order = ["time", *order]
+    triples = [n for n in numbers if order[0] != "time" or n != numbers[0]][:6]
+    if values and len(triples) == 6 and _steadier(values, triples[:3], triples[3:]):
+        order = [
+            *[o for o in order if o == "time"],
+            "accel_x",
+            "accel_y",
+            "accel_z",
+            "gyro_x",
+            "gyro_y",
+            "gyro_z",
+        ]
     fill = dict(zip(numbers, order + ["-"] * len(numbers)))
     for i, (m, h) in enumerate(zip(told, headings)):
         if i in fill:
@@ -48,6 +69,26 @@ def example(told, headings) -> str:
                 m.canonical if m.canonical in ("time", "temperature", "date", "clock") else "-"
             )
     return ",".join(out)
+
+
+def _moves(x) -> bool:
+    x = np.asarray(x, dtype=float)
+    return bool(np.nanmax(x) > np.nanmin(x)) if np.isfinite(x).any() else False
+
+
+def _rises(x) -> bool:
+    step = np.diff(np.asarray(x, dtype=float))
+    return bool(len(step) and (step > 0).mean() > 0.9)
+
+
+def _steadier(values, first, second) -> bool:
+    """Whether three columns look more like gravity than three others: a length that varies less."""
+    spread = []
+    for three in (first, second):
+        x = np.column_stack([np.asarray(values[i], dtype=float) for i in three])
+        size = np.linalg.norm(x[np.isfinite(x).all(axis=1)], axis=1)
+        spread.append(float(size.std() / size.mean()) if size.size and size.mean() > 0 else 1.0)
+    return spread[0] < 0.5 * spread[1]
 
 
 def suggestion(told, headings, skip: Sequence[int] = ()) -> str:

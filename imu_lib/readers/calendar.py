@@ -37,6 +37,8 @@ def seconds(raw: Raw) -> tuple[np.ndarray, float | None, bool]:
     text = clock if clock is not None else date
     ns, minutes_only = _clocks(raw, text, heading, required=clock is not None)
     ns = ns + days * DAY
+    if raw.subseconds is not None:
+        ns = ns + np.rint(raw.subseconds * 1e9).astype(np.int64)
     if date is None:
         # past midnight (or noon, or the full hour) the clock begins anew
         step = np.diff(ns)

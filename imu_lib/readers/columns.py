@@ -65,7 +65,7 @@ def decide(
     told = _habits(_alpha(told), headings)
     if not columns:
         if by_rows.sensors(told, headings) is None or signal:
-            told = _bare(raw, told, headings, signal, named)
+            told = _bare(raw, told, headings, signal, named, load)
         told = _preferred(raw, told, headings)
         long = by_rows.sensors(told, headings)
         if long is not None and not signal:
@@ -96,8 +96,7 @@ def _say_unused(raw: Raw, told: list[Meaning], headings) -> None:
         lost = [
             h.name
             for m, h in zip(told, headings)
-            if m.quantity is None
-            and m.why == names.UNKNOWN
+            if (m.quantity is None and m.why == names.UNKNOWN or m.quantity == kind and not m.axis)
             and names.unit_of(h.unit or names.spelled_unit(h.name) or "") in names.UNITS[kind]
         ]
         if lost:
@@ -203,7 +202,7 @@ def _habits(told: list[Meaning], headings) -> list[Meaning]:
     ]
 
 
-def _bare(raw: Raw, told, headings, signal, named) -> list[Meaning]:
+def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
     """A file whose columns are not named for a sensor: three or four numbers of a file given as
     one sensor's, else it is asked.
     """
@@ -245,9 +244,13 @@ def _bare(raw: Raw, told, headings, signal, named) -> list[Meaning]:
         if len(free) in (3, 4) and not signal
         else ""
     )
+    try:
+        values = load([i for i, h in enumerate(headings) if h.kind == "number"])
+    except InputError:
+        values = None  # a damaged line is told when the columns are known
     raise InputError(
         f"{raw.source} has {width} column{'s' * (width > 1)} and {header}; name them by position with --columns, as in "
-        f"{example(told, headings)}{one}."
+        f"{example(told, headings, values)}{one}."
     )
 
 

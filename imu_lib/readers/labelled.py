@@ -54,6 +54,8 @@ def unfold(text: str) -> Table | None:
     some = [line for line in lines if line.strip()][:400]
     if len(some) < 2:
         return None
+    if sum(line.strip() == "---" for line in some) >= 2:
+        return _documents(lines)
     middle = some[len(some) // 4 :]
     for test, make in ((_is_sentences, _sentences), (_is_pairs, _pairs), (_is_prefixed, _prefixed)):
         if test(middle):
@@ -61,6 +63,35 @@ def unfold(text: str) -> Table | None:
             if table is not None:
                 return table
     return None
+
+
+def _documents(lines) -> Table | None:
+    """YAML documents set apart by `---`, as `ros2 topic echo` prints messages: nested keys become
+    dotted names."""
+    rows: list[tuple[dict[str, str], int]] = []
+    row: dict[str, str] = {}
+    above: list[tuple[int, str]] = []
+    place = 1
+    for number, line in enumerate([*lines, "---"], 1):
+        if line.strip() == "---":
+            if row:
+                rows.append((row, place))
+            row, above, place = {}, [], number + 1
+            continue
+        found = re.match(r"^(\s*)([A-Za-z_]\w*):\s*(.*)$", line)
+        if not found:
+            continue
+        depth = len(found[1])
+        above = [a for a in above if a[0] < depth]
+        if found[3] == "":
+            above.append((depth, found[2]))
+        elif re.fullmatch(_NUMBER, found[3]):
+            row[".".join([*(k for _, k in above), found[2]])] = found[3]
+    if len(rows) < 2:
+        return None
+    keys = Counter(tuple(r) for r, _ in rows).most_common(1)[0][0]
+    kept = [([r[k] for k in keys], p) for r, p in rows if set(keys) <= set(r)]
+    return _table(list(keys), kept, len(rows) - len(kept))
 
 
 def _share(lines, test) -> float:
@@ -206,13 +237,18 @@ def _sentences(lines) -> Table | None:
     """Sentences of one tag; others (positions, remarks) are left out, and so are damaged ones."""
     found: dict[str, list[tuple[list[str], int]]] = {}
     damaged = 0
+    # a sum that hardly ever fits is another kind of sum
+    starred = [line.strip().partition("*") for line in lines[:400] if "*" in line]
+    checked = not starred or sum(
+        _sum_fits(_without_stamp(b)[1], c) for b, _, c in starred
+    ) > 0.3 * len(starred)
     for number, line in enumerate(lines, 1):
         stamp, rest = _without_stamp(line)
         m = _SENTENCE.match(rest)
         if not m:
             continue
         body, star, checksum = rest.strip().partition("*")
-        if star and not _sum_fits(body, checksum.strip()):
+        if star and checked and not _sum_fits(body, checksum.strip()):
             damaged += 1
             continue
         values = [v.strip() for v in re.split(r"[,;\t]", body)[1:]]

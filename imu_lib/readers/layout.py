@@ -26,6 +26,7 @@ _RATE = re.compile(
     r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate|output[ _]?(?:data[ _]?)?rate|odr)$",
     re.IGNORECASE,
 )
+NULLS = ("-", "--", "---", "*", "?", "#N/A", "#VALUE!", "None", "NODATA", "NULL")  # no reading
 STAMPS = ("date", "clock", "moment")
 
 
@@ -63,7 +64,7 @@ def fields(line: str, delimiter: str | None) -> list[str]:
 
 def kind(field: str, decimal: str = ".") -> str:
     """What a field looks like: number, date, clock, moment, empty or text."""
-    if field == "":
+    if field == "" or field in NULLS:
         return "empty"
     if _NUMBER.match(field) or (decimal == "," and _COMMA_NUMBER.match(field)):
         return "number"
@@ -113,6 +114,8 @@ def _candidates(lines: list[str]):
             commas = len(re.findall(r"\d,\d", bare))
             points = len(re.findall(r"\d\.\d", bare))
             yield delimiter, "," if delimiter != "," and commas > 2 * points else "."
+    if len(re.findall(r'"[+-]?\d+,\d+"', joined)) > len(lines):
+        yield ",", ","  # every field in quotes, with a decimal comma inside
 
 
 def _kinds(line: str, delimiter: str | None, decimal: str) -> tuple[str, ...]:

@@ -19,18 +19,20 @@ def words(text: str) -> set[str]:
 GYRO = words(
     "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop gyrometer"
     " omega w wb wib wibb angvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
+    " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus uhlovarychlost szogsebesseg acisalhiz"
     " гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
 ACCEL = words(
     "accelerometer accelerometers accelerometre accel accels accele acc accl acce acceleration"
     " accelerations xl akzelerometer beschleunigung beschleunigungen beschleunigungssensor"
     " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
+    " gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration"
     " przyspieszenie akcelerometr zrychleni ivme ускорение акселерометр 加速度 加速度计 加速计 加速度計"
     " 가속도 accreading f fb fib fibb a gforce gf specificforce sf accs"
 )
 TIME = words(
     "time times timestamp timestamps stamp t zeit zeitstempel temps tiempo tempo tijd czas cas zaman"
-    " время 时间 時間 時刻 时间戳 시간 elapsed sow tow epoch rostime uptime millis micros nanos datetime"
+    " время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos datetime"
     " seconds secs sec second nsecs nsec nanosec nanosecs nanoseconds usec usecs microseconds"
     " milliseconds msec msecs ms us ns s minutes timestampstart ticks tick sampletimefine"
 )
@@ -88,7 +90,7 @@ FINE = {
     "ns": "ns", "usec": "us", "usecs": "us", "microsec": "us", "microseconds": "us", "micros": "us",
     "us": "us", "msec": "ms", "msecs": "ms", "millis": "ms", "milliseconds": "ms", "ms": "ms",
     "millisecond": "ms", "microsecond": "us", "nanosecond": "ns",
-    "sec": "s", "secs": "s", "seconds": "s", "second": "s", "s": "s", "tow": "s", "sow": "s",
+    "sec": "s", "secs": "s", "seconds": "s", "second": "s", "s": "s", "tow": "s", "sod": "s", "sow": "s",
     "minutes": "min",
 }  # fmt: skip
 COMPACT = re.compile(

@@ -147,6 +147,12 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
     if found.quantity is None:
         return found
     unit = unit or found.unit
+    other = {"gyro": "accel", "accel": "gyro"}.get(found.quantity)
+    if other and unit in UNITS[other] and re.fullmatch(r"[ga]_?[xyz]", key):
+        # a lone letter: what the unit says is what it is (Gx in g, ax in deg/s)
+        found = replace(found, quantity=other, why=f"in {unit}, whatever its letter")
+    if unit == "counts":
+        found = replace(found, rank=max(found.rank, 2))  # a reading in a unit goes before it
     if found.quantity == "temperature" and unit == "deg":
         unit = None
     return replace(found, unit=unit)

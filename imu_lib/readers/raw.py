@@ -63,6 +63,7 @@ class Raw:
     described: list[Column] = field(default_factory=list)
     received: bool = False  # the rows are in order of receipt, as in a bag
     held_rows: float = 1.0  # rows for which each reading stood, where they were taken once
+    subseconds: np.ndarray | None = None  # fraction of the clock's whole seconds, s
     set_back: tuple[tuple[int, float], ...] = ()  # rows at which the clock fell, and by how much
 
     def add(
@@ -147,6 +148,11 @@ class Raw:
             heading = self.headings.get(kind) or next(
                 h for c, h in self.headings.items() if c.startswith(kind)
             )
+            scaled = spelling.scaled(unit, kind)
+            if scaled:
+                raise InputError(
+                    f"{self.source}: `{heading}` is in [{unit}]; give it as {flag} {scaled}."
+                )
             raise InputError(
                 f"{self.source}: the unit [{unit}] of `{heading}` is not known; give it with {flag}"
                 + (

@@ -162,6 +162,22 @@ def stated(flag: str, kind: str) -> tuple[float, float, str]:
     return known[unit], 0.0, unit
 
 
+def scaled(text: str, kind: str) -> str | None:
+    """What a call would say for a unit with a factor before it, as `0.01 deg/s`: counts per deg/s or
+    g, ticks per second. None where the text is no such unit.
+    """
+    found = re.match(r"^\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*[*x ]?\s*(\D.*)$", text)
+    unit = unit_of(found[2]) if found else None
+    if unit is None or unit not in UNITS.get(kind, {}) or float(found[1]) <= 0:
+        return None
+    size = float(found[1]) * UNITS[kind][unit]
+    if kind == "time":
+        return f"ticks:{1.0 / size:.10g}"
+    if kind in ("gyro", "accel"):
+        return f"counts:{(units.DEG_PER_S if kind == 'gyro' else units.G) / size:.10g}"
+    return None
+
+
 def stated_time(flag: str) -> float:
     """Seconds per unit of a stamp as `--time-unit` states it: s, ms, us, ns, min, h, day, or
     ticks:HZ. InputError where it is none.

@@ -4,6 +4,7 @@ from the first sample.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,11 @@ def _stamps(raw: Raw) -> tuple[np.ndarray, str]:
         raise InputError(
             f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the time column out and give --rate."
         )
+    if re.fullmatch(r"h+m+s+(\.s+)?", str(raw.units["time"] or "").lower()):
+        # 100012.34 is 10:00:12.34
+        whole = np.asarray(stamp, dtype=float)
+        stamp = whole // 10_000 * 3600.0 + whole // 100 % 100 * 60.0 + np.round(whole % 100, 9)
+        raw.units["time"] = "s"
     return (stamp.astype(np.int64) if stamp.dtype.kind == "u" else stamp), where
 
 
@@ -107,7 +113,7 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
             raw.columns[c] = raw.columns[c][order]
     keep = np.arange(len(relative))
     raw.repeats = int((np.diff(relative) == 0).sum())
-    unit = raw.unit("time")
+    unit = raw.units["time"] if time_unit else raw.unit("time")  # what the call says wins
     if raw.contract and time_unit is None:
         unit = "s"
         step = clock.mean_step(relative)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import itertools
+import re
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.spelling import unwrapped
 
-NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", "NULL", "None"]
+NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", *lay.NULLS]
 
 
 class Lines:
@@ -43,6 +44,57 @@ class Lines:
         table = labelled.unfold(self.data.decode(encoding, errors="replace"))
         if table is not None:
             self.data, self.places, self.notes = table.text.encode(), table.lines, table.notes
+
+    def trim(self, layout) -> bool:
+        """Leave out what a logger writes between and below the rows: its header again, and words
+        at the end. Whether anything was left out.
+        """
+        if self.places is not None or layout.encoding == "utf-16":
+            return False
+        rows = self.data.split(b"\n")
+        last = len(rows)
+        while (
+            last > layout.first + 2
+            and not re.search(rb"\d[^A-Za-z]*$", rows[last - 1].strip()[-24:] or b"")
+            and _words(rows[last - 1], layout)
+        ):
+            last -= 1
+        end = last
+        again = set()
+        if layout.header:
+            named = next((r for r in reversed(rows[: layout.first]) if r.strip()), b"").strip()
+            if named and named in self.data[len(b"\n".join(rows[: layout.first])) :]:
+                again = {i for i in range(layout.first, end) if rows[i].strip() == named}
+        text = [i for i in range(layout.first, len(rows)) if i >= end and rows[i].strip()]
+        if not again and not text:
+            return False
+        keep = [i for i in range(len(rows)) if i < end and i not in again]
+        self.data = b"\n".join(rows[i] for i in keep) + b"\n"
+        comment = tuple(c.encode() for c in lay.COMMENTS)
+        self.places = [
+            i + 1
+            for i in keep
+            if i >= layout.first and rows[i].strip() and not rows[i].lstrip().startswith(comment)
+        ]
+        if again:
+            self.notes += (
+                f"The header stands {len(again) + 1} times in the file (line {min(again) + 1} is the second): sessions that were appended.",
+            )
+        if text:
+            self.notes += (
+                f"{len(text)} line{'s' * (len(text) > 1)} of words at the end were left out.",
+            )
+        return True
+
+
+def _words(line: bytes, layout) -> bool:
+    """Whether a line below the rows holds words and fewer fields than a row."""
+    text = line.decode(layout.encoding, errors="replace").strip()
+    found = layout.split(text)
+    return not text or (
+        len(found) < len(layout.kinds)
+        and all(lay.kind(f, layout.decimal) == "text" for f in found if f)
+    )
 
 
 def read_text(path, *, columns=None, signal: str | None = None, data: bytes | None = None) -> Raw:
@@ -72,6 +124,8 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
     lines.unfold()
     head, whole = lines.head()
     layout = lay.sniff(head, str(path), whole=whole)
+    if lines.trim(layout):
+        layout = lay.sniff(*lines.head()[:1], str(path), whole=lines.head()[1])
     raw = Raw(str(path), rate=layout.rate, line=lambda row: f"line {_line_of(lines, layout, row)}")
     raw.notes += lines.notes
     units = layout.units or ("",) * len(layout.kinds)

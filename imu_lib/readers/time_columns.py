@@ -45,6 +45,7 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     that of arrival, one that states its unit before one that does not, numbers before the calendar.
     """
     out = list(told)
+    told = _subseconds(raw, told, headings, values)
     together = _put_together(told, headings, values)
     if together:
         return together
@@ -137,6 +138,25 @@ def _one_calendar(out, headings) -> list[Meaning]:
     for i, m in enumerate(out):
         if m.quantity == "counter" and any(n.quantity in ("date", "clock") for n in out):
             out[i] = Meaning(why="a counter; the clock is the time")
+    return out
+
+
+def _subseconds(raw: Raw, told, headings, values) -> list[Meaning]:
+    """A clock of whole seconds with its milliseconds (or less) in a column of their own."""
+    clocks = [i for i, m in enumerate(told) if m.quantity in ("date", "clock") and i in values]
+    moving = [i for i in clocks if ":" in str(values[i][0]) and "." not in str(values[i][0])]
+    if not moving:
+        return told
+    out = list(told)
+    for i, m in enumerate(told):
+        if m.quantity != "time" or m.unit not in ("ms", "us", "ns") or m.part != "sub":
+            continue
+        x = np.asarray(values[i], dtype=float)
+        limit = {"ns": 1e9, "us": 1e6, "ms": 1e3}[m.unit]
+        if np.isfinite(x).all() and x.min() >= 0 and x.max() < limit and (np.diff(x) < 0).any():
+            raw.subseconds = x / limit
+            out[i] = Meaning(why=f"its {m.unit} were added to `{headings[moving[0]].name}`")
+            break
     return out
 
 

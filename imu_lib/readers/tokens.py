@@ -330,8 +330,8 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     unit = None
     if kind == "accel" and have & lexicon.FREE:
         rank = 2
-    if have & {"uncalibrated", "uncal", "raw", "unfiltered"}:
-        rank = max(rank, 2) if have & {"uncalibrated", "uncal"} else rank
+    if have & {"uncalibrated", "uncal", "raw", "unfiltered", "adc", "counts", "lsb"}:
+        rank = max(rank, 2)
     if kind == "accel" and have & {"gf", "gforce"} or {"g", "force"} <= have:
         unit = "g"
     if axis is None:
