@@ -1,0 +1,65 @@
+"""What may act on a drive linearly: one column per parameter, in a fixed order.
+
+The first IMU columns enter as errors of the readings, the others in the fixes alone. Columns whose
+effect begins with "other" have no place in the catalogue: where one of them wins, the answer is
+`unexplained`, in its words.
+"""
+
+from dataclasses import dataclass
+
+AXES = "xyz"
+_PAIRS = ("xy", "xz", "yx", "yz", "zx", "zy")
+
+
+@dataclass(frozen=True)
+class Column:
+    """effect and component name it; prior: standard deviation of the parameter, SI."""
+
+    effect: str
+    component: str
+    prior: float
+
+
+def _three(effect, word, prior):
+    return [Column(effect, f"{word} {a}", prior) for a in AXES]
+
+
+def _six(effect, gyro, accel):
+    return [Column(effect, c, gyro if c.startswith("gyro") else accel) for c in CHANNEL_NAMES]
+
+
+CHANNEL_NAMES = tuple(f"{s}_{a}" for s in ("gyro", "accel") for a in AXES)
+
+IMU = (
+    *_three("accel_scale", "scale", 0.03),
+    *_three("gyro_scale", "scale", 0.03),
+    *[Column("accel_misalignment", f"matrix {p}", 0.03) for p in _PAIRS],
+    *[Column("gyro_misalignment", f"matrix {p}", 0.03) for p in _PAIRS],
+    *[Column("gyro_g_sensitivity", f"matrix {a}{b}", 5e-4) for a in AXES for b in AXES],
+    Column("imu_clock", "scale", 5e-4),
+    *[Column("gyro_bias", f"bias {a}", 0.02) for a in AXES],
+    *[Column("accel_bias", f"bias {a}", 0.5) for a in AXES],
+    *_six("other: biases follow the temperature", 2e-3, 0.05),
+    *_six("other: biases follow the speed", 2e-4, 0.01),
+    *_six("other: biases step in mid-drive", 2e-3, 0.05),
+)
+FIX = (
+    Column("gnss_time_offset", "offset", 0.5),
+    Column("gnss_time_offset", "velocity_offset", 0.5),
+    *_three("lever_arm", "arm", 1.5),
+    Column("other: receiver's velocity is smoothed", "0.3 s", 1.0),
+    Column("other: receiver's velocity is smoothed", "1 s", 1.0),
+    *[
+        Column(f"other: fixes are displaced after {part}", f"{a}", 5.0)
+        for part in ("a third", "half", "two thirds")
+        for a in ("north", "east", "down")
+    ],
+    *[Column("other: receiver's velocity is offset", f"{a}", 0.3) for a in ("north", "east", "down")],
+)
+ALL = IMU + FIX
+INDEX = {(c.effect, c.component): i for i, c in enumerate(ALL)}
+
+
+def of(effect):
+    """Column numbers of an effect, in the order of its parameter."""
+    return [i for i, c in enumerate(ALL) if c.effect == effect]

@@ -1,0 +1,76 @@
+"""A drive put right for what is held: the inverse of what the effects do to readings and stamps."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from imu_lib.drive import Drive
+
+from . import columns
+
+IDENTITY = ("+x", "+y", "+z")
+
+
+def value(theta, effect):
+    """The held values of an effect's columns, (k,)."""
+    return theta[columns.of(effect)]
+
+
+def cross_coupling(six):
+    """X of the model file's matrix xy xz yx yz zx zy."""
+    xy, xz, yx, yz, zx, zy = six
+    return np.array([[0.0, xy, xz], [yx, 0.0, yz], [zx, zy, 0.0]])
+
+
+def to_body(permutation):
+    """Matrix from the file's axes into the body's: column i is where the file's axis i points."""
+    c = np.zeros((3, 3))
+    for i, entry in enumerate(permutation):
+        c["xyz".index(entry[1]), i] = 1.0 if entry[0] == "+" else -1.0
+    return c
+
+
+def axes_put_right(drive: Drive, permutation) -> Drive:
+    if tuple(permutation) == IDENTITY:
+        return drive
+    c = to_body(permutation)
+    return drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
+
+
+def turned(drive: Drive, angles) -> Drive:
+    """The readings turned from the case's axes into the vehicle's: roll, pitch, yaw in rad."""
+    if not np.any(angles):
+        return drive
+    c = Rotation.from_euler("ZYX", np.asarray(angles, float)[::-1])
+    return drive.with_(gyro=c.apply(drive.gyro), accel=c.apply(drive.accel))
+
+
+def corrected(drive: Drive, theta) -> Drive:
+    """The drive with the columns' values taken out (all but the velocity's own offset)."""
+    if not np.any(theta):
+        return drive
+    eye = np.eye(3)
+    a = eye + np.diag(value(theta, "accel_scale"))
+    a = a + cross_coupling(value(theta, "accel_misalignment"))
+    g = eye + np.diag(value(theta, "gyro_scale"))
+    g = g + cross_coupling(value(theta, "gyro_misalignment"))
+    m = value(theta, "gyro_g_sensitivity").reshape(3, 3)
+    force = np.linalg.solve(a, (drive.accel - value(theta, "accel_bias")).T).T
+    rate = np.linalg.solve(g, (drive.gyro - value(theta, "gyro_bias") - force @ m.T).T).T
+    offset = value(theta, "gnss_time_offset")[0]
+    clock = value(theta, "imu_clock")[0]
+    arm = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm)
+    return drive.with_(
+        time=drive.time[0] + (drive.time - drive.time[0]) / (1.0 + clock),
+        gyro=rate,
+        accel=force,
+        gnss_time=drive.gnss_time - offset,
+        lever_arm=arm + value(theta, "lever_arm"),
+    )
+
+
+def velocity_shift(theta):
+    """By how much the velocities' stamps are late beyond the positions', s."""
+    offset, velocity = value(theta, "gnss_time_offset")
+    return velocity - offset

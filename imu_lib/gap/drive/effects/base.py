@@ -1,0 +1,50 @@
+"""What an effect on a drive answers: which columns or noise it is, how it is written, how a drive
+is put right for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from .. import columns
+
+
+@dataclass(frozen=True)
+class Linear:
+    """An effect whose parameters are columns of the innovations.
+
+    name : in the model file; cause : one sentence; key : its vector parameter, or None where each
+    component is a parameter of its own; words : where it shows
+    """
+
+    name: ClassVar[str]
+    cause: ClassVar[str]
+    key: ClassVar[str | None] = None
+    words: ClassVar[str]
+    unexcited: ClassVar[str]
+
+    @property
+    def columns(self):
+        return columns.of(self.name)
+
+    def parameters(self, values):
+        """The model file's parameters from the columns' values (k,)."""
+        if self.key:
+            return {self.key: [float(v) for v in values]}
+        names = [columns.ALL[i].component for i in self.columns]
+        return {n: float(v) for n, v in zip(names, values)}
+
+    def intervals(self, values, sd):
+        low, high = np.asarray(values) - 1.96 * sd, np.asarray(values) + 1.96 * sd
+        pairs = [[float(a), float(b)] for a, b in zip(low, high)]
+        if self.key:
+            return {self.key: pairs}
+        names = [columns.ALL[i].component for i in self.columns]
+        return dict(zip(names, pairs))
+
+    def where(self, problem):
+        """Where on the drive it shows, in physical words."""
+        return self.words
