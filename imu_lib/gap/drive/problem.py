@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import lfilter
 
 from imu_lib.drive import Drive
 from imu_lib.model import Model
@@ -157,13 +158,14 @@ def with_constants(model: Model) -> Model:
     )
 
 
-def build(drive: Drive, model: Model, noise: Noise, *, heading=None, velocity_shift=0.0, arm=None):
+def build(drive: Drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=()):
     """Run the filter over a drive (already corrected for what is held), and condense it.
 
-    velocity_shift : s, by which the velocities' stamps are late beyond the positions'
+    velocity_shift : s, by which the velocities' stamps are late beyond the positions'; restarts :
+    s, times at which all that is known of the motion is forgotten (a shock)
     """
     gnss = Gnss(position_floor=0.02, velocity_floor=0.005, gate=1.0 - 1e-12)
-    turn_on = turn_on_of(model)
+    turn_on = turn_on_of(noise.model)
     spread = replace_sd(drive, max(noise.position, 1.0), max(noise.velocity, 1.0), noise.sigma)
     engine = LooselyCoupled(
         spread,
@@ -172,9 +174,10 @@ def build(drive: Drive, model: Model, noise: Noise, *, heading=None, velocity_sh
         heading=heading,
         remove_bias=False,
     )
-    solution = engine.solve(moments=[])
     prepared = engine.prepared
     fixes = prepared.fixes
+    _trust_velocities(fixes)
+    solution = engine.solve(moments=[])
     rate = prepared.rate
     bias = _bias(engine, solution)
     lever = engine.lever
@@ -242,12 +245,34 @@ def build(drive: Drive, model: Model, noise: Noise, *, heading=None, velocity_sh
         path["velocity"].append(vel)
         path["attitude"].append(attitude.euler(quat))
     arrays = _join(parts, bias)
+    node_time = np.concatenate([p["time"] for p in parts])
+    arrays["begins"][[k for k in np.searchsorted(node_time, restarts) if k < node_time.size]] = True
+    arrays["node_time"] = node_time
     arrays |= {"arm_rows": arm_rows, "d": d}
     return Problem(
         drive=drive, turn_on=turn_on, rate=rate, time=fixes.time, use=use, y=y,
         stated=fixes.variance / _inflation(noise), **extra,
         path={k: np.concatenate(v) for k, v in path.items()}, arrays=arrays, notes=solution.notes,
     )  # fmt: skip
+
+
+def _trust_velocities(fixes):
+    """Use velocities that were left out because noisy positions seemed to contradict them: what
+    positions 2 s apart can tell is limited by their own noise.
+    """
+    bad = np.flatnonzero((fixes.use & 2 == 0) & np.any(fixes.value[:, 3:] != 0.0, axis=1))
+    if bad.size < 20:
+        return
+    time, value = fixes.time[bad], fixes.value[bad]
+    after = np.searchsorted(time, time + 2.0)
+    ok = after < time.size
+    gap = time[after[ok]] - time[ok]
+    moved = earth.meters(value[after[ok], :3], value[ok, :3])[:, :2] / gap[:, None]
+    mean = 0.5 * (value[after[ok], 3:5] + value[ok, 3:5])
+    apart = np.median(np.linalg.norm(moved - mean, axis=1)[gap < 4.0])
+    sd = np.median(np.sqrt(fixes.variance[bad, :2].mean(axis=1)))
+    if apart < 1.0 + 2.0 * sd:
+        fixes.use[bad] |= 2
 
 
 def _inflation(noise):
@@ -322,12 +347,12 @@ def _gained(log, stretch, force, when):
     make: to compare velocities of times a little apart.
     """
     if log.gained is None:
-        c = attitude.matrix(log.angles)
-        part = slice(log.first, log.first + len(c))
-        f = np.einsum("nij,nj->ni", c, force[part][: len(c)])
+        part = slice(log.first, min(log.first + len(log.angles), len(force)))
+        c = attitude.matrix(log.angles[: part.stop - part.start])
+        f = np.einsum("nij,nj->ni", c, force[part])
         f[:, 2] += earth.gravity(*log.position[0, ::2])
-        dt = stretch.dt[part][: len(c)]
-        log.gained = stretch.time[part][: len(c)] + dt, np.cumsum(f * dt[:, None], axis=0)
+        dt = stretch.dt[part]
+        log.gained = stretch.time[part] + dt, np.cumsum(f * dt[:, None], axis=0)
     time, total = log.gained
     return np.column_stack([np.interp(when, time, column) for column in total.T])
 
@@ -376,7 +401,7 @@ def _fill(mine, fixes, stretch, epochs, at, log, lever, shift, y, arm_rows, use,
     out[:, :3, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * vel
     out[:, 3:, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * acc
     for k, tau in enumerate((0.3, 1.0)):
-        out[:, 3:, first + 5 + k] = vel - _low_pass(at_time, vel, tau)
+        out[:, 3:, first + 5 + k] = _smoothing_lack(log, at_time, tau)
     span = drive.time[-1] - drive.time[0]
     for k, part in enumerate((1 / 3, 1 / 2, 2 / 3)):
         after = at_time > drive.time[0] + part * span
@@ -393,17 +418,15 @@ def _fill(mine, fixes, stretch, epochs, at, log, lever, shift, y, arm_rows, use,
     extra["warmth"][mine] = warmth[np.clip(epochs, 0, warmth.size - 1)]
 
 
-def _low_pass(time, velocity, tau):
-    """First-order low-pass of a velocity given at fixes, exact for straight lines between them."""
-    out = velocity.copy()
-    for k in range(1, time.size):
-        gap = time[k] - time[k - 1]
-        if gap > 5.0:
-            continue
-        r = np.exp(-gap / tau)
-        slope = (velocity[k] - velocity[k - 1]) / gap
-        out[k] = velocity[k] - tau * slope + r * (out[k - 1] - velocity[k - 1] + tau * slope)
-    return out
+def _smoothing_lack(log, when, tau):
+    """Velocity minus its first-order low-pass, (k, 3): from the IMU alone, since a velocity that
+    holds the fixes' own noise would seem to explain it.
+    """
+    time, total = log.gained
+    step = float(np.median(np.diff(time)))
+    keep = np.exp(-step / tau)
+    slow = lfilter([1.0 - keep], [1.0, -keep], total, axis=0, zi=keep * total[:1])[0]
+    return np.column_stack([np.interp(when, time, column) for column in (total - slow).T])
 
 
 def _join(parts, bias):

@@ -1,0 +1,152 @@
+"""Effects on what is random: each is a change of the noise hypothesis, tried by its likelihood."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+
+from imu_lib.processes import Sum
+from imu_lib.record import CHANNELS
+
+from .problem import Noise, Problem
+from .select import PER_EFFECT, PER_PARAMETER
+
+_TRIES = 35
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of the noise: effect and its `key` (what may change once), start values of the
+    logarithms of its parameters, and how they enter.
+    """
+
+    effect: str
+    key: tuple
+    start: tuple
+    enter: object
+    describe: object
+
+    def fitted(self, problem, noise, use, base):
+        """Maximise: (values, gain, Noise)."""
+
+        def loss(x):
+            with np.errstate(over="ignore"):
+                value = problem.evaluate(self.enter(noise, np.exp(x)), use=use).log_likelihood
+            pull = 0.5 * float(np.sum(((x - np.log(self.start)) / 4.0) ** 2))
+            return -value + pull if np.isfinite(value) else 1e12
+
+        start = np.log(self.start)
+        k = start.size
+        simplex = np.vstack([start, start + 0.5 * np.eye(k)])
+        found = minimize(
+            loss, start, method="Nelder-Mead",
+            options={"initial_simplex": simplex, "maxfev": _TRIES * k, "xatol": 0.01, "fatol": 0.05},
+        )  # fmt: skip
+        values = np.exp(found.x)
+        noise = self.enter(noise, values)
+        gain = problem.evaluate(noise, use=use).log_likelihood - base
+        return values, gain, noise
+
+
+def penalty(change):
+    return PER_PARAMETER * len(change.start) + PER_EFFECT
+
+
+def _with_process(noise: Noise, channel, position, name, value):
+    terms = list(noise.model[channel].terms)
+    terms[position] = replace(terms[position], **{name: float(value)})
+    return noise.with_(model=noise.model.with_channels({channel: Sum(tuple(terms))}))
+
+
+def changes(problem: Problem, noise: Noise, given: bool):
+    """All changes that could be tried on top of a hypothesis."""
+    out = []
+    typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2]))) if problem.use[:, 0].any() else 1.0
+    for of in ("position", "velocity"):
+        if problem.use[:, 0 if of == "position" else 3].any():
+            out.append(
+                Change(
+                    "gnss_noise", ("gnss_noise", of), (getattr(noise, of),),
+                    lambda n, v, of=of: n.with_(**{of: float(v[0])}),
+                    lambda v, of=of: {"ratio": float(v[0]), "of": of},
+                )  # fmt: skip
+            )
+    if problem.use[:, 0].any():
+        for tau in (5.0, 60.0):
+            out.append(
+                Change(
+                    "gnss_correlated", ("gnss_correlated",),
+                    (noise.sigma or typical, noise.tau if noise.sigma else tau),
+                    lambda n, v: n.with_(sigma=float(v[0]), tau=float(v[1])),
+                    lambda v: {"sigma": float(v[0]), "correlation_time": float(v[1])},
+                )  # fmt: skip
+            )
+        out.append(
+            Change(
+                "gnss_outliers", ("gnss_outliers",),
+                (noise.fraction or 0.02, noise.scale or 12.0 * typical),
+                lambda n, v: n.with_(fraction=float(min(v[0], 0.3)), scale=float(v[1])),
+                lambda v: {"fraction": float(min(v[0], 0.3)), "scale": float(v[1])},
+            )  # fmt: skip
+        )
+    if given:
+        for number, channel in enumerate(CHANNELS):
+            for position, process in enumerate(noise.model[channel].terms):
+                for name in getattr(type(process), "parameters", ()):
+                    name = name.name
+                    if (process.name, name) not in _CHANGEABLE:
+                        continue
+                    value = float(getattr(process, name))
+                    out.append(
+                        Change(
+                            "bias_model", ("bias_model", channel, process.name, name), (value,),
+                            lambda n, v, c=channel, p=position, k=name: _with_process(n, c, p, k, v[0]),
+                            lambda v, c=channel, p=process.name, k=name: {
+                                "channel": c, "process": p, "name": k, "to": float(v[0]),
+                            },
+                        )  # fmt: skip
+                    )
+    speed = float(np.sqrt(np.mean(problem.speed**2))) or 1.0
+    for number, channel in enumerate(CHANNELS):
+        density = max(_white(noise.model, channel), 1e-9)
+        out.append(
+            Change(
+                "vibration", ("vibration", channel), (noise.per_speed[number] or density / speed,),
+                lambda n, v, i=number: n.with_(
+                    per_speed=tuple(float(v[0]) if k == i else p for k, p in enumerate(n.per_speed))
+                ),
+                lambda v, c=channel, d=density: {"channel": c, "N": d, "N_per_speed": float(v[0])},
+            )  # fmt: skip
+        )
+    return out
+
+
+_CHANGEABLE = {
+    ("white_noise", "N"), ("random_walk", "K"), ("gauss_markov", "sigma"), ("flicker", "B"),
+    ("gauss_markov", "correlation_time"), ("gauss_markov_2", "sigma"), ("autoregressive", "sigma"),
+}  # fmt: skip
+
+
+def _white(model, channel):
+    return float(
+        np.sqrt(sum(t.N**2 for t in model[channel].terms if t.name == "white_noise") or 0.0)
+    )
+
+
+def screen(problem, noise, use, base, options):
+    """Gain of a doubling and a halving of each change's first parameter (of its start itself where
+    it is not yet there), the best first: [(gain, change)].
+    """
+    ranked = []
+    for change in options:
+        gains = []
+        absent = change.effect in ("gnss_correlated", "gnss_outliers", "vibration")
+        factors = (1.0, 0.25) if absent else (1.5, 0.67)
+        for factor in factors:
+            v = np.array(change.start, float)
+            v[0] *= factor
+            tried = replace(change, start=tuple(v))
+            value = problem.evaluate(change.enter(noise, v), use=use).log_likelihood - base
+            gains.append((value if np.isfinite(value) else -np.inf, tried))
+        ranked.append(max(gains, key=lambda g: g[0]))
+    return sorted(ranked, key=lambda g: -g[0])

@@ -1,0 +1,120 @@
+"""Which effects the innovations ask for: the best subset of the linear ones, by penalised
+likelihood.
+
+Whitened innovations are a regression on what each parameter does to them (`condense`), so that
+every subset of effects is a small system of equations: all subsets of up to three effects are
+tried, then one is added or exchanged at a time.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from . import columns
+
+PER_PARAMETER = 1.5  # nats; chance alone gains 0.5 each
+PER_EFFECT = 5.0  # nats: about eighteen effects are tried at once
+BLOCK = 20.0  # s over which scores are summed to see how correlated they are
+#: Groups of columns: an effect of the file format or a cause outside it.
+GROUPS = {}
+for _i, _c in enumerate(columns.ALL):
+    GROUPS.setdefault(_c.effect, []).append(_i)
+PRIOR = np.array([c.prior for c in columns.ALL])
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Information (P, P) and score (P,) of all columns, for total values; temper: by how much
+    innovations left over are larger, or more alike from one to the next, than white ones of unit
+    variance.
+    """
+
+    information: np.ndarray
+    score: np.ndarray
+    temper: float
+    count: int
+
+    def solve(self, index):
+        """Values, covariance and gain (nats, tempered) of a set of columns."""
+        index = np.asarray(index, int)
+        if not index.size:
+            return np.zeros(0), np.zeros((0, 0)), 0.0
+        prior = PRIOR[index]
+        a = self.information[np.ix_(index, index)] / self.temper * np.outer(prior, prior)
+        b = self.score[index] / self.temper * prior
+        factor = cho_factor(a + np.eye(index.size))
+        x = cho_solve(factor, b)
+        cov = cho_solve(factor, np.eye(index.size)) * np.outer(prior, prior)
+        return x * prior, cov, 0.5 * float(b @ x)
+
+
+def regression(problem, result, theta, use) -> Regression:
+    """From innovations with sensitivities at held values `theta`."""
+    good = use & np.isfinite(result.e)
+    e, j = result.e[good], result.jac[good]
+    total = e + j @ theta
+    information, score = j.T @ j, j.T @ total
+    plain = Regression(information, score, 1.0, e.size)
+    seen = np.flatnonzero(np.diag(information) > 0.0)
+    x, _, _ = plain.solve(seen)
+    left = total - j[:, seen] @ x
+    time = np.broadcast_to(problem.time[:, None], good.shape)[good]
+    block = ((time - time[0]) / BLOCK).astype(int)
+    ratios = []
+    for i in seen:
+        sums = np.bincount(block, j[:, i] * left)
+        ratios.append(float(np.sum(sums**2) / information[i, i]))
+    temper = max(1.0, float(np.mean(left**2)), float(np.median(ratios)))
+    return Regression(information, score, temper, e.size)
+
+
+def score_of(reg, effects):
+    """Penalised gain of a set of effects, nats."""
+    index = [i for e in effects for i in GROUPS[e]]
+    seen = [i for i in index if reg.information[i, i] > 0.0]
+    gain = reg.solve(seen)[2]
+    counted = sum(reg.information[i, i] * PRIOR[i] ** 2 > reg.temper for i in seen)
+    return gain - PER_PARAMETER * counted - PER_EFFECT * len(effects)
+
+
+def best(reg, candidates, most=8):
+    """The best set of effects and its penalised gain."""
+    kept, top = (), 0.0
+    alone = {e: score_of(reg, (e,)) for e in candidates}
+    promising = [e for e in candidates if alone[e] > -PER_EFFECT - 20.0]
+    for size in (1, 2, 3):
+        for subset in combinations(promising, size):
+            value = alone[subset[0]] if size == 1 else score_of(reg, subset)
+            if value > top:
+                kept, top = subset, value
+    while len(kept) < most:
+        moves = [kept + (e,) for e in promising if e not in kept]
+        moves += [tuple(k for k in kept if k != out) for out in kept]
+        moves += [
+            tuple(k for k in kept if k != out) + (e,)
+            for out in kept
+            for e in promising
+            if e not in kept
+        ]
+        value, move = max(((score_of(reg, m), m) for m in moves), default=(-np.inf, ()))
+        if value <= top + 1e-6:
+            break
+        kept, top = move, value
+    return kept, top
+
+
+def confidence(reg, kept, candidates):
+    """For each kept effect: how sure its name is, and what comes second ("nothing" included)."""
+    top = score_of(reg, kept)
+    out = {}
+    for effect in kept:
+        others = tuple(k for k in kept if k != effect)
+        rivals = {"nothing": score_of(reg, others)}
+        rivals |= {e: score_of(reg, (*others, e)) for e in candidates if e not in kept}
+        second = max(rivals, key=rivals.get)
+        apart = {e: float(np.exp(np.clip(v - top, -700, 50))) for e, v in rivals.items()}
+        total = 1.0 + sum(apart.values())
+        out[effect] = (1.0 / total, second, apart[second] / total, rivals)
+    return out
