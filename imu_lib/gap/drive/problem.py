@@ -80,6 +80,7 @@ class Problem:
     ahead: np.ndarray
     aside: np.ndarray
     warmth: np.ndarray
+    attitude_sd: np.ndarray
     path: dict
     arrays: dict
     notes: tuple
@@ -158,15 +159,17 @@ def with_constants(model: Model) -> Model:
     )
 
 
-def build(drive: Drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=()):
+def build(drive: Drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(), loose=(1.0, 1.0)):
     """Run the filter over a drive (already corrected for what is held), and condense it.
 
     velocity_shift : s, by which the velocities' stamps are late beyond the positions'; restarts :
-    s, times at which all that is known of the motion is forgotten (a shock)
+    s, times at which all that is known of the motion is forgotten (a shock); loose : by how much
+    less than stated positions and velocities are trusted for the path
     """
-    gnss = Gnss(position_floor=0.02, velocity_floor=0.005, gate=1.0 - 1e-12)
+    gnss = Gnss(position_floor=0.02, velocity_floor=0.005, gate=None if noise.fraction == 0.0 else 1.0 - 1e-9)
     turn_on = turn_on_of(noise.model)
-    spread = replace_sd(drive, max(noise.position, 1.0), max(noise.velocity, 1.0), noise.sigma)
+    loose = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
+    spread = replace_sd(drive, *loose)
     engine = LooselyCoupled(
         spread,
         FilterModel("gap", with_constants(noise.model), turn_on_sd=turn_on, flicker="markov"),
@@ -180,7 +183,7 @@ def build(drive: Drive, noise: Noise, *, heading=None, velocity_shift=0.0, resta
     solution = engine.solve(moments=[])
     rate = prepared.rate
     bias = _bias(engine, solution)
-    lever = engine.lever
+    lever = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm, float)
     parts, offset = [], 0
     shape = fixes.time.size
     y, arm_rows = np.zeros((shape, 6)), np.zeros((shape, 3, 3))
@@ -250,8 +253,8 @@ def build(drive: Drive, noise: Noise, *, heading=None, velocity_shift=0.0, resta
     arrays["node_time"] = node_time
     arrays |= {"arm_rows": arm_rows, "d": d}
     return Problem(
-        drive=drive, turn_on=turn_on, rate=rate, time=fixes.time, use=use, y=y,
-        stated=fixes.variance / _inflation(noise), **extra,
+        drive=drive, attitude_sd=solution.sd[len(solution.sd) // 3 :: 50, 6:9], turn_on=turn_on, rate=rate, time=fixes.time, use=use, y=y,
+        stated=fixes.variance / np.repeat(np.square(loose), 3), **extra,
         path={k: np.concatenate(v) for k, v in path.items()}, arrays=arrays, notes=solution.notes,
     )  # fmt: skip
 
@@ -275,13 +278,7 @@ def _trust_velocities(fixes):
         fixes.use[bad] |= 2
 
 
-def _inflation(noise):
-    position = max(noise.position, 1.0)
-    velocity = max(noise.velocity, 1.0)
-    return np.repeat([position**2, velocity**2], 3)
-
-
-def replace_sd(drive, position, velocity, sigma):
+def replace_sd(drive, position, velocity):
     """The drive with its fixes' standard deviations multiplied, for the nominal path alone."""
     gnss = Gnss()
     m = len(drive.gnss_time)

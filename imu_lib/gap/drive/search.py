@@ -48,13 +48,23 @@ class State:
     heading: float | None = None
 
     def rebuild(self):
-        """The path, innovations and regression at what is held now."""
+        """The path, innovations and regression at what is held now; fixes that the last path could
+        not follow are trusted less for the next.
+        """
+        loose = np.ones(2)
+        if self.result is not None:
+            e2 = np.where(self.use, self.result.e, np.nan) ** 2
+            for k in (0, 1):
+                part = e2[:, 3 * k : 3 * k + 3]
+                if np.isfinite(part).any():
+                    loose[k] = np.clip(np.sqrt(np.nanmean(part)), 1.0, 30.0)
         self.problem = build(
             correct.corrected(self.drive, self.theta),
             self.noise,
             heading=self.heading,
             velocity_shift=correct.velocity_shift(self.theta),
             restarts=self.restarts,
+            loose=loose,
         )
         away = np.zeros(self.problem.time.size, bool)
         for start, duration in self.withhold:
@@ -82,6 +92,8 @@ def run(state: State, *, given: bool, say=lambda text: None) -> State:
     seen = {}
     for number in range(ROUNDS):
         names = candidates(state.problem)
+        if number < 2:  # a path that is still far off looks like many things
+            names = [n for n in names if not n.startswith("other")]
         kept, top = select.best(state.reg, names)
         linear = _step(state, kept)
         moved = set(kept) != set(state.kept) or linear is not None
@@ -92,7 +104,7 @@ def run(state: State, *, given: bool, say=lambda text: None) -> State:
         say(f"round {number + 1}: {', '.join(kept) or 'no linear effect'}")
         fresh = top - select.score_of(state.reg, state.kept) if state.kept else top
         shock = _shock_step(state)
-        if shock is not None and shock[0] > fresh:
+        if shock is not None and shock[0] > (0.0 if shock[2] or not moved else np.inf):
             state.restarts = (*state.restarts, shock[1])
             say(f"a shock at {shock[1]:.1f} s, {shock[0]:.0f} nats")
             state.rebuild()
@@ -100,6 +112,8 @@ def run(state: State, *, given: bool, say=lambda text: None) -> State:
         if moved:
             _hold(state, kept)
             state.rebuild()
+            continue
+        if number < 2:
             continue
         _refit(state)
         noise = _noise_step(state, given)
@@ -182,7 +196,9 @@ def _accept(state, found):
 
 
 def _shock_step(state):
-    """(gain, time) of a restart of the filter where the innovations stand out at one place."""
+    """(gain, time, whether most of the excess is there) of a restart of the filter where the
+    innovations stand out at one place.
+    """
     if len(state.restarts) >= 3:
         return None
     e = np.where(state.use, state.result.e, 0.0)
@@ -210,11 +226,24 @@ def _shock_step(state):
     value = state.problem.evaluate(state.noise, use=state.use).log_likelihood
     state.problem.arrays = kept
     gain = value - state.result.log_likelihood - 25.0
-    return (gain, when) if gain > 0.0 else None
+    excess = np.maximum(nis - freedom, 0.0)
+    near = np.abs(block - worst) <= 2
+    return (gain, when, excess[near].sum() > 0.5 * excess.sum()) if gain > 0.0 else None
 
 
 def _prune(state, say):
-    """Take out every change of what is random that is no longer worth its price."""
+    """Take out every restart and every change of what is random that is not worth its price."""
+    for when in state.restarts:
+        kept = state.problem.arrays
+        begins = kept["begins"].copy()
+        begins[np.searchsorted(kept["node_time"], when)] = False
+        state.problem.arrays = {**kept, "begins": begins}
+        value = state.problem.evaluate(state.noise, use=state.use).log_likelihood
+        state.problem.arrays = kept
+        if state.result.log_likelihood - value < 25.0:
+            say(f"the shock at {when:.1f} s taken out again")
+            state.restarts = tuple(r for r in state.restarts if r != when)
+            state.rebuild()
     again = True
     while again and state.changes:
         again = False

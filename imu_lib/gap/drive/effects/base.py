@@ -13,17 +13,23 @@ from .. import columns
 
 
 @dataclass(frozen=True)
-class Linear:
-    """An effect whose parameters are columns of the innovations.
-
-    name : in the model file; cause : one sentence; key : its vector parameter, or None where each
-    component is a parameter of its own; words : where it shows
-    """
+class Effect:
+    """name : in the model file; cause : one sentence; words : where it shows."""
 
     name: ClassVar[str]
     cause: ClassVar[str]
-    key: ClassVar[str | None] = None
     words: ClassVar[str]
+
+
+@dataclass(frozen=True)
+class Linear(Effect):
+    """An effect whose parameters are columns of the innovations.
+
+    key : its vector parameter, or None where each component is a parameter of its own; unexcited :
+    what a drive lacks where a component cannot be seen
+    """
+
+    key: ClassVar[str | None] = None
     unexcited: ClassVar[str]
 
     @property
@@ -44,7 +50,3 @@ class Linear:
             return {self.key: pairs}
         names = [columns.ALL[i].component for i in self.columns]
         return dict(zip(names, pairs))
-
-    def where(self, problem):
-        """Where on the drive it shows, in physical words."""
-        return self.words

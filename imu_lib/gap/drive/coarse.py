@@ -1,0 +1,153 @@
+"""Before the filter: wrong axes, and fixes seconds away from their time, from the fixes' own motion.
+
+A vehicle that keeps its nose along its path feels (dv/dt, v dc/dt, -g) and turns at (0, 0, dc/dt)
+with speed v and course c. Both follow from the fixes alone, smoothed, and are held against the
+readings under every order and sign of the axes.
+"""
+
+from dataclasses import dataclass
+from itertools import permutations, product
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from imu_lib.drive import Drive
+from imu_lib.navigation import earth
+
+from . import correct
+
+STEP = 0.2  # s of the common grid
+WIDTH = 2.0  # s of smoothing
+FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs from the above
+LATEST = 10.0  # s
+CLEAR = 15.0  # least gain of other axes, after tempering, nats
+
+
+@dataclass(frozen=True)
+class Motion:
+    """On a grid: time, expected force and rate (n, 3), smoothed readings (n, 6), moving (n,)."""
+
+    time: np.ndarray
+    expected: np.ndarray
+    readings: np.ndarray
+    moving: np.ndarray
+
+
+def motion(drive: Drive) -> Motion | None:
+    """What the fixes say of the motion, beside the readings; None where there is too little."""
+    position = np.asarray(drive.gnss_position, float)
+    good = np.isfinite(position).all(axis=1)
+    if good.sum() < 30:
+        return None
+    fix_time = np.asarray(drive.gnss_time)[good]
+    low, high = max(drive.time[0], fix_time[0]), min(drive.time[-1], fix_time[-1])
+    grid = np.arange(low + WIDTH, high - WIDTH, STEP)
+    if grid.size < 100:
+        return None
+    width = int(WIDTH / STEP)
+    velocity = None
+    if drive.gnss_velocity is not None:
+        v = np.asarray(drive.gnss_velocity, float)
+        fine = np.isfinite(v).all(axis=1)
+        if fine.sum() > 0.5 * good.sum():
+            t = np.asarray(drive.gnss_time)[fine]
+            velocity = np.column_stack([np.interp(grid, t, c) for c in v[fine].T])
+            velocity = uniform_filter1d(velocity, width + 1, axis=0)
+    if velocity is None:
+        ned = earth.meters(position[good], position[good][0])
+        ned = np.column_stack([np.interp(grid, fix_time, c) for c in ned.T])
+        ned = uniform_filter1d(ned, width + 1, axis=0)
+        velocity = np.gradient(ned, STEP, axis=0)
+        velocity = uniform_filter1d(velocity, width + 1, axis=0)
+    speed = np.hypot(velocity[:, 0], velocity[:, 1])
+    acceleration = np.gradient(velocity, STEP, axis=0)
+    course = np.arctan2(velocity[:, 1], velocity[:, 0])
+    ahead = acceleration[:, 0] * np.cos(course) + acceleration[:, 1] * np.sin(course)
+    aside = -acceleration[:, 0] * np.sin(course) + acceleration[:, 1] * np.cos(course)
+    moving = uniform_filter1d((speed > 3.0).astype(float), width + 1) > 0.99
+    turn = np.where(moving, aside / np.maximum(speed, 1.0), 0.0)
+    g = earth.gravity(position[good][0, 0], position[good][0, 2])
+    zero = np.zeros_like(speed)
+    expected = np.column_stack([zero, zero, turn, ahead, aside, zero - g])
+    window = max(int(WIDTH * drive.rate), 1)
+    both = np.column_stack([drive.gyro, drive.accel])
+    smooth = uniform_filter1d(both, window, axis=0)
+    readings = np.column_stack([np.interp(grid, drive.time, c) for c in smooth.T])
+    hole = np.interp(grid, drive.time[:-1], np.diff(drive.time)) < 0.5
+    return Motion(grid, expected, readings, moving & hole)
+
+
+def late(drive: Drive) -> tuple[float, float]:
+    """Time by which the fixes' stamps are late, s, and the correlation there, from turn rates; 0
+    where the drive does not say.
+    """
+    m = motion(drive)
+    if m is None or m.moving.sum() < 200:
+        return 0.0, 0.0
+    turn, gyro = m.expected[:, 2], m.readings[:, 2]
+    turn = np.where(m.moving, turn, 0.0)
+    if np.std(turn[m.moving]) < 0.02:
+        return 0.0, 0.0
+    steps = int(LATEST / STEP)
+    shifts = np.arange(-steps, steps + 1)
+    values = []
+    for k in shifts:  # the fixes' turn of time t was felt at t - offset
+        a = turn[max(k, 0) : turn.size + min(k, 0)]
+        b = gyro[max(-k, 0) : gyro.size - max(k, 0)]
+        values.append(np.corrcoef(a, b)[0, 1])
+    values = np.array(values)
+    k = int(np.argmax(values))
+    if values[k] < 0.6 or k in (0, values.size - 1):
+        return 0.0, float(values[k])
+    left, mid, right = values[k - 1 : k + 2]
+    curve = left - 2 * mid + right
+    peak = shifts[k] + (0.5 * (left - right) / curve if curve < 0 else 0.0)
+    return float(peak * STEP), float(values[k])
+
+
+def axes(drive: Drive):
+    """The order and signs of the axes: (permutation, confidence, runner-up, gain in nats,
+    indistinguishable).
+    """
+    m = motion(drive)
+    if m is None or m.moving.sum() < 50:
+        return correct.IDENTITY, 0.0, correct.IDENTITY, 0.0, ()
+    shifts = [int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)]
+    shifts = sorted(shifts, key=abs)
+    costs = {}
+    readings = m.readings.copy()
+    readings[:, :3] -= np.median(readings[:, :3][~m.moving], axis=0) if (~m.moving).sum() > 50 else 0.0
+    for permutation in everything():
+        c = correct.to_body(permutation)
+        body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
+        costs[permutation] = min(_cost(m, body, k) for k in shifts)
+    order = sorted(costs, key=costs.get)
+    first, second = order[0], order[1]
+    here = costs[correct.IDENTITY]
+    # smoothed readings repeat themselves for WIDTH seconds
+    temper = WIDTH / STEP * 5.0 * max(1.0, costs[first] / max(m.moving.sum() * 3.0, 1.0))
+    gain = (here - costs[first]) / temper
+    if first == correct.IDENTITY or gain < CLEAR:
+        return correct.IDENTITY, 0.0, first, gain, ()
+    apart = (costs[second] - costs[first]) / temper
+    alike = tuple(p for p in order[1:] if (costs[p] - costs[first]) / temper < 3.0)
+    return first, float(1.0 / (1.0 + np.exp(-apart))), second, float(gain), alike
+
+
+def everything():
+    """All 48 orders and signs of three axes."""
+    for order in permutations("xyz"):
+        for signs in product("+-", repeat=3):
+            yield tuple(s + a for s, a in zip(signs, order))
+
+
+def _cost(m, body, shift):
+    n = m.time.size
+    a = slice(max(shift, 0), n + min(shift, 0))
+    b = slice(max(-shift, 0), n - max(shift, 0))
+    keep = m.moving[a]
+    apart = (m.expected[a] - body[b])[keep]
+    z = apart / np.repeat([RATE_SD, FORCE_SD], 3)
+    z = np.abs(z)
+    huber = np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5)
+    return float(huber.sum() * (m.moving.sum() / max(keep.sum(), 1)))

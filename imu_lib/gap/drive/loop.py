@@ -1,0 +1,190 @@
+"""The gap on a drive, from the file to the report: axes, gross time errors, the search, what a
+vehicle cannot do, and what the answer is worth in outages that the search has not seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from imu_lib.drive import Drive
+from imu_lib.drive_effects import DriveEffect
+from imu_lib.errors import InputError
+from imu_lib.model import Model
+from imu_lib.units import DEG
+
+from . import base_model, coarse, columns, correct, outage, search, steps, vehicle
+from .battery import battery
+from .problem import Noise, turn_on_of, with_constants
+
+SHORTEST = 60.0  # s
+FEWEST = 40  # fixes
+
+
+@dataclass(frozen=True)
+class DriveReport:
+    """What was found on a drive. steps, invisible : tuples of dict (the command's JSON); model :
+    the error model with its key `drive`; before, after : `battery.Battery`; outages : `Outages` or
+    None; unexplained : None or a sentence; state, first : for pictures.
+    """
+
+    drive: Drive
+    given: bool
+    steps: tuple
+    invisible: tuple
+    model: Model
+    before: object
+    after: object
+    outages: object
+    unexplained: str | None
+    notes: tuple
+    state: object
+    first: object
+
+    def to_json(self):
+        """The content of `imu-lib gap DRIVE --json`."""
+        return {
+            "drive": {
+                "name": self.drive.name,
+                "steps": list(self.steps),
+                "invisible": list(self.invisible),
+                "innovations": {
+                    "nis": {"before": self.before.nis, "after": self.after.nis},
+                    "whiteness": {
+                        "before": self.before.whiteness,
+                        "after": self.after.whiteness,
+                    },
+                    "gap": {"before": self.before.index, "after": self.after.index},
+                },
+                "outages": None if self.outages is None else self.outages.to_json(),
+                "unexplained": self.unexplained,
+                "notes": list(self.notes),
+            }
+        }
+
+
+def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, say=None):
+    """Find what the filter does not know about a drive.
+
+    model : of the sensor; its key `drive` is where the search starts; None: white noise and walks
+    alike on the three axes, fitted to the drive
+    heading : rad at the start, as somebody gives it; the first `reference_attitude` otherwise
+    say : callable, told what is done
+    Raises InputError where the drive has too little to be searched.
+    """
+    say = say or (lambda text: None)
+    rng = np.random.default_rng(seed)
+    _enough(drive)
+    notes = []
+    permutation, sure, runner, gain, alike = coarse.axes(drive)
+    say(f"axes {' '.join(permutation)}")
+    right = correct.axes_put_right(drive, permutation)
+    windows = outage.withheld(right)
+    theta, noise, given, original = _start(right, model, notes)
+    state = search.State(
+        right, noise, theta, withhold=tuple((w.start, w.duration) for w in windows)
+    )
+    late, likeness = coarse.late(correct.corrected(right, theta))
+    if abs(late) > 0.25:
+        theta[columns.of("gnss_time_offset")] += late
+        state.kept = ("gnss_time_offset",)
+        say(f"fixes are about {late:.1f} s late (turns agree by {likeness:.2f})")
+    first = replace(state, theta=np.zeros_like(theta), kept=())
+    first.rebuild()
+    if not given:
+        state.noise = first.noise = noise = base_model.fit(first, say)
+        original = noise.model
+        first.weigh()
+    search.run(state, given=given, say=say)
+    before = battery(first.problem, first.result.e, first.use, rng)
+    after = battery(state.problem, state.result.e, state.use, rng)
+    found = steps.of(state, first, noise, rng, before)
+    if permutation != correct.IDENTITY:
+        found.insert(0, steps.axes(permutation, sure, runner, gain, alike, before))
+    attitude_sd = _attitude_sd(state)
+    turned = vehicle.mounting(state.problem, attitude_sd)
+    found += steps.mounting(turned, after)
+    mount = np.zeros(3) if turned is None or found[-1:] == [] else _mount(found)
+    given_yaw = heading
+    if given_yaw is None and drive.reference_attitude is not None:
+        given_yaw = float(drive.reference_attitude[0, 2])
+    if given_yaw is not None:
+        apart, sd = vehicle.heading_error(state.problem, given_yaw, mount, attitude_sd)
+        found += steps.heading(apart, sd, after)
+    steps.arm_of_vehicle(found, right, mount)
+    whole = Model.with_drive(original, tuple(_effects(found)))
+    unexplained = steps.unexplained(state, after)
+    result = None
+    if windows:
+        say("outages before and after")
+        result, more = outage.compare(
+            drive, with_constants(original.with_drive(())), with_constants(whole), windows
+        )
+        notes += more
+    return DriveReport(
+        drive, given, tuple(found), tuple(steps.invisible(state)), whole, before, after, result,
+        unexplained, tuple(notes), state, first,
+    )  # fmt: skip
+
+
+def _enough(drive):
+    name = drive.source or drive.name or "the drive"
+    fixes = int(np.isfinite(drive.gnss_position).all(axis=1).sum())
+    if drive.duration < SHORTEST or fixes < FEWEST:
+        raise InputError(
+            f"{name}: {drive.duration:.0f} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
+        )
+
+
+def _start(drive, model, notes):
+    """Values, noise, whether a model was given, and the model without what it holds."""
+    theta = np.zeros(len(columns.ALL))
+    if model is None:
+        plain = base_model.guess(drive)
+        return theta, Noise(plain), False, plain
+    missing = [c for c in columns.CHANNEL_NAMES if c not in model]
+    if missing:
+        raise InputError(
+            f"the error model {model.name or ''} has no channel {missing[0]}; a drive needs all six"
+        )
+    noise = Noise(model.with_drive(()))
+    for effect in model.drive:
+        values = effect.parameters
+        part = columns.of(effect.name)
+        if effect.name == "lever_arm":
+            given = np.zeros(3) if drive.lever_arm is None else drive.lever_arm
+            theta[part] = np.asarray(values["arm"]) - given
+        elif effect.name == "gnss_time_offset":
+            theta[part] = values["offset"], values.get("velocity_offset", values["offset"])
+        elif part:
+            theta[part] = np.ravel(next(iter(values.values())))
+        elif effect.name == "gnss_noise":
+            noise = noise.with_(**{values["of"]: values["ratio"]})
+        elif effect.name == "gnss_correlated":
+            noise = noise.with_(sigma=values["sigma"], tau=values["correlation_time"])
+        elif effect.name == "gnss_outliers":
+            noise = noise.with_(fraction=values["fraction"], scale=values["scale"])
+        else:
+            notes.append(f"{effect.name} of the model's key `drive` is searched for anew.")
+    return theta, noise, True, model.with_drive(())
+
+
+def _attitude_sd(state):
+    """How well the path knows its attitude, rad (3,): from the filter's own covariance."""
+    return np.minimum(np.median(state.problem.attitude_sd, axis=0), 20 * DEG)
+
+
+def _mount(found):
+    last = found[-1]
+    if last["effect"] != "mounting":
+        return np.zeros(3)
+    return np.array([last["parameters"][k] for k in ("roll", "pitch", "yaw")])
+
+
+def _effects(found):
+    for step in found:
+        yield DriveEffect.from_json(step)
+
+
+__all__ = ["DriveReport", "close", "turn_on_of"]

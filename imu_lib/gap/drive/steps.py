@@ -1,0 +1,254 @@
+"""What the search found, as the steps of the report: names, parameters, intervals, where."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from imu_lib.units import DEG
+
+from . import columns, correct, random_effects, select
+from .battery import SURE, battery
+from .effects import CATALOGUE, LINEAR
+
+SUREST = 0.999  # no confidence above this is claimed
+ALIKE = 3.0  # nats
+
+
+def _step(effect, parameters, intervals, confidence, runner, alike, gaps, gain, where=None):
+    return {
+        "effect": effect,
+        "parameters": parameters,
+        "intervals": intervals,
+        "where": where or CATALOGUE[effect].words,
+        "cause": CATALOGUE[effect].cause,
+        "confidence": float(min(confidence, SUREST)),
+        "runner_up": runner,
+        "indistinguishable": list(alike),
+        "gap_before": float(gaps[0]),
+        "gap_after": float(gaps[1]),
+        "log_likelihood_gain": float(gain),
+    }
+
+
+def of(state, first, noise, rng, before):
+    """Steps of the linear effects and of the changes of what is random, the largest gain first."""
+    kept = [e for e in state.kept if e in LINEAR]
+    index = [i for e in state.kept for i in select.GROUPS[e]]
+    values, cov, total = state.reg.solve(index)
+    sd = dict(zip(index, np.sqrt(np.diag(cov))))
+    values = dict(zip(index, values))
+    names = [n for n in select.GROUPS if n not in state.kept]
+    sure = select.confidence(state.reg, state.kept, names)
+    out, gap = [], before.index
+    gains = {
+        e: total - state.reg.solve([i for k in state.kept if k != e for i in select.GROUPS[k]])[2]
+        for e in kept
+    }
+    done = [e for e in state.kept if e not in LINEAR]
+    plain = state.problem.evaluate(noise, sens=True, use=state.use)
+    reg = select.regression(state.problem, plain, state.theta, state.use)
+    for effect in sorted(kept, key=gains.get, reverse=True):
+        done.append(effect)
+        after = _gap_with(state, plain, reg, done, rng)
+        part = LINEAR[effect].columns
+        now = np.array([values[i] for i in part])
+        confidence, second, chance, rivals = sure[effect]
+        top = select.score_of(state.reg, state.kept)
+        alike = [e for e, v in rivals.items() if top - v < ALIKE and e in LINEAR]
+        out.append(
+            _step(
+                effect,
+                LINEAR[effect].parameters(now),
+                LINEAR[effect].intervals(now, np.array([sd[i] for i in part])),
+                confidence,
+                {"effect": second, "confidence": float(chance)},
+                alike,
+                (gap, after),
+                gains[effect] * state.reg.temper,
+            )
+        )
+        gap = after
+    for found in sorted(state.changes, key=lambda c: -c.gain):
+        noise = found.change.enter(noise, found.values)
+        result = state.problem.evaluate(noise, use=state.use)
+        after = battery(state.problem, result.e, state.use, rng).index
+        out.append(_random_step(state, found, (gap, after)))
+        gap = after
+    return out
+
+
+def _gap_with(state, plain, reg, effects, rng):
+    """Gap index with the linear effects given, at the path as it is."""
+    index = [i for e in effects for i in select.GROUPS[e]]
+    x, _, _ = reg.solve(index)
+    theta = np.zeros(len(columns.ALL))
+    theta[index] = x
+    e = plain.e + np.einsum("fkp,p->fk", plain.jac, state.theta - theta)
+    return battery(state.problem, e, state.use, rng).index
+
+
+def _random_step(state, found, gaps):
+    change = found.change
+    parameters = change.describe(found.values)
+    if change.effect == "bias_model":
+        parameters = {
+            "channel": parameters["channel"], "process": parameters["process"],
+            "name": parameters["name"], "from": float(found.first), "to": parameters["to"],
+        }  # fmt: skip
+    sd = _curvature(state, found)
+    low, high = (change.describe(found.values * np.exp(s * 1.96 * sd)) for s in (-1.0, 1.0))
+    intervals = {
+        k: [low[k], high[k]]
+        for k in low
+        if isinstance(low[k], float) and low[k] != high[k]
+    }
+    prices = random_effects.penalty(change)
+    rivals = [(e, v) for e, v, key in found.rivals if e != change.effect or key[0] == "bias_model"]
+    weights = [np.exp(min(v, 0.0)) for _, v in rivals] + [np.exp(-max(found.gain - prices, 0.0))]
+    names = [e for e, _ in rivals] + ["nothing"]
+    total = 1.0 + sum(weights)
+    k = int(np.argmax(weights))
+    alike = sorted({e for (e, v) in rivals if v > -ALIKE and e != change.effect})
+    return _step(
+        change.effect, parameters, intervals, 1.0 / total,
+        {"effect": names[k], "confidence": float(weights[k] / total)}, alike, gaps, found.gain,
+    )  # fmt: skip
+
+
+def _curvature(state, found):
+    """Standard deviations of the logarithms of a change's parameters."""
+    x = np.log(found.values)
+    h = 0.1
+
+    def at(shift):
+        noise = found.change.enter(state.noise, np.exp(x + shift))
+        return state.problem.evaluate(noise, use=state.use).log_likelihood
+
+    here = at(np.zeros(x.size))
+    hessian = np.zeros((x.size, x.size))
+    for i in range(x.size):
+        for j in range(i + 1):
+            a, b = np.eye(x.size)[i] * h, np.eye(x.size)[j] * h
+            if i == j:
+                hessian[i, i] = (at(a) - 2 * here + at(-a)) / h**2
+            else:
+                mixed = at(a + b) - at(a - b) - at(b - a) + at(-a - b)
+                hessian[i, j] = hessian[j, i] = mixed / (4 * h**2)
+    information = -hessian + np.eye(x.size) / 16.0
+    size, turn = np.linalg.eigh(information)
+    return np.sqrt(np.diag(turn @ np.diag(1.0 / np.maximum(size, 1e-2)) @ turn.T))
+
+
+def axes(permutation, sure, runner, gain, alike, before):
+    where = (
+        f"the readings follow the fixes' accelerations and turns when x, y, z of the file are taken as {', '.join(permutation)}"
+    )
+    step = _step(
+        "axes", {"permutation": list(permutation)}, {}, sure,
+        {"effect": f"axes {' '.join(runner)}", "confidence": float(1.0 - sure)}, [],
+        (before.index, before.index), gain, where,
+    )  # fmt: skip
+    if alike:
+        step["indistinguishable"] = [f"axes {' '.join(p)}" for p in alike]
+    return step
+
+
+def mounting(turned, after):
+    """The step, in a list, where the case is turned beyond doubt."""
+    if turned is None:
+        return []
+    angles, sd = turned
+    sizes = np.abs(angles) / sd
+    if not (sizes[1:] > 4.0).any() and sizes[0] < 5.0:
+        return []
+    names = ("roll", "pitch", "yaw")
+    k = int(np.argmax(sizes))
+    gain = 0.5 * float(np.sum(sizes**2))
+    where = f"on straights the velocity lies {abs(angles[2]) / DEG:.1f} deg aside and {abs(angles[1]) / DEG:.1f} deg above or below the case's x ({names[k]} stands out most)"
+    return [
+        _step(
+            "mounting",
+            {n: float(a) for n, a in zip(names, angles)},
+            {n: [float(a - 1.96 * s), float(a + 1.96 * s)] for n, a, s in zip(names, angles, sd)},
+            SUREST, {"effect": "nothing", "confidence": float(np.exp(-min(gain, 700.0)))}, [],
+            (after.index, after.index), gain, where,
+        )  # fmt: skip
+    ]
+
+
+def heading(apart, sd, after):
+    """The step, in a list, where the heading given at the start is wrong beyond doubt."""
+    sd = float(np.hypot(sd, 2.0 * DEG))
+    if abs(apart) < 5.0 * sd:
+        return []
+    gain = 0.5 * (apart / sd) ** 2
+    where = f"the path's own heading at the start, carried back by the gyros, is {abs(apart) / DEG:.0f} deg off the one given"
+    return [
+        _step(
+            "heading", {"error": apart}, {"error": [apart - 1.96 * sd, apart + 1.96 * sd]}, SUREST,
+            {"effect": "nothing", "confidence": 0.0}, [], (after.index, after.index), gain, where,
+        )  # fmt: skip
+    ]
+
+
+def arm_of_vehicle(found, drive, mount):
+    """The lever arm in the vehicle's axes, with what the file gave."""
+    given = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm)
+    c = Rotation.from_euler("ZYX", mount[::-1])
+    for step in found:
+        if step["effect"] == "lever_arm":
+            arm = c.apply(given + np.array(step["parameters"]["arm"]))
+            half = np.array([0.5 * (b - a) for a, b in step["intervals"]["arm"]])
+            step["parameters"]["arm"] = [float(a) for a in arm]
+            step["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]
+
+
+def invisible(state):
+    """Parameters that the drive does not excite, with upper limits; and pairs that it can't part."""
+    out = []
+    kept = [i for e in state.kept for i in select.GROUPS[e]]
+    for effect in LINEAR.values():
+        if effect.name in ("gyro_bias", "accel_bias"):
+            continue
+        part = effect.columns
+        index = kept if effect.name in state.kept else kept + part
+        x, cov, _ = state.reg.solve(index)
+        for i in part:
+            k = index.index(i)
+            sd = float(np.sqrt(cov[k, k]))
+            fixless = columns.ALL[i].component == "velocity_offset"
+            if fixless and not state.use[:, 3].any():
+                continue
+            if sd > 0.4 * columns.ALL[i].prior:
+                out.append(
+                    {
+                        "effect": effect.name,
+                        "parameter": columns.ALL[i].component,
+                        "why": effect.unexcited,
+                        "upper_limit": float(abs(x[k]) + 1.96 * sd),
+                    }
+                )
+    return out
+
+
+def unexplained(state, after):
+    """None, or what is left: where on the drive, and in which innovation."""
+    parts = []
+    for when in state.restarts:
+        parts.append(
+            f"a shock at {when:.0f} s: there the innovations are those of a filter that lost its motion at once, and of no effect in the catalogue"
+        )
+    for effect in state.kept:
+        if effect.startswith("other: "):
+            x, _, _ = state.reg.solve([i for e in state.kept for i in select.GROUPS[e]])
+            index = [i for e in state.kept for i in select.GROUPS[e]]
+            sizes = ", ".join(
+                f"{columns.ALL[i].component} {x[index.index(i)]:.3g}" for i in select.GROUPS[effect]
+            )
+            parts.append(f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue")
+    name, z = after.worst()
+    if abs(z) > SURE:
+        parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
+    return "; ".join(parts) or None
+
+
+__all__ = ["correct", "of", "unexplained"]

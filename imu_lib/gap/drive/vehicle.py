@@ -1,0 +1,64 @@
+"""What a vehicle cannot do, asked of the path found: move sideways. The case's mounting, and a
+wrong heading at the start.
+"""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+FASTER = 4.0  # m/s
+TURNING = 0.3  # rad/s
+SYSTEMATIC = np.array([1.2, 0.25, 0.25]) * np.pi / 180  # roads are not level, tyres slip: rad
+
+
+def mounting(problem, attitude_sd):
+    """Roll, pitch, yaw of the case in the vehicle and their standard deviations, rad; None where
+    the drive is too slow. attitude_sd (3,): of the path's own attitude.
+    """
+    path = problem.path
+    v = path["velocity"]
+    speed = np.linalg.norm(v, axis=1)
+    turn = np.gradient(np.unwrap(path["attitude"][:, 2]), path["time"])
+    keep = (speed > FASTER) & (np.abs(turn) < TURNING)
+    keep &= path["time"] > path["time"][0] + 60.0
+    if keep.sum() < 60:
+        return None
+    c_nb = Rotation.from_euler("ZYX", path["attitude"][keep][:, ::-1])
+    case = c_nb.inv().apply(v[keep])
+    a = np.column_stack([speed[keep], turn[keep]])
+    out = np.zeros(3)
+    spread = np.zeros(3)
+    for k, sign in ((1, -1.0), (2, 1.0)):
+        x, left = _robust(a, case[:, k])
+        out[3 - k if k == 1 else 1] = sign * x[0]
+        spread[3 - k if k == 1 else 1] = left
+    out[2], spread[2] = out[2], spread[2]
+    yaw, pitch = np.arcsin(np.clip(out[2], -1, 1)), np.arcsin(np.clip(out[1], -1, 1))
+    level = (c_nb * Rotation.from_euler("ZYX", [yaw, pitch, 0.0]).inv()).as_euler("ZYX")
+    # the vehicle's roll is zero on average: what the case rolls beyond is its own
+    out = np.array([float(np.median(level[:, 2])), pitch, yaw])
+    spread[0] = 0.0
+    return out, np.sqrt(SYSTEMATIC**2 + attitude_sd**2 + spread**2)
+
+
+def _robust(a, b):
+    """Least squares with what lies far out left out: (values, standard error of the first)."""
+    keep = np.ones(b.size, bool)
+    for _ in range(5):
+        x = np.linalg.lstsq(a[keep], b[keep], rcond=None)[0]
+        left = b - a @ x
+        size = 1.48 * np.median(np.abs(left[keep])) + 1e-6
+        keep = np.abs(left) < 3.0 * size
+    independent = max(keep.sum() / 40.0, 1.0)
+    return x, float(size / np.sqrt(independent) / np.mean(a[keep, 0]))
+
+
+def heading_error(problem, given, mount, attitude_sd):
+    """Given heading at the start minus the path's own, in the vehicle's axes, and its standard
+    deviation, rad. The path's early heading is the later one carried back by the gyros.
+    """
+    first = problem.path["attitude"][0]
+    c = Rotation.from_euler("ZYX", first[::-1])
+    turn = Rotation.from_euler("ZYX", mount[::-1])
+    yaw = (c * turn.inv()).as_euler("ZYX")[0]
+    apart = (given - yaw + np.pi) % (2 * np.pi) - np.pi
+    return float(apart), float(attitude_sd[2])
