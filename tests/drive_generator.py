@@ -39,7 +39,7 @@ MODEL = {
 
 @dataclass
 class Motion:
-    """True motion on the fine grid: t (n,), lla, v_n (n, 3), Rotation body to NED, v_e, speed."""
+    """True motion on the fine grid."""
 
     t: np.ndarray
     lla: np.ndarray
@@ -180,8 +180,6 @@ def noise(entries, n, rate, rng):
             out += gauss_markov(n, 1 / rate, e["sigma"], e["correlation_time"], rng)
         elif kind == "random_walk":
             out += np.cumsum(e["K"] / np.sqrt(rate) * rng.standard_normal(n))
-        else:
-            raise ValueError(kind)
     return out
 
 
@@ -221,7 +219,6 @@ def make(
     start, n = t[0], t.size
     at = np.clip((t * FINE).astype(int), 0, m.t.size - 1)
     speed = np.linalg.norm(m.velocity[at], axis=1)
-    arm = np.zeros(3)
     warmth = 20.0 + 15.0 * (1 - np.exp(-(t - start) / 200.0))
     out_g, out_a = gyro.copy(), accel.copy()
     if "mounting" in found:
@@ -274,7 +271,7 @@ def make(
     stamps = np.arange(np.ceil(first * gnss_rate + 0.5) / gnss_rate, t[-1] - 1e-9, 1 / gnss_rate)
     offset = found.get("gnss_time_offset", {}).get("offset", 0.0)
     v_offset = found.get("gnss_time_offset", {}).get("velocity_offset", offset)
-    arm = np.asarray(found.get("lever_arm", {}).get("arm", arm), float)
+    arm = np.asarray(found.get("lever_arm", {}).get("arm", np.zeros(3)), float)
 
     def truth(when):
         when = np.clip(when, 0.0, m.t[-1])

@@ -1,4 +1,4 @@
-"""`imu-lib gap FILE [--model MODEL]`: where simulation and measurement disagree, and what is
+"""`imu-lib gap FILE [--model MODEL]`, FILE a record or a drive: where simulation and measurement disagree, and what is
 missing.
 """
 
@@ -15,13 +15,28 @@ import time
 MOST_LOST, LONGEST_STUCK, MOST_ALIKE, LONGEST_HOLES = 0.5, 0.1, 0.95, 0.2
 
 NAME = "gap"
-HELP = "Where simulation and measurement disagree, what is missing, and how far the gap shrinks when it is added."
+HELP = "Where simulation and measurement disagree, of a record or of a drive, what is missing, and how far the gap shrinks when it is added."
 
 
 def add_arguments(parser):
     from imu_lib.cli.common import add_json_argument, add_record_arguments
 
     add_record_arguments(parser)
+    parser.add_argument(
+        "--gnss", metavar="FILE", help="the GNSS solution of a drive (RTKLIB .pos or NMEA)"
+    )
+    parser.add_argument(
+        "--gnss-offset",
+        type=float,
+        metavar="S",
+        help="the IMU's time of the first fix, where the clocks do not say",
+    )
+    parser.add_argument(
+        "--heading",
+        type=float,
+        metavar="DEG",
+        help="of a drive: the heading at the start as it was given; it is checked",
+    )
     parser.add_argument(
         "--model",
         metavar="MODEL",
@@ -65,6 +80,10 @@ def run(args) -> int:
     if args.jobs is not None and args.jobs < 1:
         raise InputError(f"--jobs {args.jobs} is not above 0.")
     model = Model.load(args.model) if args.model else None
+    from imu_lib.cli import gap_drive
+
+    if gap_drive.asked(args):
+        return gap_drive.run(args, model)
     record = _sound(common.open_record(args), args.file or f"{args.gyro or args.accel}")
     if record.n < 2000:
         raise InputError(

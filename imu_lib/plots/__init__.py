@@ -87,6 +87,8 @@ _HOME = {
     "spectrum_lines": "spectrum",
     "spectrum_terms": "spectrum",
     "roll_off": "spectrum",
+    "drive_gap_map": "drive_gap",
+    "drive_gap_innovations": "drive_gap",
 }
 __all__ = sorted(_HOME)
 

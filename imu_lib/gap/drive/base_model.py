@@ -21,20 +21,29 @@ def fit(state, say=lambda text: None):
     """The noise of a state with its four levels and the fixes' two ratios fitted."""
     use, problem, noise = state.use, state.problem, state.noise
 
+    of = [
+        name
+        for k, name in ((0, "position"), (3, "velocity"))
+        if use[:, k].any() and getattr(problem.drive, f"gnss_{name}_sd") is None
+    ]  # nothing is stated there that could be wrong
+
     def enter(x):
         levels = np.exp(np.clip(x, -25.0, 3.0))
-        return noise.with_(model=vehicle_model(*levels[:4], name="fitted in motion"))
+        ratios = {name: float(levels[4 + k]) for k, name in enumerate(of)}
+        return noise.with_(model=vehicle_model(*levels[:4], name="fitted in motion"), **ratios)
 
     def loss(x):
         value = problem.evaluate(enter(x), use=use).log_likelihood
-        pull = 0.5 * float(np.sum(((x - np.log(START)) / np.log(30.0)) ** 2))
+        pull = 0.5 * float(np.sum(((x[:4] - np.log(START)) / np.log(30.0)) ** 2))
         return -value + pull if np.isfinite(value) else 1e12
 
-    start = np.log(START)
-    simplex = np.vstack([start, start + np.eye(4)])
+    start = np.log((*START, *[0.5] * len(of)))
+    simplex = np.vstack([start, start + np.eye(start.size)])
     found = minimize(
         loss, start, method="Nelder-Mead",
-        options={"initial_simplex": simplex, "maxfev": TRIES, "xatol": 0.05, "fatol": 0.5},
+        options={
+            "initial_simplex": simplex, "maxfev": TRIES + 30 * len(of), "xatol": 0.05, "fatol": 0.5,
+        },
     )  # fmt: skip
     say("noise of the sensors fitted")
     return enter(found.x)

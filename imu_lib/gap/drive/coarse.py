@@ -19,7 +19,7 @@ from . import correct
 STEP = 0.2  # s of the common grid
 WIDTH = 2.0  # s of smoothing
 FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs from the above
-LATEST = 10.0  # s
+LATEST = 12.0  # s
 CLEAR = 15.0  # least gain of other axes, after tempering, nats
 
 
@@ -78,31 +78,36 @@ def motion(drive: Drive) -> Motion | None:
 
 
 def late(drive: Drive) -> tuple[float, float]:
-    """Time by which the fixes' stamps are late, s, and the correlation there, from turn rates; 0
-    where the drive does not say.
+    """Time by which the fixes' stamps are late, s, and the correlation there, of turn rates and of
+    accelerations; 0 where the drive does not say.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 200:
         return 0.0, 0.0
-    turn, gyro = m.expected[:, 2], m.readings[:, 2]
-    turn = np.where(m.moving, turn, 0.0)
-    if np.std(turn[m.moving]) < 0.02:
+    seen = [k for k, least in ((2, 0.015), (3, 0.15)) if np.std(m.expected[m.moving, k]) > least]
+    if not seen:
         return 0.0, 0.0
     steps = int(LATEST / STEP)
     shifts = np.arange(-steps, steps + 1)
-    values = []
-    for k in shifts:  # the fixes' turn of time t was felt at t - offset
-        a = turn[max(k, 0) : turn.size + min(k, 0)]
-        b = gyro[max(-k, 0) : gyro.size - max(k, 0)]
-        values.append(np.corrcoef(a, b)[0, 1])
-    values = np.array(values)
+    values = np.array([np.mean([_alike(m, c, k) for c in seen]) for k in shifts])
     k = int(np.argmax(values))
-    if values[k] < 0.6 or k in (0, values.size - 1):
+    if values[k] < 0.5 or values[k] < values[steps] + 0.05 or k in (0, values.size - 1):
         return 0.0, float(values[k])
     left, mid, right = values[k - 1 : k + 2]
     curve = left - 2 * mid + right
     peak = shifts[k] + (0.5 * (left - right) / curve if curve < 0 else 0.0)
     return float(peak * STEP), float(values[k])
+
+
+def _alike(m, column, shift):
+    """Correlation of what the fixes say with what was felt `shift` steps before."""
+    n = m.time.size
+    a = slice(max(shift, 0), n + min(shift, 0))
+    b = slice(max(-shift, 0), n - max(shift, 0))
+    keep = m.moving[a]
+    if keep.sum() < 100:
+        return 0.0
+    return float(np.corrcoef(m.expected[a, column][keep], m.readings[b, column][keep])[0, 1])
 
 
 def axes(drive: Drive):
@@ -116,7 +121,9 @@ def axes(drive: Drive):
     shifts = sorted(shifts, key=abs)
     costs = {}
     readings = m.readings.copy()
-    readings[:, :3] -= np.median(readings[:, :3][~m.moving], axis=0) if (~m.moving).sum() > 50 else 0.0
+    readings[:, :3] -= (
+        np.median(readings[:, :3][~m.moving], axis=0) if (~m.moving).sum() > 50 else 0.0
+    )
     for permutation in everything():
         c = correct.to_body(permutation)
         body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])

@@ -54,7 +54,10 @@ FIX = (
         for part in ("a third", "half", "two thirds")
         for a in ("north", "east", "down")
     ],
-    *[Column("other: receiver's velocity is offset", f"{a}", 0.3) for a in ("north", "east", "down")],
+    *[
+        Column("other: receiver's velocity is offset", f"{a}", 0.3)
+        for a in ("north", "east", "down")
+    ],
 )
 ALL = IMU + FIX
 INDEX = {(c.effect, c.component): i for i, c in enumerate(ALL)}

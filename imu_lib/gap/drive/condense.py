@@ -124,17 +124,44 @@ def intervals(epochs, pos, vel, quat, dt, dtheta, dvel, bias, extra, warmth, lat
 
 @njit(cache=True)
 def innovations(
-    begins, phi, gain, noise, force, jump, kind, powers, walks, output, start, first, density,
-    per_speed, speed, bias, gm_phi, gm_sigma, node_fix, y, arm_rows, variance, use, fraction, wild_scale, d, sens,
+    begins,
+    phi,
+    gain,
+    noise,
+    force,
+    jump,
+    kind,
+    powers,
+    walks,
+    output,
+    start,
+    first,
+    density,
+    per_speed,
+    speed,
+    bias,
+    gm_phi,
+    gm_sigma,
+    node_fix,
+    node_end,
+    y,
+    arm_rows,
+    variance,
+    use,
+    fraction,
+    wild_scale,
+    d,
+    held,
+    sens,
 ):
     """The linear filter over the nodes, with what each parameter does to each innovation.
 
     begins (k,) bool: a stretch begins at the node; kind (k,) which of `powers`, `walks` an interval
     takes; output (6, m); start, first: covariance of a stretch's navigation states and of the
-    sensor states; density, per_speed (6,): white noise N^2 and its growth with speed^2; node_fix
-    (k,) fix at the node or -1; y (f, 6) predicted minus measured; arm_rows (f, 3, 3); variance,
+    sensor states; density, per_speed (6,): white noise N^2 and its growth with speed^2; node_fix,
+    node_end (k,) rows of fixes at the node: from, to before; y (f, 6) predicted minus measured; arm_rows (f, 3, 3); variance,
     use (f, 6); d (f, 6, P); sens: whether to carry the parameters.
-    fraction, wild_scale: of wild positions, m; a fix is taken for wild where that is likelier
+    held (P,): values taken as known, beyond what the path was built with; fraction, wild_scale: of wild positions, m; a fix is taken for wild where that is likelier
     returns : e (f, 6) whitened, s (f, 6) variance of the innovations, j (f, 6, P) whitened,
     wild (f,) bool
     """
@@ -175,51 +202,50 @@ def innovations(
                 p[9 + m + i, 9 + m + i] += gm_sigma**2 * (1.0 - gm_phi[k] ** 2)
             x = f @ x
             x[:9] -= jump[k] + gain[k] @ bias
+            x[:9] += force[k].T @ held[:imu]
             if sens:
                 z = f @ z
                 z[:9, :imu] += force[k].T
-        fix = node_fix[node]
-        if fix < 0:
-            continue
-        if fraction > 0.0 and use[fix, 0]:
-            tame = np.log(1.0 - fraction)
-            other = np.log(fraction)
-            for i in range(3):
+        for fix in range(node_fix[node], node_end[node]):
+            if fraction > 0.0 and use[fix, 0]:
+                tame = np.log(1.0 - fraction)
+                other = np.log(fraction)
+                for i in range(3):
+                    h[:] = 0.0
+                    h[i] = 1.0
+                    h[6:9] = arm_rows[fix, i]
+                    h[9 + m + i] = 1.0
+                    var = variance[fix, i] + h @ (p @ h)
+                    apart = (y[fix, i] - d[fix, i] @ held - h @ x) ** 2
+                    more = var + wild_scale * wild_scale
+                    tame -= 0.5 * (apart / var + np.log(var))
+                    other -= 0.5 * (apart / more + np.log(more))
+                wild[fix] = other > tame
+            for i in range(6):
+                if not use[fix, i]:
+                    continue
                 h[:] = 0.0
                 h[i] = 1.0
-                h[6:9] = arm_rows[fix, i]
-                h[9 + m + i] = 1.0
-                var = variance[fix, i] + h @ (p @ h)
-                apart = (y[fix, i] - h @ x) ** 2
-                more = var + wild_scale * wild_scale
-                tame -= 0.5 * (apart / var + np.log(var))
-                other -= 0.5 * (apart / more + np.log(more))
-            wild[fix] = other > tame
-        for i in range(6):
-            if not use[fix, i]:
-                continue
-            h[:] = 0.0
-            h[i] = 1.0
-            if i < 3:
-                h[6:9] = arm_rows[fix, i]
-                h[9 + m + i] = 1.0
-            ph = p @ h
-            var = variance[fix, i] + h @ ph
-            if i < 3 and wild[fix]:
-                var += wild_scale * wild_scale
-            root = np.sqrt(var)
-            residual = y[fix, i] - h @ x
-            e[fix, i], s[fix, i] = residual / root, var
-            gain_k = ph / var
-            x += gain_k * residual
-            if sens:
-                row = h @ z + d[fix, i]
-                jac[fix, i] = row / root
+                if i < 3:
+                    h[6:9] = arm_rows[fix, i]
+                    h[9 + m + i] = 1.0
+                ph = p @ h
+                var = variance[fix, i] + h @ ph
+                if i < 3 and wild[fix]:
+                    var += wild_scale * wild_scale
+                root = np.sqrt(var)
+                residual = y[fix, i] - d[fix, i] @ held - h @ x
+                e[fix, i], s[fix, i] = residual / root, var
+                gain_k = ph / var
+                x += gain_k * residual
+                if sens:
+                    row = h @ z + d[fix, i]
+                    jac[fix, i] = row / root
+                    for a in range(n):
+                        for b in range(count):
+                            z[a, b] -= gain_k[a] * row[b]
                 for a in range(n):
-                    for b in range(count):
-                        z[a, b] -= gain_k[a] * row[b]
-            for a in range(n):
-                for b in range(n):
-                    p[a, b] -= gain_k[a] * ph[b]
+                    for b in range(n):
+                        p[a, b] -= gain_k[a] * ph[b]
         p = 0.5 * (p + p.T)
     return e, s, jac, wild

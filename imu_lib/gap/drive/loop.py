@@ -93,7 +93,10 @@ def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, say
     first = replace(state, theta=np.zeros_like(theta), kept=())
     first.rebuild()
     if not given:
-        state.noise = first.noise = noise = base_model.fit(first, say)
+        if state.kept:  # the noise of a path that is seconds off says nothing
+            state.rebuild()
+        fitted = base_model.fit(state if state.kept else first, say)
+        state.noise = first.noise = noise = fitted
         original = noise.model
         first.weigh()
     search.run(state, given=given, say=say)

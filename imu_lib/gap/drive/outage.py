@@ -33,9 +33,7 @@ class Outages:
         """After over before: {value, low, high}, geometric mean with Student's interval."""
         if "before" not in self.study.models:
             return None
-        before, after = (
-            self.study.errors(n, against=self.against) for n in ("before", "after")
-        )
+        before, after = (self.study.errors(n, against=self.against) for n in ("before", "after"))
         pair = paired(after, before, ("after", "before"))
         values = (pair.ratio, pair.low, pair.high)
         if pair.better == "before":

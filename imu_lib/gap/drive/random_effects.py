@@ -26,12 +26,12 @@ class Change:
     enter: object
     describe: object
 
-    def fitted(self, problem, noise, use, base):
+    def fitted(self, state, noise, base):
         """Maximise: (values, gain, Noise)."""
 
         def loss(x):
             with np.errstate(over="ignore"):
-                value = problem.evaluate(self.enter(noise, np.exp(x)), use=use).log_likelihood
+                value = state.evaluate(self.enter(noise, np.exp(x))).log_likelihood
             pull = 0.5 * float(np.sum(((x - np.log(self.start)) / 4.0) ** 2))
             return -value + pull if np.isfinite(value) else 1e12
 
@@ -44,7 +44,7 @@ class Change:
         )  # fmt: skip
         values = np.exp(found.x)
         noise = self.enter(noise, values)
-        gain = problem.evaluate(noise, use=use).log_likelihood - base
+        gain = state.evaluate(noise).log_likelihood - base
         return values, gain, noise
 
 
@@ -61,12 +61,19 @@ def _with_process(noise: Noise, channel, position, name, value):
 def changes(problem: Problem, noise: Noise, given: bool):
     """All changes that could be tried on top of a hypothesis."""
     out = []
-    typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2]))) if problem.use[:, 0].any() else 1.0
+    typical = (
+        float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2])))
+        if problem.use[:, 0].any()
+        else 1.0
+    )
     for of in ("position", "velocity"):
-        if problem.use[:, 0 if of == "position" else 3].any():
+        stated = getattr(problem.drive, f"gnss_{of}_sd") is not None
+        if stated and problem.use[:, 0 if of == "position" else 3].any():
             out.append(
                 Change(
-                    "gnss_noise", ("gnss_noise", of), (getattr(noise, of),),
+                    "gnss_noise",
+                    ("gnss_noise", of),
+                    (getattr(noise, of),),
                     lambda n, v, of=of: n.with_(**{of: float(v[0])}),
                     lambda v, of=of: {"ratio": float(v[0]), "of": of},
                 )  # fmt: skip
@@ -75,7 +82,8 @@ def changes(problem: Problem, noise: Noise, given: bool):
         for tau in (5.0, 60.0):
             out.append(
                 Change(
-                    "gnss_correlated", ("gnss_correlated",),
+                    "gnss_correlated",
+                    ("gnss_correlated",),
                     (noise.sigma or typical, noise.tau if noise.sigma else tau),
                     lambda n, v: n.with_(sigma=float(v[0]), tau=float(v[1])),
                     lambda v: {"sigma": float(v[0]), "correlation_time": float(v[1])},
@@ -83,14 +91,15 @@ def changes(problem: Problem, noise: Noise, given: bool):
             )
         out.append(
             Change(
-                "gnss_outliers", ("gnss_outliers",),
+                "gnss_outliers",
+                ("gnss_outliers",),
                 (noise.fraction or 0.02, noise.scale or 12.0 * typical),
                 lambda n, v: n.with_(fraction=float(min(v[0], 0.3)), scale=float(v[1])),
                 lambda v: {"fraction": float(min(v[0], 0.3)), "scale": float(v[1])},
             )  # fmt: skip
         )
     if given:
-        for number, channel in enumerate(CHANNELS):
+        for channel in CHANNELS:
             for position, process in enumerate(noise.model[channel].terms):
                 for name in getattr(type(process), "parameters", ()):
                     name = name.name
@@ -99,10 +108,17 @@ def changes(problem: Problem, noise: Noise, given: bool):
                     value = float(getattr(process, name))
                     out.append(
                         Change(
-                            "bias_model", ("bias_model", channel, process.name, name), (value,),
-                            lambda n, v, c=channel, p=position, k=name: _with_process(n, c, p, k, v[0]),
+                            "bias_model",
+                            ("bias_model", channel, process.name, name),
+                            (value,),
+                            lambda n, v, c=channel, p=position, k=name: _with_process(
+                                n, c, p, k, v[0]
+                            ),
                             lambda v, c=channel, p=process.name, k=name: {
-                                "channel": c, "process": p, "name": k, "to": float(v[0]),
+                                "channel": c,
+                                "process": p,
+                                "name": k,
+                                "to": float(v[0]),
                             },
                         )  # fmt: skip
                     )
@@ -111,7 +127,9 @@ def changes(problem: Problem, noise: Noise, given: bool):
         density = max(_white(noise.model, channel), 1e-9)
         out.append(
             Change(
-                "vibration", ("vibration", channel), (noise.per_speed[number] or density / speed,),
+                "vibration",
+                ("vibration", channel),
+                (noise.per_speed[number] or density / speed,),
                 lambda n, v, i=number: n.with_(
                     per_speed=tuple(float(v[0]) if k == i else p for k, p in enumerate(n.per_speed))
                 ),
@@ -133,7 +151,7 @@ def _white(model, channel):
     )
 
 
-def screen(problem, noise, use, base, options):
+def screen(state, noise, base, options):
     """Gain of a doubling and a halving of each change's first parameter (of its start itself where
     it is not yet there), the best first: [(gain, change)].
     """
@@ -146,7 +164,7 @@ def screen(problem, noise, use, base, options):
             v = np.array(change.start, float)
             v[0] *= factor
             tried = replace(change, start=tuple(v))
-            value = problem.evaluate(change.enter(noise, v), use=use).log_likelihood - base
+            value = state.evaluate(change.enter(noise, v)).log_likelihood - base
             gains.append((value if np.isfinite(value) else -np.inf, tried))
         ranked.append(max(gains, key=lambda g: g[0]))
     return sorted(ranked, key=lambda g: -g[0])

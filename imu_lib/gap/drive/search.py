@@ -12,7 +12,8 @@ import numpy as np
 from imu_lib.drive import Drive
 
 from . import columns, correct, random_effects, select
-from .problem import Noise, Problem, build
+from .path import build
+from .problem import Noise, Problem
 
 ROUNDS = 10
 SHOCK = "other: a shock"
@@ -37,6 +38,7 @@ class State:
     drive: Drive
     noise: Noise
     theta: np.ndarray
+    other: np.ndarray = field(default_factory=lambda: np.zeros(len(columns.ALL)))
     kept: tuple = ()
     changes: list = field(default_factory=list)
     restarts: tuple = ()
@@ -74,8 +76,12 @@ class State:
 
     def weigh(self):
         """Innovations and regression under the noise held now, on the path as it is."""
-        self.result = self.problem.evaluate(self.noise, sens=True, use=self.use)
-        self.reg = select.regression(self.problem, self.result, self.theta, self.use)
+        self.result = self.evaluate(self.noise, sens=True)
+        self.reg = select.regression(self.problem, self.result, self.theta + self.other, self.use)
+
+    def evaluate(self, noise, sens=False):
+        """Innovations under a noise, causes outside the catalogue taken out."""
+        return self.problem.evaluate(noise, sens=sens, use=self.use, held=self.other)
 
 
 def candidates(problem: Problem, given_arm=True):
@@ -92,9 +98,7 @@ def run(state: State, *, given: bool, say=lambda text: None) -> State:
     seen = {}
     for number in range(ROUNDS):
         names = candidates(state.problem)
-        if number < 2:  # a path that is still far off looks like many things
-            names = [n for n in names if not n.startswith("other")]
-        kept, top = select.best(state.reg, names)
+        kept, _ = select.best(state.reg, names)
         linear = _step(state, kept)
         moved = set(kept) != set(state.kept) or linear is not None
         key = (frozenset(kept), tuple(c.change.key for c in state.changes), state.restarts)
@@ -102,7 +106,6 @@ def run(state: State, *, given: bool, say=lambda text: None) -> State:
         if seen[key] > 3:
             moved = False
         say(f"round {number + 1}: {', '.join(kept) or 'no linear effect'}")
-        fresh = top - select.score_of(state.reg, state.kept) if state.kept else top
         shock = _shock_step(state)
         if shock is not None and shock[0] > (0.0 if shock[2] or not moved else np.inf):
             state.restarts = (*state.restarts, shock[1])
@@ -112,8 +115,6 @@ def run(state: State, *, given: bool, say=lambda text: None) -> State:
         if moved:
             _hold(state, kept)
             state.rebuild()
-            continue
-        if number < 2:
             continue
         _refit(state)
         noise = _noise_step(state, given)
@@ -131,18 +132,17 @@ def _step(state, kept):
     index = [i for e in kept for i in select.GROUPS[e]]
     x, cov, _ = state.reg.solve(index)
     sd = np.sqrt(np.diag(cov)) if len(index) else np.zeros(0)
-    now = state.theta[index]
-    held = np.array([not columns.ALL[i].effect.startswith("other") for i in index], bool)
-    return x if np.any(np.abs(x - now)[held] > _MOVED * np.maximum(sd[held], 1e-12)) else None
+    now = (state.theta + state.other)[index]
+    return x if np.any(np.abs(x - now) > _MOVED * np.maximum(sd, 1e-12)) else None
 
 
 def _hold(state, kept):
     index = [i for e in kept for i in select.GROUPS[e]]
     x, _, _ = state.reg.solve(index)
-    theta = np.zeros(len(columns.ALL))
+    theta, state.other = np.zeros(len(columns.ALL)), np.zeros(len(columns.ALL))
     for i, value in zip(index, x):
-        if not columns.ALL[i].effect.startswith("other"):
-            theta[i] = value
+        outside = columns.ALL[i].effect.startswith("other")
+        (state.other if outside else theta)[i] = value
     theta = _bounded(theta)
     state.theta, state.kept = theta, tuple(kept)
 
@@ -160,9 +160,7 @@ def _refit(state):
     """The accepted changes fitted again where the path has changed under them."""
     for found in state.changes:
         start = replace(found.change, start=tuple(float(v) for v in found.values))
-        values, gain, noise = start.fitted(
-            state.problem, state.noise, state.use, state.result.log_likelihood
-        )
+        values, gain, noise = start.fitted(state, state.noise, state.result.log_likelihood)
         if gain > 0.05:
             found.values, state.noise = values, noise
             state.weigh()
@@ -173,11 +171,11 @@ def _noise_step(state, given):
     base = state.result.log_likelihood
     options = random_effects.changes(state.problem, state.noise, given)
     taken = {c.change.key for c in state.changes}
-    ranked = random_effects.screen(state.problem, state.noise, state.use, base, options)
+    ranked = random_effects.screen(state, state.noise, base, options)
     ranked = [r for r in ranked if r[0] > 1.0 and r[1].key not in taken][:3]
     found = []
     for _, change in ranked:
-        values, gain, noise = change.fitted(state.problem, state.noise, state.use, base)
+        values, gain, noise = change.fitted(state, state.noise, base)
         found.append((gain - random_effects.penalty(change), gain, change, values, noise))
     if not found:
         return None
@@ -185,7 +183,13 @@ def _noise_step(state, given):
     value, gain, change, values, noise = found[0]
     if value < 0.0:
         return None
-    out = Change(change, values, gain, state.noise, [(f[2].effect, f[0] - value, f[2].key) for f in found[1:]])
+    out = Change(
+        change,
+        values,
+        gain,
+        state.noise,
+        [(f[2].effect, f[0] - value, f[2].key) for f in found[1:]],
+    )
     out.noise = noise
     return out
 
@@ -223,7 +227,7 @@ def _shock_step(state):
     begins[node] = True
     kept = state.problem.arrays
     state.problem.arrays = {**kept, "begins": begins}
-    value = state.problem.evaluate(state.noise, use=state.use).log_likelihood
+    value = state.evaluate(state.noise).log_likelihood
     state.problem.arrays = kept
     gain = value - state.result.log_likelihood - 25.0
     excess = np.maximum(nis - freedom, 0.0)
@@ -238,7 +242,7 @@ def _prune(state, say):
         begins = kept["begins"].copy()
         begins[np.searchsorted(kept["node_time"], when)] = False
         state.problem.arrays = {**kept, "begins": begins}
-        value = state.problem.evaluate(state.noise, use=state.use).log_likelihood
+        value = state.evaluate(state.noise).log_likelihood
         state.problem.arrays = kept
         if state.result.log_likelihood - value < 25.0:
             say(f"the shock at {when:.1f} s taken out again")
@@ -251,7 +255,7 @@ def _prune(state, say):
         for found in state.changes:
             rest = [c for c in state.changes if c is not found]
             noise = _without(state, found)
-            value = state.problem.evaluate(noise, use=state.use).log_likelihood
+            value = state.evaluate(noise).log_likelihood
             losses.append((state.result.log_likelihood - value, found, rest, noise))
             found.gain = state.result.log_likelihood - value
         loss, found, rest, noise = min(losses, key=lambda v: v[0])

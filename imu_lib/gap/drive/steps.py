@@ -54,11 +54,15 @@ def of(state, first, noise, rng, before):
         confidence, second, chance, rivals = sure[effect]
         top = select.score_of(state.reg, state.kept)
         alike = [e for e, v in rivals.items() if top - v < ALIKE and e in LINEAR]
+        parameters = LINEAR[effect].parameters(now)
+        intervals = LINEAR[effect].intervals(now, np.array([sd[i] for i in part]))
+        if effect == "gnss_time_offset":
+            parameters, intervals = _one_offset(state, index, values, parameters, intervals)
         out.append(
             _step(
                 effect,
-                LINEAR[effect].parameters(now),
-                LINEAR[effect].intervals(now, np.array([sd[i] for i in part])),
+                parameters,
+                intervals,
                 confidence,
                 {"effect": second, "confidence": float(chance)},
                 alike,
@@ -69,11 +73,28 @@ def of(state, first, noise, rng, before):
         gap = after
     for found in sorted(state.changes, key=lambda c: -c.gain):
         noise = found.change.enter(noise, found.values)
-        result = state.problem.evaluate(noise, use=state.use)
+        result = state.evaluate(noise)
         after = battery(state.problem, result.e, state.use, rng).index
         out.append(_random_step(state, found, (gap, after)))
         gap = after
     return out
+
+
+def _one_offset(state, index, values, parameters, intervals):
+    """The time offset as one number, unless the velocity clearly has one of its own."""
+    a, b = columns.of("gnss_time_offset")
+    if not state.use[:, 3].any():
+        return ({k: d[k] for k in ("offset",)} for d in (parameters, intervals))
+    _, cov, _ = state.reg.solve(index)
+    i, j = index.index(a), index.index(b)
+    pair = cov[np.ix_([i, j], [i, j])]
+    apart = values[b] - values[a]
+    if abs(apart) > 3.5 * np.sqrt(pair[0, 0] + pair[1, 1] - 2 * pair[0, 1]):
+        return parameters, intervals
+    weight = np.linalg.solve(pair, np.ones(2))
+    one = float(weight @ [values[a], values[b]] / weight.sum())
+    half = 1.96 / float(np.sqrt(weight.sum()))
+    return {"offset": one}, {"offset": [one - half, one + half]}
 
 
 def _gap_with(state, plain, reg, effects, rng):
@@ -97,9 +118,7 @@ def _random_step(state, found, gaps):
     sd = _curvature(state, found)
     low, high = (change.describe(found.values * np.exp(s * 1.96 * sd)) for s in (-1.0, 1.0))
     intervals = {
-        k: [low[k], high[k]]
-        for k in low
-        if isinstance(low[k], float) and low[k] != high[k]
+        k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]
     }
     prices = random_effects.penalty(change)
     rivals = [(e, v) for e, v, key in found.rivals if e != change.effect or key[0] == "bias_model"]
@@ -121,7 +140,7 @@ def _curvature(state, found):
 
     def at(shift):
         noise = found.change.enter(state.noise, np.exp(x + shift))
-        return state.problem.evaluate(noise, use=state.use).log_likelihood
+        return state.evaluate(noise).log_likelihood
 
     here = at(np.zeros(x.size))
     hessian = np.zeros((x.size, x.size))
@@ -139,9 +158,7 @@ def _curvature(state, found):
 
 
 def axes(permutation, sure, runner, gain, alike, before):
-    where = (
-        f"the readings follow the fixes' accelerations and turns when x, y, z of the file are taken as {', '.join(permutation)}"
-    )
+    where = f"the readings follow the fixes' accelerations and turns when x, y, z of the file are taken as {', '.join(permutation)}"
     step = _step(
         "axes", {"permutation": list(permutation)}, {}, sure,
         {"effect": f"axes {' '.join(runner)}", "confidence": float(1.0 - sure)}, [],
@@ -163,14 +180,21 @@ def mounting(turned, after):
     names = ("roll", "pitch", "yaw")
     k = int(np.argmax(sizes))
     gain = 0.5 * float(np.sum(sizes**2))
-    where = f"on straights the velocity lies {abs(angles[2]) / DEG:.1f} deg aside and {abs(angles[1]) / DEG:.1f} deg above or below the case's x ({names[k]} stands out most)"
+    where = (
+        f"on straights the velocity lies {abs(angles[2]) / DEG:.1f} deg aside of the case's x and "
+        f"{abs(angles[1]) / DEG:.1f} deg above or below it ({names[k]} stands out most)"
+    )
     return [
         _step(
             "mounting",
             {n: float(a) for n, a in zip(names, angles)},
             {n: [float(a - 1.96 * s), float(a + 1.96 * s)] for n, a, s in zip(names, angles, sd)},
-            SUREST, {"effect": "nothing", "confidence": float(np.exp(-min(gain, 700.0)))}, [],
-            (after.index, after.index), gain, where,
+            SUREST,
+            {"effect": "nothing", "confidence": float(np.exp(-min(gain, 700.0)))},
+            [],
+            (after.index, after.index),
+            gain,
+            where,
         )  # fmt: skip
     ]
 
@@ -184,8 +208,15 @@ def heading(apart, sd, after):
     where = f"the path's own heading at the start, carried back by the gyros, is {abs(apart) / DEG:.0f} deg off the one given"
     return [
         _step(
-            "heading", {"error": apart}, {"error": [apart - 1.96 * sd, apart + 1.96 * sd]}, SUREST,
-            {"effect": "nothing", "confidence": 0.0}, [], (after.index, after.index), gain, where,
+            "heading",
+            {"error": apart},
+            {"error": [apart - 1.96 * sd, apart + 1.96 * sd]},
+            SUREST,
+            {"effect": "nothing", "confidence": 0.0},
+            [],
+            (after.index, after.index),
+            gain,
+            where,
         )  # fmt: skip
     ]
 
@@ -244,7 +275,9 @@ def unexplained(state, after):
             sizes = ", ".join(
                 f"{columns.ALL[i].component} {x[index.index(i)]:.3g}" for i in select.GROUPS[effect]
             )
-            parts.append(f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue")
+            parts.append(
+                f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"
+            )
     name, z = after.worst()
     if abs(z) > SURE:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")

@@ -7,13 +7,9 @@ from .base import Linear
 
 class AccelScale(Linear):
     name = "accel_scale"
-    cause = (
-        "An accelerometer reads a fixed share too much or too little."
-    )
+    cause = "An accelerometer reads a fixed share too much or too little."
     key = "scale"
-    words = (
-        "velocity innovations grow with the specific force along the axis"
-    )
+    words = "velocity innovations grow with the specific force along the axis"
     unexcited = "the drive has too little specific force along the axis"
 
 

@@ -7,7 +7,9 @@ from .base import Effect
 
 class GnssNoise(Effect):
     name = "gnss_noise"
-    cause = "The receiver's errors are larger or smaller than the standard deviations that it states."
+    cause = (
+        "The receiver's errors are larger or smaller than the standard deviations that it states."
+    )
     words = "innovations larger or smaller than stated, without memory from one fix to the next"
 
 

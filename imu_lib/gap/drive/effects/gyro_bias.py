@@ -7,13 +7,9 @@ from .base import Linear
 
 class GyroBias(Linear):
     name = "gyro_bias"
-    cause = (
-        "A gyro has a constant error beyond what the model allows at switch-on."
-    )
+    cause = "A gyro has a constant error beyond what the model allows at switch-on."
     key = "bias"
-    words = (
-        "the attitude drifts steadily from the first seconds on"
-    )
+    words = "the attitude drifts steadily from the first seconds on"
     unexcited = "the drive does not show the attitude about the axis"
 
 

@@ -1,0 +1,125 @@
+"""`imu-lib gap DRIVE [--model MODEL]`: what the filter does not know about a drive."""
+
+from __future__ import annotations
+
+import sys
+import zipfile
+from pathlib import Path
+
+
+def asked(args) -> bool:
+    """Whether the call names a drive: a GNSS file beside the IMU's, or an archive with fixes."""
+    if args.gnss:
+        return True
+    if not args.file or not Path(args.file).is_file() or not zipfile.is_zipfile(args.file):
+        return False
+    try:
+        with zipfile.ZipFile(args.file) as archive:
+            return "gnss_position.npy" in archive.namelist()
+    except zipfile.BadZipFile:
+        return False
+
+
+def run(args, model) -> int:
+    """The workflow on a drive, its result printed and written."""
+    from imu_lib.cli import common
+    from imu_lib.gap import drive as gap_drive
+    from imu_lib.readers import read_drive
+    from imu_lib.units import DEG
+
+    options = common.reading_options(args)
+    drive = read_drive(
+        args.file,
+        gnss=args.gnss,
+        gnss_offset=args.gnss_offset,
+        start=args.start,
+        stop=args.stop,
+        **options,
+    )
+    for note in drive.notes:
+        print(f"note: {note}", file=sys.stderr)
+    heading = None if args.heading is None else args.heading * DEG
+    found = gap_drive.close(drive, model, seed=args.seed, heading=heading, say=_say)
+    if args.json:
+        common.write_json(found.to_json(), args.json)
+    if args.out:
+        from imu_lib.cli.gap_drive_report import write
+
+        with common.atomic_folder(args.out) as folder:
+            found.model.save(folder / "model.json")
+            write(found, folder / "report.html")
+    if args.json != "-":
+        print(text(found))
+    return 0
+
+
+def _say(line):
+    if sys.stderr.isatty():
+        print(f"\r\x1b[2K{line[:110]}", end="", file=sys.stderr, flush=True)
+
+
+def values(step) -> str:
+    """Parameters of a step in a line, with their intervals."""
+    parts = []
+    for key, value in step["parameters"].items():
+        interval = step["intervals"].get(key)
+        if isinstance(value, list) and interval:
+            parts += [
+                f"{v:.4g} [{low:.3g}, {high:.3g}]"
+                for v, (low, high) in zip(value, interval, strict=True)
+            ]
+        elif isinstance(value, list):
+            parts.append(" ".join(f"{v}" for v in value))
+        elif isinstance(value, float):
+            ends = f" [{interval[0]:.3g}, {interval[1]:.3g}]" if interval else ""
+            parts.append(f"{key} {value:.4g}{ends}")
+        else:
+            parts.append(f"{value}")
+    return ", ".join(parts)
+
+
+def text(found) -> str:
+    """The result as text."""
+    lines = ["" if not sys.stderr.isatty() else "\r"]
+    base = "a model that was given" if found.given else "noise fitted to the drive itself"
+    lines.append(f"{found.drive.name or 'drive'}, compared with {base}.")
+    if not found.steps:
+        lines.append("Nothing is missing that the innovations would show.")
+    for step in found.steps:
+        lines.append(
+            f"{step['effect']}: {values(step)}\n    {step['where']}\n"
+            f"    confidence {step['confidence']:.3g}, runner-up {step['runner_up']['effect']}; "
+            f"log-likelihood gain {step['log_likelihood_gain']:.0f}; gap {step['gap_before']:.1f} to {step['gap_after']:.1f}"
+        )
+        if step["indistinguishable"]:
+            lines.append(
+                "    this drive cannot tell it from " + ", ".join(step["indistinguishable"])
+            )
+    lines.append(
+        f"innovations: mean square {found.before.nis:.2f} before, {found.after.nis:.2f} after (1 in a right filter); "
+        f"largest correlation between fixes {found.before.whiteness:.2f} and {found.after.whiteness:.2f}"
+    )
+    if found.outages is not None:
+        lines.append(_outages(found.outages))
+    if found.invisible:
+        some = sorted({i["effect"] for i in found.invisible})
+        lines.append("not visible on this drive (in part): " + ", ".join(some))
+    lines.append(f"unexplained: {found.unexplained or 'nothing'}")
+    lines += [f"note: {n}" for n in found.notes]
+    return "\n".join(lines)
+
+
+def _outages(result) -> str:
+    medians, ratio = result.medians(), result.ratio()
+    line = (
+        f"outages of {result.duration:.0f} s that the search has not seen ({len(result.windows)}): "
+    )
+    if ratio is None:
+        return (
+            line + f"median error {medians['after']:.3g} m after; before, the filter does not run"
+        )
+    return (
+        line
+        + f"median error {medians['before']:.3g} m before, {medians['after']:.3g} m after; ratio "
+        + f"{ratio['value']:.2f} [{ratio['low']:.2f}, {ratio['high']:.2f}]"
+    )

@@ -1,0 +1,106 @@
+"""The result of the gap workflow on a drive as one self-contained HTML page."""
+
+from __future__ import annotations
+
+from imu_lib import plots, report
+from imu_lib.cli.gap_drive import values
+
+
+def write(found, path) -> None:
+    """Write the page for a `gap.drive.DriveReport`."""
+    drive = found.drive
+    base = "an error model that was given" if found.given else "noise fitted to the drive itself"
+    parts = [
+        report.paragraph(
+            f"Drive: {drive.name or drive.source or 'drive'}, {drive.duration:.0f} s, IMU at {drive.rate:.4g} Hz, "
+            f"{len(drive.gnss_time)} fixes. Compared with {base}. The gap index is the distance of the innovations' statistics from "
+            "those of simulated copies over the median distance that one copy has from the others: 1 in a right filter."
+        ),
+        report.table_html(
+            ["", "before", "after"],
+            [
+                ["gap index", f"{found.before.index:.2f}", f"{found.after.index:.2f}"],
+                ["mean square of innovations", f"{found.before.nis:.2f}", f"{found.after.nis:.2f}"],
+                [
+                    "largest correlation between fixes",
+                    f"{found.before.whiteness:.2f}",
+                    f"{found.after.whiteness:.2f}",
+                ],
+            ],
+        ),
+    ]
+    for step in found.steps:
+        lines = [
+            f"Where: {step['where']}.",
+            f"Physical cause: {step['cause']}",
+            f"Confidence {step['confidence']:.3g}; runner-up: {step['runner_up']['effect']} ({step['runner_up']['confidence']:.2g}).",
+            f"Log-likelihood gained {step['log_likelihood_gain']:.1f}; gap index {step['gap_before']:.2f} before it, {step['gap_after']:.2f} with it.",
+        ]
+        if step["indistinguishable"]:
+            lines.append(
+                "This drive cannot tell it from: " + ", ".join(step["indistinguishable"]) + "."
+            )
+        parts += [report.heading(f"{step['effect']}: {values(step)}", 3), report.bullets(lines)]
+    if not found.steps:
+        parts.append(report.paragraph("Nothing is missing that the innovations would show."))
+    parts.append(
+        report.paragraph(
+            f"Unexplained, no effect of the catalogue accounts for it: {found.unexplained}."
+            if found.unexplained
+            else "Nothing is left unexplained."
+        )
+    )
+    parts += [
+        report.heading("The drive"),
+        report.figure_html(
+            report.png(plots.drive_gap_map(found)),
+            "The way driven; colour is the size of the innovations that are left, black the withheld windows.",
+        ),
+        report.figure_html(
+            report.png(plots.drive_gap_innovations(found).ravel()[0]),
+            "Innovations before and after; a right filter keeps 95 % of them between the dashed lines.",
+        ),
+    ]
+    parts += _outages(found) + _invisible(found)
+    with open(path, "w", encoding="utf-8") as handle:
+        handle.write(report.page("What does the filter not know about this drive?", *parts))
+
+
+def _outages(found):
+    if found.outages is None:
+        return [report.paragraph("No window of the drive could be withheld for an outage.")]
+    medians, ratio = found.outages.medians(), found.outages.ratio()
+    rows = [[n, f"{medians[n]:.3g}" if n in medians else ""] for n in ("before", "after")]
+    parts = [
+        report.heading("Outages that the search has not seen"),
+        report.table_html(["model", "median of the largest error, m"], rows),
+    ]
+    if ratio:
+        parts.append(
+            report.paragraph(
+                f"After over before: {ratio['value']:.2f} [{ratio['low']:.2f}, {ratio['high']:.2f}], "
+                f"{len(found.outages.windows)} windows of {found.outages.duration:.0f} s, paired."
+            )
+        )
+    for name in found.outages.study.models:
+        parts.append(
+            report.figure_html(
+                report.png(
+                    plots.outage_fan(found.outages.study, name=name, against=found.outages.against)
+                ),
+                f"Errors in all outages, {name}, with the radius that the filter expects to hold 95 % of them.",
+            )
+        )
+    return parts
+
+
+def _invisible(found):
+    if not found.invisible:
+        return []
+    rows = [
+        [i["effect"], i["parameter"], i["why"], f"{i['upper_limit']:.3g}"] for i in found.invisible
+    ]
+    return [
+        report.heading("Not visible on this drive"),
+        report.table_html(["effect", "parameter", "why", "upper limit (SI)"], rows),
+    ]

@@ -1,0 +1,102 @@
+"""The gap on a drive: effects hidden in drives made by code that shares nothing with the filter."""
+
+import json
+
+import drive_generator as generator
+import numpy as np
+import pytest
+
+from imu_lib.drive import from_arrays
+from imu_lib.gap import drive as gap_drive
+from imu_lib.gap.drive import coarse, columns, path, problem, select
+from imu_lib.model import Model
+from imu_lib.navigation import earth, strapdown
+
+MODEL = Model.from_json(generator.MODEL)
+
+
+def made(seed, effects=(), **options):
+    return from_arrays(generator.make(seed, effects=effects, **{"duration": 240.0, **options}), "x")
+
+
+def innovations(drive, theta=None):
+    noise = problem.Noise(MODEL)
+    found = path.build(drive, noise)
+    return found, found.evaluate(noise, sens=True)
+
+
+def test_generator_and_strapdown_agree():
+    # two constructions of the same motion, one Earth-centred, one in north-east-down
+    drive = made(1, noiseless=True, turn_on=(0.0, 0.0), duration=120.0)
+    dt = np.diff(drive.time)[:, None]
+    path = strapdown.integrate(
+        drive.time,
+        drive.gyro[1:] * dt,
+        drive.accel[1:] * dt,
+        position=drive.reference_position[0],
+        velocity=drive.reference_velocity[0],
+        attitude_=drive.reference_attitude[0],
+    )
+    every = slice(0, None, 10)
+    n = drive.reference_position.shape[0]
+    apart = earth.meters(path.position[every][:n], drive.reference_position)
+    assert np.abs(apart).max() < 0.01  # m, over two minutes
+
+
+def test_innovations_of_a_right_model_are_white():
+    found, result = innovations(made(3))
+    e = result.e[found.use]
+    # mean of chi-square variables of one degree of freedom: sd sqrt(2 / count)
+    assert abs(np.mean(e**2) - 1.0) < 4.0 * np.sqrt(2.0 / e.size)
+    for k in range(6):
+        v = result.e[:, k]
+        assert abs(np.mean(v[1:] * v[:-1])) < 4.0 / np.sqrt(v.size)
+    reg = select.regression(found, result, np.zeros(len(columns.ALL)), found.use)
+    assert select.best(reg, list(select.GROUPS))[0] == ()
+
+
+def test_sensitivity_is_the_derivative_of_the_innovations():
+    # the same path, the parameter put into the readings and taken out by the regression
+    arm = {"arm": [1.2, -0.5, -0.8]}
+    found, result = innovations(made(4, [("lever_arm", arm)]))
+    reg = select.regression(found, result, np.zeros(len(columns.ALL)), found.use)
+    value, cov, gain = reg.solve(columns.of("lever_arm"))
+    assert gain > 100.0
+    sd = np.sqrt(np.diag(cov))
+    assert np.all(np.abs(value - arm["arm"])[:2] < 4.0 * sd[:2] + 0.02)
+
+
+@pytest.mark.parametrize(
+    "permutation", [("+y", "-x", "+z"), ("-x", "-y", "+z"), ("+y", "+x", "-z"), ("+z", "+x", "+y")]
+)
+def test_axes_are_found(permutation):
+    drive = made(5, [("axes", {"permutation": permutation})], gnss_rate=2.0)
+    assert coarse.axes(drive)[0] == permutation
+
+
+def test_late_fixes_are_found():
+    drive = made(6, [("gnss_time_offset", {"offset": 3.0})], gnss_rate=1.0, velocity=False)
+    assert coarse.late(drive)[0] == pytest.approx(3.0, abs=0.3)
+
+
+def test_two_effects_are_found_named_and_added(tmp_path):
+    drive = made(
+        7, [("gnss_time_offset", {"offset": 0.2}), ("accel_scale", {"scale": [0.03, 0.0, 0.0]})],
+        duration=300.0,
+    )  # fmt: skip
+    found = gap_drive.close(drive, MODEL)
+    names = {s["effect"] for s in found.steps}
+    assert names == {"gnss_time_offset", "accel_scale"}
+    offset = next(s for s in found.steps if s["effect"] == "gnss_time_offset")
+    assert offset["parameters"]["offset"] == pytest.approx(0.2, abs=0.02)
+    assert found.after.index < found.before.index
+    assert found.unexplained is None
+    result = found.to_json()["drive"]
+    json.dumps(result)
+    assert (
+        result["outages"]["median_max_error"]["after"]
+        < result["outages"]["median_max_error"]["before"]
+    )
+    path = tmp_path / "model.json"
+    found.model.save(path)
+    assert {e.name for e in Model.load(path).drive} == names
