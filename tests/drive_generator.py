@@ -205,9 +205,7 @@ def make(
     moving_start=False,
     noiseless=False,
 ):
-    """Arrays of a drive (contract's keys), for effects [(name, parameters)] and unknown ones by
-    name: "velocity_low_pass", "second_half_offset", "temperature_bias", "pothole".
-    """
+    """Arrays of a drive, for effects [(name, parameters)] and unknown ones by name (see below)."""
     rng = np.random.default_rng(seed)
     m = motion(kind, duration, rng)
     found = dict(effects)
