@@ -64,13 +64,13 @@ class DriveReport:
         }
 
 
-def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, say=None):
+def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, judge=True, say=None):
     """Find what the filter does not know about a drive.
 
     model : of the sensor; its key `drive` is where the search starts; None: white noise and walks
     alike on the three axes, fitted to the drive
     heading : rad at the start, as somebody gives it; the first `reference_attitude` otherwise
-    say : callable, told what is done
+    judge : compare outages before and after; say : callable, told what is done
     Raises InputError where the drive has too little to be searched.
     """
     say = say or (lambda text: None)
@@ -119,7 +119,7 @@ def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, say
     whole = Model.with_drive(original, tuple(_effects(found)))
     unexplained = steps.unexplained(state, after)
     result = None
-    if windows:
+    if windows and judge:
         say("outages before and after")
         result, more = outage.compare(
             drive, with_constants(original.with_drive(())), with_constants(whole), windows

@@ -1,0 +1,266 @@
+"""Score of the gap workflow on drives in which effects are hidden.
+
+    python benchmarks/drive_gap_score.py --cases 3 --first 5000 --log drives.jsonl    # resumes
+    python benchmarks/drive_gap_score.py --kinds none,pair --cases 5 --print
+
+The generator (tests/drive_generator.py) shares no code with the navigation package. A single effect
+counts for the naming rate if it is detectable: the innovations' log-likelihood gained by the true
+effect at its true parameters is 20 or more. Results go to benchmarks/results/drive_gap_score.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from datetime import date
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+
+import drive_generator as generator  # noqa: E402
+import numpy as np  # noqa: E402
+from statsmodels.stats.proportion import proportion_confint  # noqa: E402
+
+from imu_lib.drive import from_arrays  # noqa: E402
+from imu_lib.gap import drive as gap_drive  # noqa: E402
+from imu_lib.gap.drive import columns, correct, path, problem  # noqa: E402
+from imu_lib.model import Model  # noqa: E402
+
+RESULTS = ROOT / "benchmarks" / "results" / "drive_gap_score.json"
+MODEL = Model.from_json(generator.MODEL)
+SURE, DETECTABLE = 0.9, 20.0
+UNKNOWN = ("velocity_low_pass", "second_half_offset", "temperature_bias", "pothole")
+PERMUTATIONS = (("+y", "-x", "+z"), ("-x", "-y", "+z"), ("+y", "+x", "-z"), ("-y", "+x", "+z"))
+
+
+def spread(rng, low, high, size=None):
+    """Of either sign, its size uniform in the logarithm."""
+    sign = rng.choice([-1.0, 1.0], size)
+    value = sign * np.exp(rng.uniform(np.log(low), np.log(high), size))
+    return float(value) if size is None else [float(v) for v in value]
+
+
+def draw(kind, rng):
+    """Parameters of an effect."""
+    if kind == "gnss_time_offset":
+        offset = spread(rng, 0.03, 0.8)
+        return {"offset": offset} if rng.random() < 0.7 else {
+            "offset": offset, "velocity_offset": offset + spread(rng, 0.05, 0.3),
+        }  # fmt: skip
+    if kind == "mounting":
+        return {"roll": 0.0, "pitch": spread(rng, 0.02, 0.06), "yaw": spread(rng, 0.05, 0.2)}
+    if kind == "axes":
+        return {"permutation": PERMUTATIONS[rng.integers(len(PERMUTATIONS))]}
+    table = {
+        "lever_arm": ("arm", 0.3, 2.0, 3), "accel_scale": ("scale", 3e-3, 0.04, 3),
+        "gyro_scale": ("scale", 3e-3, 0.04, 3), "accel_misalignment": ("matrix", 3e-3, 0.04, 6),
+        "gyro_misalignment": ("matrix", 3e-3, 0.04, 6), "accel_bias": ("bias", 0.4, 0.9, 3),
+        "gyro_g_sensitivity": ("matrix", 5e-5, 8e-4, 9), "gyro_bias": ("bias", 0.015, 0.04, 3),
+    }  # fmt: skip
+    if kind in table:
+        key, low, high, size = table[kind]
+        return {key: spread(rng, low, high, size)}
+    if kind == "imu_clock":
+        return {"scale": spread(rng, 3e-5, 8e-4)}
+    if kind == "gnss_noise":
+        of = rng.choice(["position", "velocity"])
+        return {"ratio": float(rng.choice([0.4, 0.6, 1.6, 2.5, 4.0])), "of": str(of)}
+    if kind == "gnss_correlated":
+        return {
+            "sigma": float(rng.uniform(0.8, 3.0)),
+            "correlation_time": float(rng.uniform(8, 90)),
+        }
+    if kind == "gnss_outliers":
+        return {"fraction": float(rng.uniform(0.01, 0.06)), "scale": float(rng.uniform(8, 40))}
+    if kind == "bias_model":
+        channel = str(rng.choice(list(columns.CHANNEL_NAMES)))
+        process, name = [("white_noise", "N"), ("gauss_markov", "sigma")][rng.integers(2)]
+        entry = next(p for p in generator.MODEL[channel] if p["process"] == process)
+        factor = float(rng.uniform(5.0, 15.0))
+        return {
+            "channel": channel, "process": process, "name": name, "from": entry[name],
+            "to": factor * entry[name],
+        }  # fmt: skip
+    if kind == "vibration":
+        channel = str(rng.choice(list(columns.CHANNEL_NAMES)))
+        n = generator.MODEL[channel][0]["N"]
+        return {"channel": channel, "N": n, "N_per_speed": n * float(rng.uniform(1.0, 4.0))}
+    raise ValueError(kind)
+
+
+KNOWN = (
+    "gnss_time_offset", "mounting", "axes", "lever_arm", "accel_scale", "gyro_scale",
+    "accel_misalignment", "gyro_misalignment", "gyro_g_sensitivity", "accel_bias", "gyro_bias",
+    "imu_clock", "gnss_noise", "gnss_correlated", "gnss_outliers", "bias_model", "vibration",
+)  # fmt: skip
+KINDS = (*KNOWN, "pair", "none", *UNKNOWN)
+
+
+def case(kind, seed):
+    """One drive made and searched: a row of the log."""
+    rng = np.random.default_rng([seed, 17])
+    if kind == "pair":
+        pool = [k for k in KNOWN if k not in ("axes", "mounting")]
+        effects = [(k, draw(k, rng)) for k in rng.choice(pool, 2, replace=False)]
+    else:
+        effects = [(kind, draw(kind, rng))] if kind in KNOWN else []
+    options = {
+        "kind": str(rng.choice(["town", "town", "motorway"])),
+        "gnss_rate": float(rng.choice([1.0, 5.0, 5.0])),
+        "velocity": bool(rng.random() < 0.8),
+        "duration": float(rng.choice([300.0, 420.0])),
+        "moving_start": bool(rng.random() < 0.2),
+    }
+    if kind == "velocity_low_pass" or any("velocity_offset" in p for _, p in effects):
+        options["velocity"] = True
+    if any(p.get("of") == "velocity" for _, p in effects):
+        options["velocity"] = True
+    unknown = [kind] if kind in UNKNOWN else []
+    arrays = generator.make(seed, effects=effects, unknown=unknown, **options)
+    drive = from_arrays(arrays, f"{kind} {seed}")
+    begin = time.process_time()
+    found = gap_drive.close(drive, MODEL, judge=False)
+    return {
+        "kind": kind, "seed": seed, "effects": effects, **{f"option {k}": v for k, v in options.items()},
+        "gain": gain(drive, effects) if len(effects) == 1 else None,
+        "steps": [
+            {k: s[k] for k in ("effect", "parameters", "intervals", "confidence", "log_likelihood_gain")}
+            for s in found.steps
+        ],
+        "indistinguishable": [s["indistinguishable"] for s in found.steps],
+        "nis": found.after.nis, "unexplained": found.unexplained,
+        "seconds": time.process_time() - begin,
+    }  # fmt: skip
+
+
+def gain(drive, effects):
+    """Log-likelihood of the innovations gained by the true effect at its true parameters; None
+    where it is no matter of the innovations.
+    """
+    ((name, p),) = effects
+    if name in ("axes", "mounting", "heading"):
+        return None
+    theta, noise = np.zeros(len(columns.ALL)), problem.Noise(MODEL)
+    part = columns.of(name)
+    true = noise
+    if name == "gnss_time_offset":
+        theta[part] = p["offset"], p.get("velocity_offset", p["offset"])
+    elif part:
+        theta[part] = np.ravel(next(iter(p.values())))
+    elif name == "gnss_noise":
+        true = noise.with_(**{p["of"]: p["ratio"]})
+    elif name == "gnss_correlated":
+        true = noise.with_(sigma=p["sigma"], tau=p["correlation_time"])
+    elif name == "gnss_outliers":
+        true = noise.with_(fraction=p["fraction"], scale=p["scale"])
+    elif name == "vibration":
+        k = columns.CHANNEL_NAMES.index(p["channel"])
+        true = noise.with_(per_speed=tuple(p["N_per_speed"] if i == k else 0.0 for i in range(6)))
+    elif name == "bias_model":
+        made = {
+            k: [dict(e) for e in v] if isinstance(v, list) else v
+            for k, v in generator.MODEL.items()
+        }
+        for e in made[p["channel"]]:
+            if e["process"] == p["process"]:
+                e[p["name"]] = p["to"]
+        true = problem.Noise(Model.from_json(made))
+    with_it = path.build(
+        correct.corrected(drive, theta), true, velocity_shift=correct.velocity_shift(theta)
+    ).evaluate(true)
+    return float(with_it.log_likelihood - path.build(drive, noise).evaluate(noise).log_likelihood)
+
+
+def rate(hits, count):
+    if not count:
+        return None
+    low, high = proportion_confint(hits, count, method="beta")
+    return {"share": hits / count, "low": float(low), "high": float(high), "of": count}
+
+
+def score(rows):
+    """The table: rates with exact 95 % intervals."""
+    out = {"single": {}, "nulls": None, "pairs": None, "unknown": {}}
+    single = [r for r in rows if r["kind"] in KNOWN]
+    seen = [r for r in single if r["gain"] is None or r["gain"] >= DETECTABLE]
+    names = lambda r: [s["effect"] for s in r["steps"]]  # noqa: E731
+    right = [r for r in seen if r["kind"] in names(r)]
+    out["named"] = rate(len(right), len(seen))
+    out["detectable"] = rate(len(seen), len(single))
+    sure = [
+        r
+        for r in single
+        if any(s["effect"] != r["kind"] and s["confidence"] >= SURE for s in r["steps"])
+    ]
+    out["wrong_and_sure"] = rate(len(sure), len(single))
+    for kind in KNOWN:
+        mine = [r for r in seen if r["kind"] == kind]
+        out["single"][kind] = rate(sum(kind in names(r) for r in mine), len(mine))
+    nulls = [r for r in rows if r["kind"] == "none"]
+    out["nulls"] = rate(sum(bool(r["steps"]) for r in nulls), len(nulls))
+    pairs = [r for r in rows if r["kind"] == "pair"]
+    out["pairs"] = rate(
+        sum({e for e, _ in r["effects"]} <= set(names(r)) for r in pairs), len(pairs)
+    )
+    for kind in UNKNOWN:
+        mine = [r for r in rows if r["kind"] == kind]
+        out["unknown"][kind] = rate(sum(r["unexplained"] is not None for r in mine), len(mine))
+    inside, total = 0, 0
+    for r in right:
+        for s in r["steps"]:
+            if s["effect"] != r["kind"]:
+                continue
+            for key, pairs_ in s["intervals"].items():
+                truth = r["effects"][0][1].get(key)
+                if truth is None:
+                    continue
+                for t, (low, high) in zip(np.ravel(truth), np.reshape(pairs_, (-1, 2))):
+                    inside, total = inside + bool(low <= t <= high), total + 1
+    out["coverage"] = rate(inside, total)
+    out["seconds"] = float(np.median([r["seconds"] for r in rows])) if rows else None
+    return out
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cases", type=int, default=2)
+    parser.add_argument("--first", type=int, default=5000)
+    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--log", default="drive_gap_cases.jsonl")
+    parser.add_argument("--print", action="store_true", dest="show")
+    args = parser.parse_args()
+    log = Path(args.log)
+    rows = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+    done = {(r["kind"], r["seed"]) for r in rows}
+    kinds = args.kinds.split(",")
+    for i in range(args.cases):
+        for k, kind in enumerate(kinds):
+            seed = args.first + 1000 * k + i
+            if (kind, seed) in done:
+                continue
+            row = case(kind, seed)
+            rows.append(row)
+            with open(log, "a", encoding="utf-8") as handle:
+                handle.write(json.dumps(row) + "\n")
+            if args.show:
+                print(
+                    kind, seed, row["gain"], row["effects"], "->", row["steps"], row["unexplained"]
+                )
+    result = score(rows)
+    result |= {
+        "command": f"python benchmarks/drive_gap_score.py --cases {args.cases} --first {args.first}",
+        "date": date.today().isoformat(), "cases": len(rows),
+    }  # fmt: skip
+    print(json.dumps(result, indent=1))
+    if not args.show:
+        RESULTS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
