@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from imu_lib import report
+from imu_lib.gap.summary import sentences
 from imu_lib.gap.table import describe
 from imu_lib.plots import gap as plots
 
@@ -17,6 +18,7 @@ def write(found, path) -> None:
     )
     name = found.record.name or found.record.source or "static record"
     parts = [
+        *(report.paragraph(s) for s in sentences(found)),
         report.paragraph(
             f"Record: {name}, {found.record.duration:.0f} s at {found.record.rate:.6g} Hz. "
             f"Compared with {start}. The gap index is the distance of the measurement "

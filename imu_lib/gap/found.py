@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from imu_lib.gap import ensemble
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.steps import Step
+from imu_lib.gap.summary import sentences
 from imu_lib.model import Model
 from imu_lib.record import Record
 
@@ -66,6 +67,7 @@ class Report:
                 "steps": [s.to_json() for s in self.record_steps],
                 "unexplained": self.record_unexplained,
             },
+            "verdict": sentences(self),
             "seconds": round(self.seconds, 2),
         }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 
 from imu_lib import units
+from imu_lib.gap.summary import sentences
 
 #: Parameters that say which kind of effect it is, in words, and effects whose rate is that of
 #: their samples.
@@ -106,7 +107,8 @@ def _shown(effect: str, symbol: str, x, channel: str) -> str:
 
 def table(found) -> str:
     """The whole result."""
-    lines = [f"{'channel':<9}{'gap before':>11}{'after':>7}{'held out':>15}  found"]
+    lines = [*wrap(" ".join(sentences(found)), WIDTH), ""]
+    lines += [f"{'channel':<9}{'gap before':>11}{'after':>7}{'held out':>15}  found"]
     for name, c in found.channels.items():
         r = c.result
         before = "" if c.before is None else f"{c.before.value:.2f}"

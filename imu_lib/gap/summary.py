@@ -1,0 +1,241 @@
+"""The result in a few sentences: what the record is good for, what is wrong with it, what the sensor
+is like, what was the environment's, what is left, what to do next.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib import units
+from imu_lib.errors import UndefinedFormError
+from imu_lib.processes import Sum
+
+#: Confidence from which on a finding is told as one.
+SURE = 0.9
+#: Averaging times shorter than this share of the record have an Allan deviation worth the name.
+LONGEST = 0.1
+#: Effects by whose they are.
+FAULTS = ("dropout", "held", "time_gaps", "jitter", "rate_error", "stuck", "spikes", "saturation")
+TOUCHED = ("disturbance", "tilt", "step")
+AROUND = ("vibration", "temperature", "warm_up", "wandering_level", "noise_level_change")
+
+
+def sentences(found) -> list[str]:
+    """Three to six sentences about a `gap.Report`."""
+    out = [_good_for(found), _wrong(found), _sensor(found), _environment(found)]
+    out += [_left(found), _next(found)]
+    return [s for s in out if s]
+
+
+def _steps(found, names):
+    """(channel or "record", step) of the effects of these names that are sure or the record's."""
+    return [
+        (where, s)
+        for where, s in found.steps
+        if s.effect in names and (s.confidence >= SURE or where == "record")
+    ]
+
+
+def _good_for(found) -> str:
+    record = found.record
+    span = record.duration
+    reach = LONGEST * span
+    channels = len(found.channels)
+    what = "the noise density"
+    if reach >= 20:
+        what += f" and the bias instability up to averaging times of {_seconds(reach)}"
+    if span >= 3600:
+        what += ", drifts of minutes included"
+    held = [c.held_out["after"] for c in found.channels.values() if c.held_out]
+    clean = [n for n, c in found.channels.items() if c.result.unexplained is None]
+    good = (
+        "on all channels"
+        if len(clean) == channels
+        else f"on {_names(clean)}"
+        if clean
+        else "with reserve, since no channel is explained in full"
+    )
+    text = f"The record, {_seconds(span)} at {record.rate:.5g} Hz, is good for {what}, {good}"
+    if held:
+        text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
+    return text + "."
+
+
+def _wrong(found) -> str:
+    parts = []
+    for where, s in _steps(found, FAULTS):
+        p = s.parameters
+        on = "" if where == "record" else f" on {where}"
+        if s.effect == "time_gaps":
+            parts.append(f"{100 * p['fraction']:.2g} % of the samples are missing")
+        elif s.effect == "dropout":
+            parts.append(f"{100 * p['fraction']:.2g} % of the rows are drop-outs")
+        elif s.effect == "jitter":
+            parts.append(f"the time stamps scatter by {1e3 * p['sd']:.2g} ms")
+        elif s.effect == "saturation":
+            parts.append(f"samples are clipped{on}")
+        elif s.effect == "stuck":
+            parts.append(f"{100 * p['fraction']:.2g} % of the samples are frozen{on}")
+        elif s.effect == "spikes":
+            parts.append(f"single samples are thrown off{on}, {60 * p['rate']:.2g} a minute")
+        else:
+            parts.append(f"{s.effect.replace('_', ' ')}{on}")
+    touched = [s for w, s in _steps(found, TOUCHED) if s.effect != "step"]
+    if touched:
+        at = sorted(s.parameters.get("start", s.parameters.get("time", 0.0)) for s in touched)
+        what = "moved" if any(s.effect == "tilt" for s in touched) else "touched"
+        parts.append(f"it was {what} at {_times(at)} s")
+    if not parts:
+        return "Nothing is wrong with the data themselves: no drop-outs, no frozen or clipped samples, nobody touched it."
+    return f"{_sentence(_merged(parts))}."
+
+
+def _sensor(found) -> str:
+    out = []
+    for kind, name in (("gyro", "gyroscopes"), ("accel", "accelerometers")):
+        channels = [c for c in found.channels if c.startswith(kind)]
+        values = [_character(found.model[c], found.record) for c in channels]
+        density = [v[0] for v in values if v[0]]
+        if not density:
+            continue
+        text = f"the {name} have {_range(density, 'N', channels[0])} of noise"
+        floor = [v[1] for v in values if v[1]]
+        if floor:
+            text += f", a bias instability of {_range(floor, 'B', channels[0])}"
+            longest = max(v[2] for v in values if v[1])
+            text += f" (at {_seconds(longest)})"
+        steps = [found.model[c].find("resolution") for c in channels]
+        steps = [s.lsb for s in steps if s is not None]
+        if steps:
+            unit, factor = ("deg/s", np.pi / 180) if kind == "gyro" else ("mg", 9.80665e-3)
+            text += f", steps of {_spread([s / factor for s in steps])} {unit}"
+        if any(found.model[c].low_pass is not None for c in channels):
+            cut = [f.cutoff for f in (found.model[c].low_pass for c in channels) if f and f.cutoff]
+            text += f", a filter at {_spread(cut)} Hz" if cut else ", a filter"
+        out.append(text)
+    return _sentence(out) + "." if out else ""
+
+
+def _character(model: Sum, record):
+    """(N, B, averaging time in s) of a channel: density near a twentieth of the rate, least Allan
+    deviation over 0.664 where the record reaches it; None where there is none.
+    """
+    noise = Sum(tuple(t for t in model.terms if not t.deterministic), ())
+    fs = record.rate
+    try:
+        density = float(np.sqrt(noise.psd(np.array([min(1.0, 0.05 * fs)]), fs)[0] / 2))
+    except UndefinedFormError:
+        return None, None, None
+    tau = np.geomspace(10 / fs, max(LONGEST * record.duration, 20 / fs), 60)
+    try:
+        deviation = np.sqrt(noise.avar(tau, fs))
+    except UndefinedFormError:
+        return density, None, None
+    i = int(np.argmin(deviation))
+    if i >= len(tau) - 3:  # it still falls: the record is too short for a floor
+        return density, None, None
+    return density, float(deviation[i] / 0.664), float(tau[i])
+
+
+def _environment(found) -> str:
+    parts = []
+    shaken = sorted((s for _, s in _steps(found, ("vibration",))), key=lambda s: -s.gain)
+    for s in shaken[:3]:
+        p = s.parameters
+        what = f"{p['frequency']:.4g} Hz"
+        if p["harmonics"] > 1:
+            what += f" ({p['harmonics']} lines)"
+        elif p["bandwidth"] > 0.1 * p["frequency"]:
+            half = p["bandwidth"] / 2
+            what = f"{p['frequency'] - half:.3g} to {p['frequency'] + half:.3g} Hz"
+        when = "" if p.get("from") is None else f" from {p['from']:.0f} to {p['to']:.0f} s"
+        parts.append(f"it shook at {what}{when} on {_channels(p['channels'])}")
+    if len(shaken) > 3:
+        parts.append(f"{len(shaken) - 3} weaker vibrations beside")
+    for effect, text in (
+        ("temperature", "the temperature moves {}"),
+        ("warm_up", "{} warmed up"),
+        ("wandering_level", "the noise rises and falls on {}"),
+        ("noise_level_change", "the noise changed its level on {}"),
+    ):
+        on = [w for w, _ in _steps(found, (effect,))]
+        if on:
+            parts.append(text.format(_names(on)))
+    if not parts:
+        return "Of the environment it shows nothing."
+    return f"Of the environment: {'; '.join(parts)}."
+
+
+def _left(found) -> str:
+    left = [n for n, c in found.channels.items() if c.result.unexplained]
+    if not left:
+        beyond = found.record_unexplained
+        return f"Left without a name: {beyond}." if beyond else "Nothing is left without a name."
+    first = found.channels[left[0]].result.unexplained
+    more = "" if len(left) == 1 else f" ({len(left)} channels in all: {_names(left)})"
+    return f"Left without a name on {left[0]}: {first}{more}."
+
+
+def _next(found) -> str:
+    names = {s.effect for _, s in found.steps}
+    advice = []
+    if {"dropout", "time_gaps"} & names:
+        advice.append("find out where samples are lost")
+    if {"disturbance", "tilt"} & names:
+        advice.append("record where nobody touches the sensor")
+    if "vibration" in names:
+        advice.append("record again away from what shakes it, on a heavy base")
+    absorbed = any("temperature" in c.result.absorbed for c in found.channels.values())
+    slow = {"random_walk", "ramp", "warm_up", "flicker", "gauss_markov"} & names
+    if found.record.temperature is None and (slow or found.record.duration > 1800) and not absorbed:
+        advice.append("log the temperature")
+    if found.record.duration < 3600:
+        advice.append("record an hour or more for the bias instability")
+    if not advice:
+        return "Next: a second record of another day tells what of this is the sensor's."
+    return f"Next: {_listed(advice[:3])}."
+
+
+# -- words ---------------------------------------------------------------------------------------
+def _seconds(x: float) -> str:
+    if x < 120:
+        return f"{x:.3g} s"
+    return f"{x / 60:.3g} min" if x < 7200 else f"{x / 3600:.3g} h"
+
+
+def _listed(parts) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+def _sentence(parts) -> str:
+    text = "; ".join(parts)
+    return text[:1].upper() + text[1:]
+
+
+def _merged(parts):
+    """Parts that are alike but for the channel, once."""
+    return list(dict.fromkeys(parts))[:5]
+
+
+def _times(at) -> str:
+    shown = ", ".join(f"{t:.0f}" for t in at[:5])
+    return shown + (f" and {len(at) - 5} more times" if len(at) > 5 else "")
+
+
+def _names(channels) -> str:
+    return _listed(list(channels))
+
+
+def _channels(channels) -> str:
+    return "all channels" if len(channels) == 6 else _names(channels)
+
+
+def _spread(values) -> str:
+    low, high = min(values), max(values)
+    return f"{low:.3g}" if high < 1.1 * low else f"{low:.3g} to {high:.3g}"
+
+
+def _range(values, symbol: str, channel: str) -> str:
+    """Smallest to largest value in the units of datasheets."""
+    factor, unit = units.datasheet(symbol, channel)
+    return f"{_spread([v / factor for v in values])} {unit}"

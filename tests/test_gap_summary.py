@@ -1,0 +1,49 @@
+"""The verdict in a few sentences."""
+
+import numpy as np
+
+from imu_lib import gap
+from imu_lib.gap.summary import sentences
+from imu_lib.gap.table import table
+from imu_lib.processes import Vibration
+from imu_lib.record import Record
+
+FS, N = 50.0, 20_000
+
+
+def record(**channels):
+    rng = np.random.default_rng(3)
+    still = {
+        name: sd * rng.standard_normal(N)
+        for name, sd in (("gyro_x", 1e-3), ("gyro_y", 1e-3), ("accel_z", 1e-2))
+    }
+    return Record({**still, **channels}, FS, name="test")
+
+
+def test_a_sound_record_is_said_to_be_sound_in_at_most_six_sentences():
+    found = gap.close(record(), simulations=0, jobs=1)
+    said = sentences(found)
+    assert 3 <= len(said) <= 6
+    text = " ".join(said)
+    assert "400 s at 50 Hz" not in text  # a duration beyond two minutes is told in minutes
+    assert "6.67 min at 50 Hz" in text and "on all channels" in text
+    assert "Nothing is wrong with the data" in text and "Nothing is left" in text
+    # N = sd / sqrt(rate), to three per cent of a level read off 20,000 samples
+    (number,) = [
+        float(w) for w, u in zip(text.split(), text.split()[1:]) if u.startswith("deg/sqrt(h)")
+    ]
+    assert abs(number / (1e-3 / np.sqrt(FS) * 180 / np.pi * 60) - 1) < 0.05
+    assert table(found).startswith("The record, 6.67 min")
+    assert found.to_json()["verdict"] == said
+
+
+def test_what_shakes_is_the_environments_and_where_to_go_from_there():
+    quiet = record()
+    shake = Vibration(frequency=7.0, amplitude=(1e-3, 1e-2), channels=("gyro_x", "accel_z"), start=100.0, stop=250.0)  # fmt: skip
+    moved = shake.on(N, FS, np.random.default_rng(4))
+    found = gap.close(
+        record(**{c: quiet.channels[c] + x for c, x in moved.items()}), simulations=0, jobs=1
+    )
+    text = " ".join(sentences(found))
+    assert "it shook at 7 Hz from 1" in text and "gyro_x and accel_z" in text
+    assert "away from what shakes it" in text
