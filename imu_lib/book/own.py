@@ -249,6 +249,7 @@ def configure(work: Path, subject: Subject, slugs: list[str]):
     path = work / "book/_config.yml"
     config = yaml.safe_load(path.read_text(encoding="utf-8"))
     config["title"], config["author"] = subject.title, "imu-lib book"
+    config["sphinx"]["config"]["smartquotes"] = False  # a flag keeps its two dashes
     path.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
 
 

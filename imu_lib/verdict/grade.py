@@ -15,29 +15,42 @@ GRADES = {
     "accel": ((0.003, "navigation grade"), (0.03, "tactical grade")),
 }
 LOWEST = "low-cost MEMS (consumer, automotive or industrial)"
+UNLIKELY = 1e-6  # p-value below which a fitted N is no description
 WORDS = {"gyro": "Gyros", "accel": "Accelerometers"}
 
 
-def grades(result) -> list[str]:
-    """A sentence on each sensor of a `Characterisation`."""
+def grades(result, health) -> list[str]:
+    """A sentence on each sensor of a `Characterisation`; `health` gives the noise of an axis of which
+    the fit shows none.
+    """
     out = []
     for sensor, bounds in GRADES.items():
-        noise = {
-            name: c.likelihood["N"]
-            for name, c in result.channels.items()
-            if name.startswith(sensor) and "N" in c.likelihood and c.likelihood["N"].shown
-        }
+        noise, rough = {}, []
+        for name, channel in result.channels.items():
+            if name.startswith(sensor):
+                fitted = channel.likelihood.get("N")
+                if fitted is not None and fitted.shown and channel.choice.p_value > UNLIKELY:
+                    noise[name] = fitted.value
+                else:
+                    noise[name] = max(
+                        float(health.channels[name].noise),
+                        fitted.value if fitted is not None and fitted.shown else 0.0,
+                    )
+                    rough.append(name)
         if not noise:
             continue
-        worst = max(noise, key=lambda name: noise[name].value)
+        worst = max(noise, key=noise.get)
         factor, unit = units.datasheet("N", worst)
-        value = noise[worst].value / factor
+        value = noise[worst] / factor
         grade = next((name for bound, name in bounds if value < bound), LOWEST)
-        drift = _drift(result, sensor)
-        out.append(
-            f"{WORDS[sensor]}: {grade} by their white noise, {report.number(value, 3)} {unit} on "
-            f"the worst axis ({worst[-1]}){drift}."
-        )
+        if worst in rough:
+            how = (
+                f"some {report.number(value, 2)} {unit} from one sample to the next on the worst "
+                f"axis ({worst[-1]}), where no sum of noises fits"
+            )
+        else:
+            how = f"{report.number(value, 3)} {unit} on the worst axis ({worst[-1]})"
+        out.append(f"{WORDS[sensor]}: {grade} by their white noise, {how}{_drift(result, sensor)}.")
     return out
 
 
