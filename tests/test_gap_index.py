@@ -121,9 +121,10 @@ def test_one_model_is_enough_where_nothing_was_fitted():
 
 
 def test_drawn_parameters_keep_their_bounds_and_covariance():
+    from imu_lib.gap import effects
+    from imu_lib.gap.candidate import Candidate
     from imu_lib.gap.engine import Data
-    from imu_lib.gap.search import effects
-    from imu_lib.gap.state import Item, State
+    from imu_lib.gap.state import State
 
     fs, n = 50.0, 60_000
     model = Sum((WhiteNoise(N=1e-3), GaussMarkov(sigma=4e-4, correlation_time=20.0)))
@@ -132,7 +133,7 @@ def test_drawn_parameters_keep_their_bounds_and_covariance():
     state = State(
         data,
         [WhiteNoise(N=1e-3)],
-        [Item("gauss_markov", model.terms[1], effect.slot(0, fs, data.duration))],
+        [Candidate(effect, model.terms[1], effect.slot(0, fs, data.duration))],
     )
     fits = _drawn(state, np.random.default_rng(0), 4000)
     logs = np.log([[f.terms[1].sigma, f.terms[1].correlation_time] for f in fits])

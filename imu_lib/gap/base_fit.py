@@ -10,10 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.gap import fast, slow
-from imu_lib.gap.drifts import drift_candidates
 from imu_lib.gap.effects import CATALOGUE, DRIFTS, SPECTRAL
 from imu_lib.gap.engine import Data
-from imu_lib.gap.search import filter_candidates
 from imu_lib.gap.state import EVIDENCE, State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
@@ -91,7 +89,7 @@ def free_base(data: Data, held=()) -> State:
     families = _families(data, held)
     best = max(families, key=_worth)
     for _ in range(MAX_DRIFTS):
-        trials = [s.plus(item) for s in families for item in drift_candidates(s)]
+        trials = [s.plus(c) for s in families for e in DRIFTS for c in e.candidates(s)]
         top = max(trials, key=_worth, default=None)
         if top is None or _worth(top) < _worth(best) + EVIDENCE:
             break
@@ -103,7 +101,7 @@ def free_base(data: Data, held=()) -> State:
             data.layout, nu=np.where(data.layout.f < share * data.fs, data.layout.nu, 0.0)
         )
         below = max(_families(low, held, best.drifts), key=_worth).settled()
-        for item in filter_candidates(State(data, below.base, below.items)):
+        for item in CATALOGUE["low_pass"].candidates(State(data, below.base, below.items)):
             trial = State(data, below.base, [*below.items, item], base_slots=below.base_slots)
             if trial.evidence > best.evidence + FILTER:
                 best = trial
@@ -176,7 +174,7 @@ def absorbed(state: State) -> list[str]:
         (t.block_covariance(data.k, data.m, data.fs) for t in fit.terms if t.fast), np.zeros(data.k)
     )
     for effect in DRIFTS:
-        shapes = [] if effect.sharp else effect.candidates(data)
+        shapes = [] if effect.sharp else effect.shapes(data)
         if shapes and quick[0] > 0:
             d = np.diff(effect.columns(shapes, data), axis=0)
             seen, alone = (np.sum(slow.whiten(v, d)[1] ** 2, axis=0) for v in (c, quick))

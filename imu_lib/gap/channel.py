@@ -232,7 +232,7 @@ def _analyse(
     say("what is left")
 
     def left(state):
-        rest = data.x - _deterministic(state)
+        rest = data.x - state.deterministic
         smooth = Smooth(rest, fs)
         y = whitened(rest, smooth) / clean.swing
         for f in of_noise:
@@ -254,7 +254,7 @@ def _analyse(
         unexplained = worst.where
     elif doubts:
         unexplained = doubts[0]
-    steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals, n_base)
+    steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals)
     if unexplained is not None:
         steps = [s.capped(DOUBTED) for s in steps]
     elif (
@@ -303,17 +303,4 @@ def _doubtful(steps, shared):
             if {"resolution", "quantization"} <= names or moved < SHARED * shared**2:
                 s = s.capped(DOUBTED)
         out.append(s)
-    return out
-
-
-def _deterministic(state):
-    """Drifts with their fitted amplitudes and the signals of telegraphs, shape (n,)."""
-    fit, data = state.fit, state.data
-    t = np.arange(data.n) / data.fs
-    out = np.zeros(data.n)
-    for b, item in zip(fit.beta, state.column_items):
-        out += b * item.process.mean(t, data.temperature)
-    for item in state.items:
-        if item.signal is not None:
-            out += item.signal
     return out

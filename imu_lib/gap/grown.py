@@ -37,14 +37,8 @@ def grown(base, state, findings, n_base, shared, *, fit=None):
         terms[index] = own[place]
     terms += fitted[n_base + shared :]
     stages = {s.name: s for s in base.stages}
-    for b, item in zip(fit.beta, state.column_items):
-        amplitude = item.effect.amplitude
-        terms.append(item.process.with_(**{amplitude: float(b)}))
     for item in state.items:
-        if item.name == "low_pass":
-            stages["low_pass"] = fit.low_pass
-        elif item.signal is not None:
-            terms.append(item.process)
+        item.effect.grow(state, item, fit, terms, stages)
     for f in findings:
         if isinstance(f.process, Stage):
             stages[f.process.name] = f.process
@@ -61,9 +55,8 @@ def between(base, findings, state):
         few = findings[:k]
         items = list(state.items[: max(0, k - len(findings))])
         part = state.with_items(items)
-        held = len(state.fit.terms) - len(state.noise_items)
         noise = [t for t in base.terms if not t.deterministic]
-        out.append(grown(base, part, few, len(noise), held - len(noise)))
+        out.append(grown(base, part, few, len(noise), len(state.base) - len(noise)))
     return out
 
 

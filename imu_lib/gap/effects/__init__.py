@@ -3,7 +3,9 @@
 from importlib import import_module
 from pkgutil import iter_modules
 
-from .base import ChannelEffect, ChannelView, Drift, Effect, Finding, Spectral
+from .base import ChannelEffect, ChannelView, Effect, Finding
+from .competitor import Competitor, Spectral
+from .drift import Drift
 
 #: Every effect, in the order of `Effect.order` and its file's name.
 ALL = tuple(
@@ -16,6 +18,8 @@ ALL = tuple(
         key=lambda effect: effect.order,
     )
 )
+#: What competes for the model of a channel.
+COMPETITORS = tuple(e for e in ALL if isinstance(e, Competitor))
 #: Noises known by their spectrum.
 SPECTRAL = tuple(e for e in ALL if isinstance(e, Spectral))
 #: Functions of time or temperature.
@@ -29,8 +33,10 @@ __all__ = [
     "ALL",
     "CATALOGUE",
     "CHANNEL",
+    "COMPETITORS",
     "ChannelEffect",
     "ChannelView",
+    "Competitor",
     "DRIFTS",
     "Drift",
     "Effect",

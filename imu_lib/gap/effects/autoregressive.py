@@ -9,7 +9,7 @@ import numpy as np
 from imu_lib.gap.engine import AMPLITUDE_WIDTH, Slot
 from imu_lib.processes import Autoregressive as Process
 
-from .base import Spectral
+from .competitor import Spectral
 
 
 class Resonance(Slot):
@@ -61,6 +61,15 @@ class Autoregressive(Spectral):
     process = Process
     amplitude = "sigma"
     rarity = 1.0
+    simple = False
+
+    def worth_fitting(self, candidate, state, best, simple):
+        # one in a channel, and a resonance only where it beats every simpler noise
+        if any(c.name == self.name for c in state.items):
+            return False
+        if not self.simple and candidate.screen < simple + 3:
+            return False
+        return super().worth_fitting(candidate, state, best, simple)
 
     def beside(self, low_pass, fs):
         # a resonance of the samples has no spectrum at a filter's inner rate
@@ -90,6 +99,7 @@ class FirstOrder(Autoregressive):
 
     cause = "The sensor's loop overshoots from sample to sample, or a filter sharpens its output."
     rarity = 2.0
+    simple = True
 
     def grid(self, fs, duration):
         return [

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from imu_lib.processes import Flicker as Process
 
-from .base import Spectral
+from .competitor import Spectral
 
 
 class Flicker(Spectral):
     name = "flicker"
+    red = True
+    single = True
     cause = "Carrier traps and surface states in the electronics: noise with equal power in every octave."
     domain = "allan"
     process = Process

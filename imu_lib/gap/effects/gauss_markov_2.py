@@ -6,11 +6,12 @@ import numpy as np
 
 from imu_lib.processes import GaussMarkov2 as Process
 
-from .base import Spectral
+from .competitor import Spectral, near_record
 
 
 class GaussMarkov2(Spectral):
     name = "gauss_markov_2"
+    red = True
     cause = "A disturbed bias behind a second lag, so that it moves smoothly."
     domain = "allan"
     process = Process
@@ -20,6 +21,9 @@ class GaussMarkov2(Spectral):
         return [
             Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)
         ]
+
+    def log_prior(self, state, candidate):
+        return near_record(state, candidate)
 
 
 EFFECTS = (GaussMarkov2(),)

@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
+
 import numpy as np
 
-from imu_lib.gap.engine import Slot
+from imu_lib.gap import fast
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.engine import SCREEN, Slot
+from imu_lib.gap.screening import power_without_drifts
 from imu_lib.processes import LowPass as Stage
+from imu_lib.processes import WhiteNoise
 
-from .base import Effect
+from .competitor import Competitor, factor, process_parameters
+from .parameter_change import elsewhere
+
+#: Filters of different kinds that are fitted at the most.
+MOST_KINDS = 5
 
 
-class LowPass(Effect):
+class LowPass(Competitor):
     name = "low_pass"
     cause = "The sensor filters its output, with a moving average or an analogue or digital filter of some order."
     domain = "psd"
+    simple = False
 
-    def candidates(self, fs) -> list:
+    def filters(self, fs) -> list:
         """Filters from whose shapes the best start is chosen."""
         moving = [Stage(taps=k, rate=fs) for k in (*range(2, 13), 15, 16, 20, 24, 32, 48, 64)]
         # white noise averaged over ten times as many taps at ten times the rate is the same behind
-        # the sampling, and over
-        # less than a sampling interval it stays white
+        # the sampling, and over less than a sampling interval it stays white
         inner = [
             Stage(taps=k, rate=10 * fs) for k in (*range(11, 64), *range(64, 120, 4)) if k % 10
         ]
@@ -40,6 +51,61 @@ class LowPass(Effect):
     def slot(self, fs) -> Slot:
         """The cutoff of a filter of given order."""
         return Slot(-1, ("cutoff",), (np.log(0.003 * fs),), (np.log(0.495 * fs),), (np.log(100.0),))
+
+    def candidates(self, state):
+        if state.fit.low_pass is not None:
+            return []
+        data, k = state.cleaned, state.cleaned.layout.slow
+        power, nu = power_without_drifts(state)[k:], data.layout.nu[k:]
+        s0 = state.likelihood.shapes(state.fit.vector)[0]
+        stages, gains = _gains(self, data.layout, data.fs)
+        extra = data.extra[k:]
+        s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
+        gain = 0.5 * np.sum(nu * (np.log(s0 / s) + power / s0 - power / s), axis=1)
+        out, kinds = [], set()
+        for i in np.argsort(-gain, kind="stable"):
+            stage = stages[i]
+            kind = (stage.order, stage.smoothing, stage.rate)
+            if gain[i] < SCREEN or len(out) == MOST_KINDS:
+                break
+            if kind in kinds or not all(_behind(t, stage, data.fs) for t in state.fit.terms):
+                continue
+            kinds.add(kind)
+            slot = self.slot(data.fs) if stage.tunable else None
+            # a moving average is one of some eighty, a filter one of five kinds at one of two rates
+            rarity = np.log(80.0) if stage.taps else np.log(10.0)
+            out.append(Candidate(self, stage, slot, screen=float(gain[i]), bonus=-rarity))
+        return out
+
+    def enter(self, assembly, candidate):
+        assembly.set_filter(candidate)
+
+    def settled(self, state, candidate):
+        return replace(candidate, process=state.fit.low_pass)
+
+    def grow(self, state, candidate, fit, terms, stages):
+        stages[self.name] = fit.low_pass
+
+    def report(self, state, candidate):
+        process, intervals = state.fit.low_pass, {}
+        if candidate.slot is not None:
+            _, at = state.free(-1)
+            sd = np.sqrt(max(state.fit.cov[at[0], at[0]], 0.0))
+            intervals["cutoff"] = factor(process.cutoff, sd)
+        return process_parameters(process), intervals
+
+
+def _behind(term, stage, fs) -> bool:
+    """Whether the filter can stand behind a noise: one of samples has no spectrum at its rate."""
+    return elsewhere(term) or term.name != "autoregressive" or stage.rate == fs
+
+
+@lru_cache(maxsize=4)
+def _gains(effect, layout, fs):
+    """The filters of the catalogue and their power gains in the fast bins, shape (filters, bins)."""
+    stages = effect.filters(fs)
+    unit = [WhiteNoise(N=np.sqrt(0.5))]  # one-sided density 1 before the filter
+    return stages, np.array([fast.spectrum(unit, s, layout, fs)[layout.slow :] for s in stages])
 
 
 EFFECTS = (LowPass(),)

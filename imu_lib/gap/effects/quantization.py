@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from imu_lib.processes import Quantization as Process
 
-from .base import Finding, Spectral
+from .base import Finding
+from .competitor import Spectral
 
 
 class Quantization(Spectral):
     name = "quantization"
+    single = True
     cause = "Increments of a rounded angle or velocity are read out: the rounding error of the integral is differenced."
     domain = "psd"
     process = Process

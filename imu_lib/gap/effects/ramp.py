@@ -4,16 +4,26 @@ from __future__ import annotations
 
 from imu_lib.processes import Ramp as Process
 
-from .base import Drift
+from .drift import Drift
 
 
 class Ramp(Drift):
     name = "ramp"
+    red = True
+    single = True
     cause = "Slow, even change of the surroundings or of the sensor: ageing, a discharging supply, a steady heating."
     amplitude = "R"
 
-    def candidates(self, data):
+    def shapes(self, data):
         return [Process(R=1.0)]
+
+    def least(self, state):
+        # beside a transient whose time constant is not yet its own it gains only when both are
+        # found anew
+        return 0.0 if any(c.name == "warm_up" for c in state.items) else super().least(state)
+
+    def where(self, state, candidate):
+        return f"mean of the signal: a drift over the {state.data.duration:.0f} s of the record"
 
 
 EFFECTS = (Ramp(),)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from imu_lib.processes import RandomWalk as Process
 
-from .base import Spectral
+from .competitor import Spectral
 
 
 class RandomWalk(Spectral):
     name = "random_walk"
+    red = True
+    single = True
     cause = "Slow ageing and unresolved environment: the bias diffuses without a restoring force."
     domain = "allan"
     process = Process

@@ -6,7 +6,7 @@ import numpy as np
 
 from imu_lib.processes import Sinusoid as Process
 
-from .base import Drift
+from .drift import Drift
 from .sinusoid import FIRST
 
 #: Fewest cycles in a record: fewer are a drift of any kind.
@@ -24,7 +24,7 @@ class SlowSinusoid(Drift):
     def bounds(self, data):
         return np.log(FEWEST / data.duration), np.log((FIRST + 1) / data.duration)
 
-    def candidates(self, data):
+    def shapes(self, data):
         cycles = np.arange(FEWEST, FIRST + 1.25, 0.5)
         if cycles[-1] > 0.4 * data.k:
             return []
@@ -65,6 +65,10 @@ class SlowSinusoid(Drift):
             np.log(np.sqrt(12 / (2 * np.pi)) / snr / (FIRST - FEWEST))
             - np.log(np.sqrt(2 * np.pi) * snr)
         )
+
+    def where(self, state, candidate):
+        period = 1 / candidate.process.frequency
+        return f"mean of the signal: it swings with a period of {period:.4g} s"
 
 
 EFFECTS = (SlowSinusoid(),)

@@ -6,18 +6,20 @@ import numpy as np
 
 from imu_lib.processes import Step as Process
 
-from .base import Drift
+from .drift import Drift
 
 
 class Step(Drift):
     name = "step"
+    red = True
     cause = (
         "Stress that is released, a connector, a change of range: the bias jumps once and stays."
     )
     shape = "time"
     sharp = True
+    fall = 3.0  # an edge is where it is, or a sample beside it
 
-    def candidates(self, data):
+    def shapes(self, data):
         return [
             Process(amplitude=1.0, time=float(t))
             for t in (np.arange(1, data.k + 1) * data.m / data.fs)[1:-1]
@@ -36,9 +38,27 @@ class Step(Drift):
         )
         return [process.with_(time=float(t)) for t in np.unique(times)]
 
-    def penalty(self, data, snr):
-        # the edge is found to about a (8 / snr^2)th of the record
-        return float(np.log(min(1.0, 16.0 / max(snr, 1.0) ** 2)) - np.log(2.0))
+    def noted(self, gain):
+        # log of the share of all instants at which the jump may lie
+        return {"width": float(np.log(np.sum(np.exp(gain - gain.max())) / len(gain)))}
+
+    def sharpened(self, process, amplitude, state):
+        data = state.cleaned
+        s = state.likelihood.shapes(state.fit.vector)[0]
+        # red noise has edges of its own
+        density = max(float(np.median(s)), float(np.median(s[:20]))) / 2
+        edge = sharpen(data.x, data.fs, process.time, data.m / data.fs, amplitude, density)
+        if edge is None:
+            return process, {}
+        # seen in the samples: the odds fall off on both sides like exp(-|t|)
+        width = float(np.log((edge[2] - edge[1]) / 3.0 / data.duration))
+        return process.with_(time=edge[0]), {"edge": edge, "width": width}
+
+    def log_prior(self, state, candidate):
+        return candidate.note["width"]
+
+    def where(self, state, candidate):
+        return f"mean of the signal: a jump at {candidate.process.time:.1f} s"
 
 
 def sharpen(x, fs, time: float, block: float, amplitude: float, density: float):

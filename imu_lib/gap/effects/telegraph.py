@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numba import njit
 from scipy.fft import dct, idct
 
+from imu_lib.gap import fast
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.engine import amplitude_occam, measured
 from imu_lib.processes import Telegraph as Process
 
-from .base import Effect
+from .competitor import Z95, Competitor, process_parameters
+
+#: Samples that a level has to last on average to be told from noise.
+MIN_DWELL_SAMPLES = 50
+#: Gain of the noises in whose place two levels are tried, starts that are tried, and flips from
+#: which on there are two levels.
+MIN_GAIN, MAX_STARTS, MIN_FLIPS = 8.0, 6, 2.5
+#: Noises that are no drift beside two levels.
+QUICK = ("white_noise", "quantization", "autoregressive", "common_mode")
 
 
 @njit(cache=True, nogil=True)
@@ -86,7 +99,7 @@ def _beyond_spectrum(y, rest, w, a, flip, ll, var, quiet) -> float:
     return float(levels + 0.5 * np.sum(np.log(both / noise) + power / both - power / noise))
 
 
-class Telegraph(Effect):
+class Telegraph(Competitor):
     name = "telegraph"
     cause = (
         "A single trap or contact switches between two states at random (burst or popcorn noise)."
@@ -153,6 +166,87 @@ class Telegraph(Effect):
         signal = np.repeat(a * w, q)
         signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
         return Process(amplitude=float(a), rate=rate), signal, float(flips), beyond, float(sd)
+
+    def candidates_beside(self, state, weighed):
+        """Two levels instead of the noises that would otherwise explain a red spectrum."""
+        starts = self._starts(state, weighed)
+        if not starts:
+            return []
+        data, fit = state.cleaned, state.fit
+        # before a filter, which takes nothing from a dwell
+        s = measured(fast.spectrum(fit.terms, None, data.layout, data.fs), data.extra)
+        s = s[data.layout.slow :]
+        density = min(float(np.median(s[:40])), float(np.median(s))) / 2
+        drift = [t for t in fit.terms if t.name not in QUICK]
+
+        def gain(size, rate):
+            f = np.maximum(np.arange(size // 2 + 1), 0.5) * rate / size
+            d = sum(t.psd(f) for t in drift)
+            return d / (d + 2 * density)
+
+        x = data.x - state.drift if len(fit.beta) else data.x
+        out = []
+        for amplitude, rate in starts[:MAX_STARTS]:
+            start = Process(amplitude=float(amplitude), rate=float(max(rate, 2 / data.duration)))
+            found = self.decode(x, data.fs, start, density, gain if drift else None)
+            if found is not None and found[2] >= MIN_FLIPS and found[0].amplitude > 0:
+                out.append(self._candidate(state, *found))
+        return out
+
+    @staticmethod
+    def _starts(state, weighed) -> list:
+        """(amplitude, rate) to start from, after the red noises that promise most."""
+        starts, data = [], state.cleaned
+        for w in weighed:
+            if w.gain < MIN_GAIN or not w.item.effect.red:
+                continue
+            if w.item.name == "gauss_markov":
+                process = w.state.fit.terms[w.state.assembly.place(w.item)]
+                rate = 0.5 / process.correlation_time
+                if rate <= data.fs / MIN_DWELL_SAMPLES:
+                    starts += [(2 * process.sigma, rate), (2 * process.sigma, 0.4 * rate)]
+            elif len(starts) < 4:
+                sd = np.std(data.means)
+                starts += [(2 * sd, 10 / data.duration), (2 * sd, 60 / data.duration)]
+        return starts
+
+    def _candidate(self, state, process, signal, flips, beyond, sd) -> Candidate:
+        """Two levels at `signal`; what they gain beyond the Gauss-Markov noise of their spectrum
+        is no affair of the likelihood of the record without them.
+        """
+        occam = amplitude_occam(process.amplitude / sd)
+        occam += np.log(np.sqrt(2 * np.pi / max(flips, 1)) / np.log(1e4))
+        bare = Candidate(self, process, signal=signal, note={"flips": flips, "sd": sd})
+        trial, alike = state.plus(bare), state.holding(process.twin)
+        return replace(
+            bare,
+            bonus=float(alike.evidence - trial.evidence + beyond + occam),
+            gain=float(alike.ll - trial.ll + beyond),
+        )
+
+    def enter(self, assembly, candidate):
+        """It is taken out of the record instead."""
+
+    def settled(self, state, candidate):
+        return candidate
+
+    def grow(self, state, candidate, fit, terms, stages):
+        terms.append(candidate.process)
+
+    def report(self, state, candidate):
+        p, note = candidate.process, candidate.note
+        spread = Z95 / np.sqrt(max(note["flips"], 1))
+        sd = Z95 * note["sd"]
+        return process_parameters(p), {
+            "amplitude": [p.amplitude - sd, p.amplitude + sd],
+            "rate": [p.rate * np.exp(-spread), p.rate * np.exp(spread)],
+        }
+
+    def where(self, state, candidate):
+        return (
+            f"distribution of the bias: two levels, about {candidate.note['flips']:.0f} flips "
+            f"in {state.data.duration:.0f} s"
+        )
 
 
 EFFECTS = (Telegraph(),)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize
 
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.engine import SCREEN
 from imu_lib.processes import Temperature as Process
 
-from .base import Drift
+from .drift import Drift
 
 #: Log odds against a curvature and against a lag.
 BENT = 6.0
@@ -17,14 +19,41 @@ USUAL, NEAR = 25.0, 10.0
 
 class Temperature(Drift):
     name = "temperature"
+    single = True
     cause = "Stress in the package and the temperature coefficients of the electronics move the bias with the temperature."
     domain = "temperature"
     amplitude = "slope"
 
-    def candidates(self, data):
+    def shapes(self, data):
         if data.temperature is None or not np.ptp(data.block_temperature) > 0:
             return []
         return [Process(slope=1.0, reference=float(np.mean(data.block_temperature)))]
+
+    def candidates(self, state):
+        """As a straight line, and with a curvature, a lag or both; a fitted base may have taken so
+        much of it for noise that only the whole shape wins it back.
+        """
+        if any(c.name == self.name for c in state.items):
+            return []
+        out, data = super().candidates(state), state.cleaned
+        for process in self.shapes(data):
+            for best, intervals, odds in self.bent(process, state.scan, data):
+                gain = float(state.scan(self, [best])[0][0])
+                if gain > SCREEN:
+                    column = np.diff(self.columns([best], data)[:, 0])
+                    note = {"intervals": intervals}
+                    out.append(
+                        Candidate(self, best, column=column, screen=gain, bonus=odds, note=note)
+                    )
+        return out
+
+    def report(self, state, candidate):
+        parameters, intervals = super().report(state, candidate)
+        return parameters, {**intervals, **candidate.note.get("intervals", {})}
+
+    def where(self, state, candidate):
+        low, high = state.data.temperature.min(), state.data.temperature.max()
+        return f"regression on the temperature between {low:.1f} and {high:.1f} degC"
 
     def bent(self, process, scan, data) -> list:
         """(process, 95 % intervals, log odds against it) with a curvature, with a lag and with

@@ -6,11 +6,13 @@ import numpy as np
 
 from imu_lib.processes import WarmUp as Process
 
-from .base import Drift
+from .drift import Drift
 
 
 class WarmUp(Drift):
     name = "warm_up"
+    red = True
+    single = True
     cause = (
         "The sensor heats itself after switching on until it is in balance with its surroundings."
     )
@@ -21,7 +23,7 @@ class WarmUp(Drift):
         # parameter less
         return np.log(2 * data.m / data.fs), np.log(data.duration / 2.5)
 
-    def candidates(self, data):
+    def shapes(self, data):
         low, high = self.bounds(data)
         return [
             Process(amplitude=1.0, time_constant=float(t))
@@ -30,6 +32,10 @@ class WarmUp(Drift):
 
     def penalty(self, data, snr):
         return float(np.log(np.sqrt(2 * np.pi) * 2.0 / (max(snr, 1.0) * np.log(1e3))))
+
+    def where(self, state, candidate):
+        span = 3 * candidate.process.time_constant
+        return f"mean of the signal: a transient over the first {span:.0f} s"
 
 
 EFFECTS = (WarmUp(),)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from imu_lib.processes import WhiteNoise as Process
 
-from .base import Spectral
+from .competitor import Spectral
 
 
 class WhiteNoise(Spectral):
     name = "white_noise"
+    single = True
     cause = "Thermal and electronic noise of the sensing element."
     domain = "psd"
     process = Process

@@ -1,0 +1,159 @@
+"""Effects that compete for the model of a channel on one likelihood, and what each answers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+
+from imu_lib.gap import fast
+from imu_lib.gap.candidate import Assembly, Candidate
+from imu_lib.gap.engine import AMPLITUDE_WIDTH, SCREEN, TIME_WIDTH, Slot, measured
+
+from .base import Effect
+
+Z95 = 1.959963984540054
+
+
+class Competitor(Effect):
+    """An effect that enters the model of a channel: by default as a further noise."""
+
+    level = "noise"
+    #: At most one in a channel.
+    single: ClassVar[bool] = False
+    #: Whether a red spectrum may come of it, as of two levels.
+    red: ClassVar[bool] = False
+    #: Whether it stands for little else: others are tried only where they promise more than what is
+    #: simple.
+    simple: ClassVar[bool] = True
+
+    # -- candidates ------------------------------------------------------------------------------
+    def candidates(self, state) -> list[Candidate]:
+        """Where the effect may be in what `state` leaves."""
+        return []
+
+    def candidates_beside(self, state, weighed) -> list[Candidate]:
+        """Where it may be in place of other candidates, which have been weighed."""
+        return []
+
+    def worth_fitting(self, candidate, state, best: float, simple: float) -> bool:
+        """Whether it is fitted, where the best candidate promises `best` and the best simple one
+        `simple`.
+        """
+        return candidate.screen >= 0.35 * best - 15
+
+    # -- in a model ------------------------------------------------------------------------------
+    def enter(self, assembly: Assembly, candidate: Candidate):
+        """Make the candidate part of a model."""
+        assembly.add_noise(candidate)
+
+    def settled(self, state, candidate: Candidate) -> Candidate:
+        """The candidate at its fitted values, so that a further fit starts there."""
+        return replace(candidate, process=state.fit.terms[state.assembly.place(candidate)])
+
+    def log_prior(self, state, candidate: Candidate) -> float:
+        """Log evidence of the fitted candidate beyond the likelihood and the widths of its slot."""
+        return 0.0
+
+    def grow(self, state, candidate, fit, terms: list, stages: dict):
+        """Add to the terms and stages of the grown model what `fit.terms` does not hold."""
+
+    # -- in the report ---------------------------------------------------------------------------
+    def report(self, state, candidate) -> tuple[dict, dict]:
+        """Parameters and 95 % intervals of the fitted candidate."""
+        fit, place = state.fit, state.assembly.place(candidate)
+        process = fit.terms[place]
+        slot, at = state.free(place)
+        intervals = {}
+        for name in slot.names:
+            if hasattr(process, name):
+                g = slot.relative(process, name)
+                sd = np.sqrt(max(g @ fit.cov[np.ix_(at, at)] @ g, 0.0))
+                intervals[name] = factor(getattr(process, name), sd)
+        return process_parameters(process), intervals
+
+    def alike(self, state, candidate) -> dict:
+        """Effects that would look the same, and their share of the confidence."""
+        return {}
+
+    def where(self, state, candidate) -> str:
+        """Where the model without the candidate and the record disagree, in physical words."""
+        without = state.without(candidate)
+        layout, fs = state.data.layout, state.data.fs
+        a, b = (
+            measured(fast.spectrum(s.fit.terms, s.fit.low_pass, layout, fs), state.data.extra)
+            for s in (state, without)
+        )
+        decibel = 10 * np.log10(np.maximum(a, 1e-300) / np.maximum(b, 1e-300))
+        weight = np.abs(decibel)
+        f = layout.f[weight > 0.5 * weight.max()]
+        peak = decibel[int(np.argmax(weight))]
+        side = "above" if peak > 0 else "below"
+        text = (
+            f"power spectral density between {f.min():.3g} and {f.max():.3g} Hz, "
+            f"up to {abs(peak):.2g} dB {side} the simulated level"
+        )
+        if f.max() < 0.5:
+            text += f" (Allan deviation from {0.4 / f.max():.3g} s on)"
+        return text
+
+
+def process_parameters(process) -> dict:
+    """Its entry in the model file without the name."""
+    return {key: v for key, v in process.to_json().items() if key != "process"}
+
+
+def factor(value: float, sd: float) -> list:
+    """95 % interval of a parameter whose logarithm has the standard deviation `sd`."""
+    return [value * np.exp(-Z95 * sd), value * np.exp(Z95 * sd)]
+
+
+def near_record(state, candidate) -> float:
+    """Log prior of a correlation time that nears the record's length: it is not seen, and the same
+    noise has a name with one parameter less.
+    """
+    time = state.fit.terms[state.assembly.place(candidate)].correlation_time
+    share = np.log(time / state.data.duration * 12) / np.log(4.0)
+    return float(-4.0 * np.clip(share, 0.0, 1.0))
+
+
+class Spectral(Competitor):
+    """A noise that is known by its spectrum: a process added to the sum, its parameters free."""
+
+    process: ClassVar[type]
+    amplitude: ClassVar[str] = "sigma"
+    #: Log odds against the effect before the record is seen.
+    rarity: ClassVar[float] = 0.0
+
+    def grid(self, fs: float, duration: float) -> list:
+        """Processes of unit strength from whose shapes the best start is chosen, each with its
+        amplitude's name.
+        """
+        raise NotImplementedError
+
+    def slot(self, index: int, fs: float, duration: float) -> Slot:
+        """The free parameters of the process at `index`."""
+        free = [p for p in self.process.parameters if not p.optional]
+        names = tuple(p.name for p in free)
+        low = tuple(np.log(1.5 / fs) if p.kind == "time" else -60.0 for p in free)
+        high = tuple(np.log(duration / 3) if p.kind == "time" else 30.0 for p in free)
+        widths = tuple(TIME_WIDTH if p.kind == "time" else AMPLITUDE_WIDTH for p in free)
+        return Slot(index, names, low, high, widths)
+
+    def candidates(self, state):
+        fit, data = state.fit, state.cleaned
+        if self.single and any(t.name == self.name for t in fit.terms):
+            return []
+        if not self.beside(fit.low_pass, data.fs):
+            return []
+        rows = []
+        for process in self.grid(data.fs, data.duration):
+            gain, strength = state.screening.gain(process)
+            amplitude = getattr(process, self.amplitude) * np.sqrt(strength)
+            rows.append((gain, process.with_(**{self.amplitude: amplitude})))
+        gain, process = max(rows, key=lambda row: row[0])
+        if gain < SCREEN:
+            return []
+        slot = self.slot(0, data.fs, data.duration)
+        return [Candidate(self, process, slot, screen=gain, bonus=-self.rarity)]

@@ -1,0 +1,142 @@
+"""Deterministic drifts: columns of a regression on the block differences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.engine import SCREEN
+
+from .competitor import Z95, Competitor, process_parameters
+
+
+class Drift(Competitor):
+    """A shape whose amplitude is a regression coefficient, perhaps with one shape parameter.
+
+    `sharp` drifts reach into the fast end of the spectrum: where the samples show the edge, the
+    record is cleaned of it before it is looked at again.
+    """
+
+    domain = "mean"
+    amplitude: ClassVar[str] = "amplitude"
+    shape: ClassVar[str | None] = None
+    sharp: ClassVar[bool] = False
+    #: Fall of the log-likelihood at the ends of the interval of the shape parameter.
+    fall: ClassVar[float] = 0.5 * Z95**2
+
+    # -- the shapes ------------------------------------------------------------------------------
+    def shapes(self, data) -> list:
+        """Processes of amplitude 1 over the range of the shape parameter; empty where the record
+        cannot hold the effect.
+        """
+        raise NotImplementedError
+
+    def columns(self, processes, data) -> np.ndarray:
+        """Their block means, shape (blocks, len(processes))."""
+        return np.column_stack([p.mean(data.block_time, data.block_temperature) for p in processes])
+
+    def penalty(self, data, snr: float) -> float:
+        """Log of posterior over prior width of the shape parameter at a signal-to-noise ratio."""
+        return 0.0
+
+    def bounds(self, data) -> tuple[float, float]:
+        """Range of the logarithm of the shape parameter."""
+        return 0.0, 0.0
+
+    def around(self, process, data, reach: float, points: int) -> list:
+        """Drifts with shapes up to `reach` grid steps either side of that of `process`."""
+        low, high = self.bounds(data)
+        values = np.exp(
+            np.clip(
+                np.log(getattr(process, self.shape))
+                + np.linspace(-reach, reach, points) * (high - low) / 13,
+                low,
+                high,
+            )
+        )
+        return [process.with_(**{self.shape: float(v)}) for v in np.unique(values)]
+
+    def upright(self, process):
+        """The drift whose amplitude is negative as one whose amplitude is positive, where there is
+        one.
+        """
+        return process
+
+    def sharpened(self, process, amplitude: float, state):
+        """The process where the samples show it best, and what is noted of that."""
+        return process, {}
+
+    # -- the competition -------------------------------------------------------------------------
+    def least(self, state) -> float:
+        """Gain from which on a candidate is fitted."""
+        return SCREEN
+
+    def worth_fitting(self, candidate, state, best, simple):
+        return candidate.screen < SCREEN or super().worth_fitting(candidate, state, best, simple)
+
+    def candidates(self, state):
+        if self.single and any(c.name == self.name for c in state.items):
+            return []
+        best = self.best(state, state.scan)
+        return [] if best is None else [best]
+
+    def best(self, state, scan) -> Candidate | None:
+        """The likeliest shape beside the other columns, by the scan of `drifts.scanner`."""
+        data = state.cleaned
+        trials = self.shapes(data)
+        if not trials:
+            return None
+        gain, _, _ = scan(self, trials)
+        j = int(np.argmax(gain))
+        if gain[j] < self.least(state):
+            return None
+        process, note = trials[j], self.noted(gain)
+        if self.shape is not None:
+            for reach in (1.0, 0.12, 0.015):
+                near = self.around(process, data, reach, 25)
+                gains, amplitude, _ = scan(self, near)
+                i = int(np.argmax(gains))
+                process = near[i] if amplitude[i] >= 0 else self.upright(near[i])
+            process, seen = self.sharpened(process, float(amplitude[i]), state)
+            note |= seen
+        column = np.diff(self.columns([process], data)[:, 0])
+        return Candidate(self, process, column=column, screen=float(gain[j]), note=note)
+
+    def noted(self, gain) -> dict:
+        """What is noted of the gains of all shapes."""
+        return {}
+
+    def profiled(self, candidate, scan, data) -> Candidate:
+        """The candidate with the range of its shape parameter noted."""
+        trial = self.around(candidate.process, data, 6.0, 241)
+        gain, _, _ = scan(self, trial)
+        values = np.array([getattr(p, self.shape) for p in trial])
+        near = values[gain > gain.max() - self.fall]
+        note = {**candidate.note, "profile": [float(near.min()), float(near.max())]}
+        return replace(candidate, note=note)
+
+    # -- in a model and in the report ------------------------------------------------------------
+    def enter(self, assembly, candidate):
+        assembly.add_column(candidate)
+
+    def settled(self, state, candidate):
+        return candidate
+
+    def log_prior(self, state, candidate):
+        b, sd = state.amplitude(candidate)
+        return self.penalty(state.data, abs(b) / sd)
+
+    def grow(self, state, candidate, fit, terms, stages):
+        b = fit.beta[state.assembly.place(candidate)]
+        terms.append(candidate.process.with_(**{self.amplitude: float(b)}))
+
+    def report(self, state, candidate):
+        b, sd = state.amplitude(candidate)
+        process = candidate.process.with_(**{self.amplitude: b})
+        intervals = {self.amplitude: [b - Z95 * sd, b + Z95 * sd]}
+        if "profile" in candidate.note:
+            intervals[self.shape] = candidate.note["profile"]
+        return process_parameters(process), intervals

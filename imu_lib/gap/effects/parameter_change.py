@@ -1,0 +1,107 @@
+"""A parameter of the given model that the record would have otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.engine import SCREEN, Likelihood, Slot
+
+from .competitor import Competitor, factor
+
+#: A change of a held parameter is log-normal, half of the time within a factor of two or so, else
+#: of any size: shares and standard deviations of the two (the width is what the fit assumes first).
+CHANGE_WIDTH, CHANGES = 2 * np.log(10.0), ((0.5, 0.5), (0.5, 2.0))
+#: Logarithms of the factors by which a time constant is tried beside its own.
+TIMES_TRIED = np.array([-4.5, -3.4, -2.3, -1.2, 1.2, 2.3])
+
+
+def elsewhere(term) -> bool:
+    """Whether a term is settled before the competition: noise in common on the record, a rounded
+    integral by its grid.
+    """
+    return term.name == "common_mode" or bool(getattr(term, "rounded", None))
+
+
+class ParameterChange(Competitor):
+    name = "parameter_change"
+    cause = (
+        "A parameter of the given model does not hold for this unit, this day or this environment."
+    )
+    red = True
+
+    def candidates(self, state):
+        free, taken = {s.index for s in state.base_slots}, {c.key for c in state.items}
+        out = []
+        for index, term in enumerate(state.base):
+            if index in free or elsewhere(term) or term.deterministic:
+                continue
+            for p in term.parameters:
+                sampling = p.name == "rate" and term.name == "autoregressive"
+                known = f"{self.name}:{index}:{p.name}" in taken
+                if known or sampling or p.kind not in ("amplitude", "time", "rate"):
+                    continue
+                if getattr(term, p.name) > 0:
+                    out += self._screened(state, index, p)
+        return out
+
+    def _screened(self, state, index, parameter) -> list[Candidate]:
+        value = np.log(getattr(state.base[index], parameter.name))
+        # a time constant beyond a third of the record is not seen
+        most = np.log(state.data.duration / 3)
+        most = max(value + 0.1, most) if parameter.kind == "time" else np.inf
+        slot = Slot(
+            index, (parameter.name,), (value - 9.0,), (min(value + 9.0, most),), (CHANGE_WIDTH,)
+        )
+        if index in state.assembly.slots:
+            return [Candidate(self, None, slot, at=index, screen=SCREEN)]
+        like = Likelihood(
+            state.cleaned,
+            state.fit.terms,
+            (slot,),
+            low_pass=state.fit.low_pass,
+            columns=state.assembly.matrix,
+            power=state.likelihood.power_full,
+        )
+        x = like.start()
+        g, info = like._derivatives(x, like.shapes(x))
+        screened = 0.5 * g[0] ** 2 / max(info[0, 0], 1e-12)
+        if parameter.kind == "time":
+            # a time far from the given one is not seen from its slope there
+            trials = np.clip(x + TIMES_TRIED, slot.low[0], slot.high[0])
+            values = [like.value(np.array([v]))[0] for v in trials]
+            gain = max(values) - like.value(x)[0]
+            if gain > max(screened, SCREEN):
+                there = float(np.exp(trials[int(np.argmax(values))]))
+                moved = state.fit.terms[index].with_(**{parameter.name: there})
+                return [Candidate(self, moved, slot, at=index, screen=gain)]
+        if screened < 0.75 * SCREEN:
+            return []
+        return [Candidate(self, None, slot, at=index, screen=screened)]
+
+    def enter(self, assembly, candidate):
+        assembly.free(candidate)
+
+    def settled(self, state, candidate):
+        return replace(candidate, process=state.fit.terms[candidate.at])
+
+    def log_prior(self, state, candidate):
+        name = candidate.slot.names[0]
+        old, new = (getattr(t[candidate.at], name) for t in (state.base, state.fit.terms))
+        change = np.log(new / old)
+        density = sum(share / sd * np.exp(-0.5 * (change / sd) ** 2) for share, sd in CHANGES)
+        return float(np.log(CHANGE_WIDTH / np.sqrt(2 * np.pi) * density))
+
+    def report(self, state, candidate):
+        process, name = state.fit.terms[candidate.at], candidate.slot.names[0]
+        value, old = getattr(process, name), getattr(state.base[candidate.at], name)
+        slot, at = state.free(candidate.at)
+        k = at[slot.names.index(name)]
+        sd = np.sqrt(max(state.fit.cov[k, k], 0.0))
+        parameters = {"process": process.name, "name": name, "from": old, "to": value}
+        return parameters, {"to": factor(value, sd)}
+
+
+EFFECTS = (ParameterChange(),)
