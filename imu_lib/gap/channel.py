@@ -36,7 +36,7 @@ UNSEEN = 15.0
 VETO = -9.0
 
 
-@dataclass
+@dataclass(frozen=True)
 class ChannelResult:
     """What was found in a channel.
 
@@ -125,9 +125,8 @@ def analyse(
         ):
             return other
         if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
-            found.steps[found.steps.index(rounded)] = replace(
-                rounded.capped(DOUBTED), indistinguishable=["quantization"]
-            )
+            doubtful = replace(rounded.capped(DOUBTED), indistinguishable=["quantization"])
+            found = replace(found, steps=[doubtful if s is rounded else s for s in found.steps])
     return found
 
 

@@ -12,7 +12,7 @@ from imu_lib.model import Model
 from imu_lib.record import Record
 
 
-@dataclass
+@dataclass(frozen=True)
 class ChannelReport:
     """A channel's result with its gap: whole, held out, by domain."""
 
@@ -44,7 +44,7 @@ class ChannelReport:
         }
 
 
-@dataclass
+@dataclass(frozen=True)
 class Report:
     """What the workflow found: a report for each channel, the record's own steps, the model it
     started from and the grown one.

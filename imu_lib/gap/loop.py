@@ -21,7 +21,7 @@ from imu_lib.record import Record
 
 #: Gap index after the last step beyond which something is left that has no name; that of a right
 #: model scatters by 0.06 about 1.
-FAR = 1.35
+MAX_GAP_INDEX = 1.35
 
 
 def close(
@@ -141,7 +141,7 @@ def close(
     )
     reports = {name: ChannelReport(r) for name, r in results.items()}
     if simulations:
-        _measure(
+        reports = _measure(
             reports,
             raw,
             fs,
@@ -273,37 +273,43 @@ def _measure(
         for k, batteries in zip(these, made):
             rows[keys[k]] += batteries
         tick(i + 1)
-    for name, report in reports.items():
-        x = ensemble.filled(raw[name])
-        whole = battery(x, fs, temperature)
-        chain = [
-            ensemble.index(whole, rows[key])
-            for key in keys
-            if key[0] == name and not isinstance(key[1], str)
+    return {
+        name: _gauged(report, name, ensemble.filled(raw[name]), fs, temperature, keys, rows, cut)
+        for name, report in reports.items()
+    }
+
+
+def _gauged(report, name, x, fs, temperature, keys, rows, cut):
+    """The report of a channel with its gap indices, of samples `x` against the `rows` of
+    simulations.
+    """
+    whole, r = battery(x, fs, temperature), report.result
+    places = [k for k in keys if k[0] == name and not isinstance(k[1], str)]
+    chain = [ensemble.index(whole, rows[k]) for k in places]
+    after, unexplained, steps, held_out = chain[-1], r.unexplained, r.steps, None
+    if unexplained is None and after.value > MAX_GAP_INDEX:
+        domain = max(after.domains, key=after.domains.get)
+        unexplained = (
+            f"simulations of the grown model: gap index {after.value:.2f}, most in the domain "
+            f"{domain} ({after.domains[domain]:.2f})"
+        )
+    if steps:
+        values = [c.value for c in chain][-len(steps) - 1 :]
+        steps = [
+            replace(s, gap_before=a, gap_after=b) for s, a, b in zip(steps, values[:-1], values[1:])
         ]
-        report.before, report.after = chain[0], chain[-1]
-        report.batteries = {
-            "measured": whole,
-            "before": rows[(name, 0)],
-            "after": rows[[k for k in keys if k[0] == name and not isinstance(k[1], str)][-1]],
+    if (name, "held after") in rows:
+        part = battery(x[cut:], fs, None if temperature is None else temperature[cut:])
+        held_out = {
+            when: round(ensemble.index(part, rows[(name, f"held {when}")]).value, 4)
+            for when in ("before", "after")
         }
-        r = report.result
-        if r.unexplained is None and report.after.value > FAR:
-            domain = max(report.after.domains, key=report.after.domains.get)
-            r.unexplained = (
-                f"simulations of the grown model: gap index {report.after.value:.2f}, most in the domain {domain} "
-                f"({report.after.domains[domain]:.2f})"
-            )
-        if r.steps:
-            values = [c.value for c in chain]
-            values = values[len(values) - len(r.steps) - 1 :]
-            r.steps = [
-                replace(s, gap_before=a, gap_after=b)
-                for s, a, b in zip(r.steps, values[:-1], values[1:])
-            ]
-        if (name, "held after") in rows:
-            part = battery(x[cut:], fs, None if temperature is None else temperature[cut:])
-            report.held_out = {
-                when: round(ensemble.index(part, rows[(name, f"held {when}")]).value, 4)
-                for when in ("before", "after")
-            }
+    batteries = {"measured": whole, "before": rows[(name, 0)], "after": rows[places[-1]]}
+    return replace(
+        report,
+        result=replace(r, steps=steps, unexplained=unexplained),
+        before=chain[0],
+        after=after,
+        held_out=held_out,
+        batteries=batteries,
+    )
