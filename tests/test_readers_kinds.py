@@ -178,3 +178,75 @@ def test_gravity_that_is_off_is_said():
     a = np.random.default_rng(1).normal(0, 0.02, (3000, 3)) - [0, 0, 9.05]
     told = plausibility.accel_unit(a, "m/s^2", 1.0)
     assert not told.refused and "7.7 % below gravity" in told.why
+
+
+@pytest.mark.parametrize("shape", ["kalibr_allan", "psins", "navego", "six"])
+def test_matrices_and_structs_of_toolboxes(tmp_path, shape):
+    import scipy.io
+
+    t, w, a = strange_logs.T, strange_logs.GYRO, strange_logs.ACCEL
+    path = tmp_path / "m.mat"
+    seven = "time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
+    if shape == "kalibr_allan":
+        scipy.io.savemat(path, {"data_imu": np.column_stack([1.6e9 + t, w, a])})
+        same(readers.read(path, columns=seven, gyro_unit="rad/s", accel_unit="m/s^2"), 100)
+    elif shape == "psins":  # increments, the time behind them
+        scipy.io.savemat(path, {"imu": np.column_stack([w * 0.01, a * 0.01, t + 0.01])})
+        with pytest.raises(InputError, match="dtheta_x") as error:
+            readers.read(path)
+        named = re.search(r"as in '([^']+)'", str(error.value))[1]
+        same(readers.read(path, columns=named), 100)
+    elif shape == "navego":
+        scipy.io.savemat(path, {"imu": {"t": t[:, None], "fb": a, "wb": w, "freq": 100.0}})
+        same(readers.read(path, gyro_unit="rad/s", accel_unit="m/s^2"), 100)
+    else:
+        np.save(tmp_path / "six.npy", np.vstack([w.T, a.T]))  # (axes, samples)
+        options = {"columns": seven[5:], "gyro_unit": "rad/s", "accel_unit": "m/s^2", "rate": 100}
+        same(readers.read(tmp_path / "six.npy", **options), 100)
+        kinds = [(k, "f8") for k in seven.split(",")]
+        rows = np.array(list(map(tuple, np.column_stack([t, w, a]))), dtype=kinds)
+        np.save(tmp_path / "named.npy", rows)
+        same(readers.read(tmp_path / "named.npy", gyro_unit="rad/s", accel_unit="m/s^2"), 100)
+
+
+def test_a_data_frame_of_r(tmp_path):
+    """A data frame as R serialises it (XDR, version 2), packed by xz."""
+    import lzma
+    import struct
+
+    def text(word):
+        return struct.pack(">ii", 0x40009, len(word)) + word.encode()
+
+    def symbol(word):
+        return struct.pack(">i", 1) + text(word)
+
+    columns = {"time": strange_logs.T} | {f"g{a}": x for a, x in zip("xyz", strange_logs.GYRO.T)}
+    body = struct.pack(">ii", 0x13 | 0x200, len(columns))
+    for x in columns.values():
+        body += struct.pack(">ii", 14, len(x)) + np.asarray(x, ">f8").tobytes()
+    heads = struct.pack(">ii", 16, len(columns)) + b"".join(text(k) for k in columns)
+    body += struct.pack(">i", 0x402) + symbol("names") + heads + struct.pack(">i", 254)
+    whole = b"RDX2\nX\n" + struct.pack(">iii", 2, 0x30600, 0x20300)
+    whole += struct.pack(">i", 0x402) + symbol("imu") + body + struct.pack(">i", 254)
+    (tmp_path / "d.rda").write_bytes(lzma.compress(whole))
+    same(readers.read(tmp_path / "d.rda", gyro_unit="rad/s"), 100)
+
+
+def test_columns_cannot_tell_rows_of_different_sensors_apart(tmp_path):
+    content = LOGS["typed.csv"][0]
+    with pytest.raises(InputError, match="different sensors"):
+        opened(
+            tmp_path / "a.csv", content, "--gyro-unit rad/s --columns time,-,gyro_x,gyro_y,gyro_z"
+        )
+
+
+def test_one_member_of_an_archive(tmp_path):
+    path = tmp_path / "two.zip"
+    one = strange_logs.table("time [s],gx [rad/s],gy [rad/s],gz [rad/s]", strange_logs.T, strange_logs.GYRO)  # fmt: skip
+    path.write_bytes(strange_logs.archive(first=one, second=one))
+    with pytest.raises(InputError, match="several files") as error:
+        readers.read(path)
+    named = re.search(r"as in '([^']+)'", str(error.value))[1]
+    same(readers.read(named), 100)
+    with pytest.raises(InputError, match="holds no third.csv"):
+        readers.read(path / "third.csv")

@@ -42,7 +42,8 @@ def look(args):
     options = common.record_options(args)
     if args.file and (args.gnss or _has_gnss(args.file)):
         options.pop("only", None)
-        return health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options)), []
+        found = health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options))
+        return found, readers.read_raw(args.file, columns=args.columns, topic=args.topic).described
     found = readers.read(args.file, lenient=True, **options)
     return health.of_record(found.record, repeats=found.repeats), list(found.columns)
 

@@ -183,7 +183,8 @@ def _contract(raw: Raw, arrays, exact, signal) -> Raw:
                             f"named {told.quantity}",
                         )
             else:
-                raw.skip(key, "not a key of a static record")
+                drive = key.startswith(("gnss_", "reference_", "lever_arm"))
+                raw.skip(key, "of the drive" if drive else "not a key of a static record")
     if not raw.kinds() and not (signal == "temperature" and "temperature" in raw.columns):
         found = ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
         raise InputError(

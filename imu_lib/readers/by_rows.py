@@ -128,3 +128,23 @@ def pivoted(
     if lost:
         raw.notes += (f"{lost:,} rows of other sensors were left out.",)
     return raw
+
+
+def refuse_mixture(
+    raw: Raw, told: Sequence[Meaning], headings: Sequence[Heading], load: Callable
+) -> None:
+    """InputError where the caller names the columns of a table whose rows are readings of several
+    sensors by turns.
+    """
+    for i, heading in enumerate(headings):
+        if heading.kind != "text" or told[i].quantity:
+            continue
+        labels = np.unique(np.asarray(load([i])[i]).astype(str))
+        if not 2 <= len(labels) <= 12:
+            continue
+        kinds = {names.meaning(f"{label} x").quantity for label in labels} & {"gyro", "accel"}
+        if len(kinds) == 2:
+            raise InputError(
+                f"{raw.source}, column {i + 1}: its rows are readings of different sensors ({', '.join(labels[:6])}), which no --columns can tell apart; "
+                "give the columns a header (time, sensor, x, y, z) and leave --columns out."
+            )

@@ -70,6 +70,8 @@ def decide(
         long = by_rows.sensors(told, headings)
         if long is not None and not signal:
             return by_rows.pivoted(raw, long, told, headings, load)
+    else:
+        by_rows.refuse_mixture(raw, told, headings, load)
     wanted = [i for i, m in enumerate(told) if m.quantity]
     values = load(wanted)
     told = letter_t(told, headings, values)

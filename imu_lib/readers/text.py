@@ -24,6 +24,9 @@ from imu_lib.readers.spelling import unwrapped
 NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", *lay.NULLS]
 
 
+THREADED = 1 << 24  # bytes from which Arrow's threads are worth their start
+
+
 class Lines:
     """The text of a file: its bytes, and what a row of the table is called in a message."""
 
@@ -181,7 +184,10 @@ def _arrow(lines, layout, numeric, texts):
         table = csv.read_csv(
             pa.BufferReader(lines.data),
             read_options=csv.ReadOptions(
-                skip_rows=layout.first, column_names=width, block_size=1 << 22
+                skip_rows=layout.first,
+                column_names=width,
+                block_size=1 << 22,
+                use_threads=len(lines.data) > THREADED,
             ),
             parse_options=csv.ParseOptions(delimiter=layout.delimiter),
             convert_options=csv.ConvertOptions(
