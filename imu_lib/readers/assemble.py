@@ -233,6 +233,10 @@ def check_units(
     if accel and "accel" in unit:
         told = plausibility.accel_unit(np.column_stack(accel), unit["accel"], factor["accel"])
         record = _told(record, told, "accel")
+        if strict and whole is not None and plausibility.gravity(whole) is None:
+            record = record.with_note(
+                "The accelerometer shows no gravity (its vector averages to nothing): it was taken out before the file was written."
+            )
     axes = [record.channels[c] for c in record.channels if c.startswith("gyro")]
     if axes and "gyro" in unit:
         told = plausibility.gyro_unit(

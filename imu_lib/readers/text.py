@@ -54,20 +54,16 @@ class Lines:
         """
         if self.places is not None or layout.encoding == "utf-16":
             return False
-        rows = self.data.split(b"\n")
-        last = len(rows)
-        while (
-            last > layout.first + 2
-            and not re.search(rb"\d[^A-Za-z]*$", rows[last - 1].strip()[-24:] or b"")
-            and _words(rows[last - 1], layout)
-        ):
-            last -= 1
-        end = last
-        again = set()
-        if layout.header:
-            named = next((r for r in reversed(rows[: layout.first]) if r.strip()), b"").strip()
-            if named and named in self.data[len(b"\n".join(rows[: layout.first])) :]:
-                again = {i for i in range(layout.first, end) if rows[i].strip() == named}
+        tail = self.data[-4096:].rstrip().split(b"\n")
+        words = next((k for k, r in enumerate(reversed(tail)) if not _words(r, layout)), 0)
+        top = self.data[: lay.HEAD].split(b"\n")[: layout.first]
+        named = next((r for r in reversed(top) if r.strip()), b"").strip() if layout.header else b""
+        below = sum(len(r) + 1 for r in top)
+        if not words and not (named and self.data.find(named, below) >= 0):
+            return False
+        rows = self.data.rstrip().split(b"\n")
+        end = len(rows) - words
+        again = {i for i in range(layout.first, end) if named and rows[i].strip() == named}
         text = [i for i in range(layout.first, len(rows)) if i >= end and rows[i].strip()]
         if not again and not text:
             return False
@@ -93,6 +89,8 @@ class Lines:
 def _words(line: bytes, layout) -> bool:
     """Whether a line below the rows holds words and fewer fields than a row."""
     text = line.decode(layout.encoding, errors="replace").strip()
+    if re.search(r"\d[^A-Za-z]*$", text[-24:]) and not re.search(r"[A-Za-z]{3}", text):
+        return False
     found = layout.split(text)
     return not text or (
         len(found) < len(layout.kinds)
