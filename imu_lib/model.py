@@ -17,7 +17,18 @@ from imu_lib import processes
 from imu_lib.arrays import Array
 from imu_lib.drive_effects import DriveEffect, from_entries
 from imu_lib.errors import InputError
-from imu_lib.processes import CommonMode, Jitter, Process, RateError, Sum, TimeGaps, Vibration
+from imu_lib.processes import (
+    CommonMode,
+    Disturbance,
+    Dropout,
+    Jitter,
+    Process,
+    RateError,
+    Sum,
+    Tilt,
+    TimeGaps,
+    Vibration,
+)
 from imu_lib.record import CHANNELS, Record
 from imu_lib.units import DEG
 
@@ -227,9 +238,11 @@ class Model:
         wanted = self.channel_names if channels is None else tuple(channels)
         common: dict[str, Array | None] = {channel: None for channel in wanted}
         for process in self.record:
-            if isinstance(process, (CommonMode, Vibration)):
-                if isinstance(process, Vibration):
+            if isinstance(process, (CommonMode, Vibration, Disturbance, Tilt)):
+                if isinstance(process, (Vibration, Disturbance)):
                     parts = process.on(n, fs, generators["record"])
+                elif isinstance(process, Tilt):
+                    parts = process.on(n, fs)
                 else:
                     filters = {c: self[c].low_pass for c in process.channels if c in self.channels}
                     parts = process.on(filters, n, fs, generators["record"])
@@ -237,12 +250,16 @@ class Model:
                     if channel in common:
                         before = common[channel]
                         common[channel] = shared if before is None else before + shared
-        return {
+        out = {
             channel: self[channel].simulate(
                 n, fs, generators[channel], temperature=temperature, common=common[channel]
             )
             for channel in wanted
         }
+        for process in self.record:
+            if isinstance(process, Dropout):
+                out = process.act(out, generators["record"])
+        return out
 
     def simulate_record(
         self,

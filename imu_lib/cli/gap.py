@@ -8,12 +8,6 @@ import os
 import sys
 import time
 
-#: Beyond these shares a channel is left out (missing; stuck at one value; one value scattered all
-#: over), and a record is cut to
-#: its longest stretch: there is no noise left to compare, or a filled hole would be taken for what
-#: the sensor does.
-MOST_LOST, LONGEST_STUCK, MOST_ALIKE, LONGEST_HOLES = 0.5, 0.1, 0.95, 0.2
-
 NAME = "gap"
 HELP = "Where simulation and measurement disagree, of a record or of a drive, what is missing, and how far the gap shrinks when it is added."
 
@@ -84,11 +78,7 @@ def run(args) -> int:
 
     if gap_drive.asked(args):
         return gap_drive.run(args, model)
-    record = _sound(common.open_record(args), args.file or f"{args.gyro or args.accel}")
-    if record.n < 2000:
-        raise InputError(
-            f"{args.file or args.gyro or args.accel}: {record.n:,} samples are too few; the gap workflow needs 2000 or more."
-        )
+    record = common.open_record(args)
     if model is not None:
         absent = [c for c in record.channel_names if c not in model]
         if len(absent) == len(record.channel_names):
@@ -117,6 +107,8 @@ def run(args) -> int:
         jobs=args.jobs,
         progress=_progress,
     )
+    for note in found.notes:
+        print(f"note: {note}", file=sys.stderr)
     if args.json:
         common.write_json(found.to_json(), args.json)
     if args.out:
@@ -129,59 +121,6 @@ def run(args) -> int:
 
     print(table(found))
     return 0
-
-
-def _sound(record, name):
-    """The record without channels that say next to nothing and without long holes; what is left
-    out is told on standard error.
-    """
-    from dataclasses import replace
-
-    import numpy as np
-
-    from imu_lib.errors import InputError
-
-    kept = {}
-    for channel, x in record.channels.items():
-        lost = np.isnan(x).mean()
-        run = np.diff(
-            np.flatnonzero(np.concatenate([[True], np.diff(x) != 0, [True]]))
-        ).max() / len(x)
-        same = (x == np.nanmedian(x)).mean()
-        reason = (
-            f"is missing in {lost:.0%} of the samples"
-            if lost > MOST_LOST
-            else "never changes"
-            if same == 1
-            else f"is stuck at one value for {run:.0%} of the record"
-            if run > LONGEST_STUCK
-            else f"has one value in {same:.0%} of its samples, which hides its noise"
-            if same > MOST_ALIKE
-            else None
-        )
-        if reason:
-            print(f"note: {channel} {reason}; it is left out.", file=sys.stderr)
-        else:
-            kept[channel] = x
-    if not kept:
-        raise InputError(
-            f"{name}: no channel says anything of its noise (stuck, missing or rounded away); check the logger."
-        )
-    record = replace(record, channels=kept)
-    whole = int(record.slots()[-1]) + 1
-    lost = 1 - (record.n - record.missing().sum()) / whole
-    if lost <= LONGEST_HOLES:
-        return record
-    part = record.longest_stretch()
-    if (
-        part.n < 2000 and whole <= 10 * record.n
-    ):  # samples lost all over the record: the workflow knows how to miss them
-        return record
-    print(
-        f"note: {lost:.0%} of the samples are missing; the longest stretch without a gap is taken, {part.duration:.4g} s.",
-        file=sys.stderr,
-    )
-    return part
 
 
 _TOLD = [0.0]  # when the last line of progress was written

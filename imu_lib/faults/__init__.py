@@ -10,7 +10,18 @@ the error-model file, the figures it rests on, and a sentence.
 
 from __future__ import annotations
 
+from .clock import find as of_clock
 from .doors import Sound, breaks, find, longest_stretch, sound
 from .finding import BREAKS, TOLD, Finding
 
-__all__ = ["BREAKS", "TOLD", "Finding", "Sound", "breaks", "find", "longest_stretch", "sound"]
+__all__ = [
+    "BREAKS",
+    "TOLD",
+    "Finding",
+    "Sound",
+    "breaks",
+    "find",
+    "longest_stretch",
+    "of_clock",
+    "sound",
+]

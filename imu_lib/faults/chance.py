@@ -140,10 +140,15 @@ def coincidences(
         ):
             found.append((int(count[pattern]), int(pattern), expected))
     cores: list[list] = []
-    for _, pattern, expected in sorted(found, reverse=True):
+    for number, pattern, expected in sorted(found, reverse=True):
         home = next((c for c in cores if pattern & c[0] == c[0]), None)
+        if home is None and bin(pattern).count("1") > 1:
+            # a few that show on fewer channels, where another fault hides the rest
+            home = next(
+                (c for c in cores if pattern & c[0] == pattern and number < c[3] / 20), None
+            )
         if home is None:  # a fault of its own; what chance adds to it is joined to it
-            home = [pattern, [], 0.0]
+            home = [pattern, [], 0.0, number]
             cores.append(home)
         home[1].append(pattern)
         home[2] += expected
@@ -153,7 +158,7 @@ def coincidences(
             np.flatnonzero(np.isin(code, patterns)),
             expected,
         )
-        for core, patterns, expected in cores
+        for core, patterns, expected, _ in cores
     ]
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import comb
 
 import numpy as np
+from scipy.stats import poisson
 
 from imu_lib.faults.finding import Finding, named, seconds
 from imu_lib.faults.levels import Prepared, sides, tail_threshold, windows
@@ -23,6 +24,8 @@ LEVEL = (0.5, 2.0, 8.0)
 ALONE, TOGETHER = 1e-4, 1e-3
 #: Noise levels by which a sample must stand out on each of several channels, and a level.
 STANDS, LEVEL_STANDS = 5.5, 7.0
+#: Noise levels from which on a sample is large.
+LARGE = 4.0
 #: Ratio of energies, without the few largest samples', that one channel alone must reach.
 LOUD = 6.0
 #: Blocks of level on each side that tell what is usual, and those next to it left out.
@@ -67,7 +70,7 @@ def _energy(fast: np.ndarray, length: int) -> list[Hit]:
     """Windows of `length` samples whose energy stands out, on a grid and on one half a window off."""
     hits = []
     for offset in (0, length // 2) if length > 1 else (0,):
-        power, rest, peak = [], [], []
+        power, rest, peak, rare = [], [], [], []
         for y in fast:
             w = windows(y, length, offset)
             square = w * w
@@ -75,7 +78,9 @@ def _energy(fast: np.ndarray, length: int) -> list[Hit]:
             power.append(total / length)
             peak.append(np.sqrt(square.max(axis=1)))
             rest.append(_without_spikes(square, total))
-        hits += _judged(np.array(power), np.array(rest), np.array(peak), length, offset)
+            rare.append(_more_than_spikes(square))
+        data = (np.array(a) for a in (power, rest, peak, rare))
+        hits += _judged(*data, length, offset)
     return hits
 
 
@@ -94,7 +99,15 @@ def _without_spikes(square: np.ndarray, total: np.ndarray) -> np.ndarray:
     return out
 
 
-def _judged(power, rest, peak, length, offset) -> list[Hit]:
+def _more_than_spikes(square: np.ndarray) -> np.ndarray:
+    """Windows with more large samples than the record's, thrown in at random, would make."""
+    large = (square > LARGE**2).sum(axis=1)
+    share = large.sum() / square.size
+    p = poisson.sf(np.arange(large.max() + 1) - 1, share * square.shape[1])
+    return p[large] * len(square) < TOGETHER
+
+
+def _judged(power, rest, peak, rare, length, offset) -> list[Hit]:
     k, count = power.shape
     stands = peak > STANDS
     mask = np.zeros(count, bool)
@@ -103,7 +116,7 @@ def _judged(power, rest, peak, length, offset) -> list[Hit]:
         for c in range(k):
             value = np.log(np.maximum(rest[c], 1e-12))
             limit = max(tail_threshold(value, ALONE), np.log(LOUD * max(np.median(rest[c]), 1e-12)))
-            own = (value > limit) & stands[c]
+            own = (value > limit) & stands[c] & rare[c]
             member[c] |= own
             mask |= own
     if k > 1:

@@ -174,7 +174,7 @@ class Sound:
     """A record made ready by `sound`.
 
     record : Record, NaN where a sample is no measurement. start, stop : the stretch of the record
-    given that it is, s. masked : samples that were made NaN, of all channels. left_out : channels
+    given that it is, s. cut : whether it is a part. masked : samples that were made NaN, of all channels. left_out : channels
     without a measurement. notes : sentences on what was done.
     """
 
@@ -182,12 +182,15 @@ class Sound:
     findings: tuple[Finding, ...]
     start: float
     stop: float
+    cut: bool
     masked: int
     left_out: tuple[str, ...]
     notes: tuple[str, ...]
 
 
-def sound(record: Record, findings: tuple[Finding, ...] | None = None) -> Sound:
+def sound(
+    record: Record, findings: tuple[Finding, ...] | None = None, *, holes: bool = True
+) -> Sound:
     """The record with drop-outs, copies and disturbances masked (NaN), a held record thinned to
     the sensor's rate, cut at tilts, restarts and long holes to the longest stretch.
 
@@ -196,6 +199,8 @@ def sound(record: Record, findings: tuple[Finding, ...] | None = None) -> Sound:
     record : Record
     findings : tuple of Finding, optional
         Of `find`; looked for where not given.
+    holes : bool
+        Whether a long hole ends a stretch, also where nothing is known to have turned in it.
 
     Raises
     ------
@@ -226,11 +231,11 @@ def sound(record: Record, findings: tuple[Finding, ...] | None = None) -> Sound:
     if masked:
         notes.append(f"{masked:,} values that are no measurements are taken as missing.")
     out = replace(record, channels=channels)
-    cuts = [f for f in findings if f.kind in ("tilt", "restart")]
-    holes = clock.holes(record)
+    kinds = ("tilt", "restart", "gap") if holes else ("tilt", "restart")
+    ending = [f for f in findings if f.kind in kinds]
     start, stop = 0.0, record.duration
-    if cuts or holes:
-        ending = [f for f in findings if f.kind in ("tilt", "restart", "gap")]
+    cut = bool(breaks(ending))
+    if cut:
         start, stop = longest_stretch(record, ending)
         out = out.slice(start, stop)
         notes.append(
@@ -240,7 +245,33 @@ def sound(record: Record, findings: tuple[Finding, ...] | None = None) -> Sound:
     if thinned is not None:
         out = _thinned(out, thinned)
         notes.append(f"The rows are thinned to the sensor's {out.rate:.4g} Hz.")
-    return Sound(out, tuple(findings), start, stop, masked, dead, tuple(notes))
+    burst = next((f for f in findings if f.kind == "burst"), None)
+    if burst is not None:
+        out = _burst_means(out, burst)
+        notes.append(
+            f"Each burst is taken as its mean, at {out.rate:.4g} Hz. Between bursts nothing was "
+            "measured, so white noise comes out at "
+            f"{np.sqrt(1 / burst.evidence['share_recorded']):.3g} times the sensor's N."
+        )
+    return Sound(out, tuple(findings), start, stop, cut, masked, dead, tuple(notes))
+
+
+def _burst_means(record: Record, f: Finding) -> Record:
+    """The mean of each burst, with the mean of its stamps."""
+    time = record.times()
+    start = np.flatnonzero(np.r_[True, np.diff(time) > 2.0 / f.parameters["rate"]])
+    size = np.diff(np.r_[start, record.n])
+
+    def mean(x):
+        return np.add.reduceat(x, start) / size
+
+    return replace(
+        record,
+        channels={c: mean(x) for c, x in record.channels.items()},
+        rate=1.0 / f.parameters["period"],
+        time=mean(time) - mean(time)[0],
+        temperature=None if record.temperature is None else mean(record.temperature),
+    )
 
 
 def _thinned(record: Record, f: Finding) -> Record:

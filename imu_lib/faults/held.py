@@ -31,7 +31,7 @@ def find(
         return []
     # behind a drop-out nothing can be a copy of it
     out = blind | np.r_[False, blind[:-1]]
-    again = {c: repeats(channels[c]) & ~out for c in names}
+    again = {c: repeats(channels[c]) & ~out & ~_at_an_end(levels[c]) for c in names}
     chance = {c: levels[c].repeat_chance() for c in names}
     found, done = [], set()
     for group in _streams(again, chance):
@@ -49,6 +49,14 @@ def find(
             if item is not None:
                 found.append(item)
     return found
+
+
+def _at_an_end(levels: Levels) -> np.ndarray:
+    """Samples at the largest or smallest value: where a signal is clipped, neighbours agree."""
+    last = len(levels.values) - 1
+    if last < 20:  # on so few levels the ends are common
+        return np.zeros(len(levels.index), bool)
+    return (levels.index == 0) | (levels.index == last)
 
 
 def _streams(again: dict, chance: dict) -> list[list[str]]:

@@ -58,6 +58,7 @@ class Report:
     record: Record
     seconds: float
     given: bool
+    notes: tuple[str, ...] = ()
 
     def to_json(self) -> dict:
         """The contract's object."""
@@ -66,6 +67,7 @@ class Report:
             "record": {
                 "steps": [s.to_json() for s in self.record_steps],
                 "unexplained": self.record_unexplained,
+                "notes": list(self.notes),
             },
             "verdict": sentences(self),
             "seconds": round(self.seconds, 2),

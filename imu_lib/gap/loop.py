@@ -9,14 +9,13 @@ from dataclasses import replace
 import numpy as np
 from joblib import Parallel, delayed
 
-from imu_lib.gap import ensemble, record_level, shaken
+from imu_lib.gap import ensemble, faulty, record_level, shaken
 from imu_lib.gap.battery import battery
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.effects.resolution import printed
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.grown import FITTED
 from imu_lib.model import Model
-from imu_lib.processes import from_json
 from imu_lib.record import Record
 
 #: Gap index after the last step beyond which something is left that has no name; that of a right
@@ -57,23 +56,23 @@ def close(
     Raises
     ------
     ValueError
-        If `channels` names one that the record lacks or that does not move, or the record is
-        shorter than 2000 samples.
+        If `channels` names one that the record lacks or that does not move.
+    InputError
+        If less than 2000 samples are left without faults, or no channel says anything of its noise.
     """
     started = time.perf_counter()
     names = list(record.channel_names if channels is None else channels)
     for name in names:
         if name not in record:
             raise ValueError(f"`channels` has {name!r}, which the record lacks")
-        if not np.nanstd(record.channels[name]) > 0:
+        if channels is not None and not np.nanstd(record.channels[name]) > 0:
             raise ValueError(
                 f"`record` does not move in {name}; leave the channel out with `channels`"
             )
-    if record.n < 2000:
-        raise ValueError(f"`record` has {record.n} samples; the workflow needs 2000 or more")
+    ready = faulty.ready(replace(record, channels={c: record.channels[c] for c in names}), model)
+    record, names = ready.record, list(ready.record.channel_names)
     jobs = jobs or min(2, os.cpu_count() or 1)
     tell = progress or (lambda done, total, text: None)
-    timing, time_left = record_level.timing(record, model)
     even = record.uniform()
     fs = even.rate
     raw = shaken.on_levels({name: np.asarray(even.channels[name]) for name in names})
@@ -124,14 +123,13 @@ def close(
         record=model.record if model is not None else (),
         rate=fs,
     )
-    record_steps = list(timing)
+    record_steps, extra = list(ready.steps), list(ready.processes)
     new = [f for f in shaking if not f.held]
     record_steps += [shaken.vibration_step(f) for f in new]
-    extra = [f.process for f in new]
+    extra += [f.process for f in new]
     if shared is not None:
         record_steps.append(record_level.common_step(shared, note))
         extra.append(shared)
-    extra += [from_json({"process": s.effect, **s.parameters}, on_record=True) for s in timing]
     grown = Model(
         channels={n: r.model for n, r in results.items()},
         record=base.record + tuple(extra),
@@ -158,12 +156,13 @@ def close(
     return Report(
         reports,
         record_steps,
-        time_left or coherence_left,
+        ready.doubt or coherence_left,
         base,
         grown,
         record,
         time.perf_counter() - started,
         model is not None,
+        ready.notes,
     )
 
 

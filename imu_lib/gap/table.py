@@ -64,6 +64,8 @@ def value(symbol: str, x, channel: str) -> str:
 def describe(step, channel: str) -> str:
     """Name and parameters of a step."""
     p = step.parameters
+    if "short" in step.notes:
+        return f"{step.effect}  {step.notes['short']}"
     if step.effect == "vibration":
         return _vibration(p)
     if step.effect == "common_mode":  # the noise's unit is that of the channels that share it

@@ -12,6 +12,7 @@ from imu_lib.errors import InputError
 from .autoregressive import Autoregressive
 from .base import POSITIVE_KINDS, Parameter, Process, StateSpace
 from .deterministic import Constant, Ramp, Sinusoid, Step, Temperature, WarmUp
+from .faults import Disturbance, Dropout, Tilt
 from .flicker import FLAT, Flicker
 from .gauss_markov import GaussMarkov, GaussMarkov2
 from .heavy_tails import HeavyTails
@@ -57,7 +58,17 @@ OF_CHANNEL: dict[str, type[Process]] = {
 }
 #: Processes of the whole record, by the name in the error-model file.
 OF_RECORD: dict[str, type[Process]] = {
-    cls.name: cls for cls in (CommonMode, Vibration, TimeGaps, Jitter, RateError)
+    cls.name: cls
+    for cls in (
+        CommonMode,
+        Vibration,
+        TimeGaps,
+        Jitter,
+        RateError,
+        Dropout,
+        Disturbance,
+        Tilt,
+    )
 }
 
 
@@ -100,6 +111,9 @@ def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
 
 
 __all__ = [
+    "Tilt",
+    "Dropout",
+    "Disturbance",
     "Autoregressive",
     "CommonMode",
     "Constant",

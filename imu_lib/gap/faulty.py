@@ -1,0 +1,216 @@
+"""What comes before all competition: the data's own faults and what happened to the sensor. They
+are masked or cut, and stand in the record's list of steps; one place for the library and the
+command.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from imu_lib import faults
+from imu_lib.errors import InputError
+from imu_lib.faults import Finding
+from imu_lib.faults.finding import named, seconds
+from imu_lib.gap import record_level
+from imu_lib.gap.steps import Step
+from imu_lib.model import Model
+from imu_lib.processes import Process, from_json
+from imu_lib.record import Record
+
+#: Beyond these shares a channel is left out (missing; stuck at one value; one value scattered all
+#: over), and a record is cut to its longest stretch: there is no noise left to compare, or a filled
+#: hole would be taken for what the sensor does.
+MOST_LOST, LONGEST_STUCK, MOST_ALIKE, LONGEST_HOLES = 0.5, 0.1, 0.95, 0.2
+#: Samples that the workflow needs; means of bursts that it needs.
+LEAST, LEAST_BURSTS = 2000, 1000
+#: Share of the findings of each kind that were put in, of all that were found, in the records of
+#: benchmarks/fault_score.py.
+MEASURED = {"dropout": 0.99, "disturbance": 0.99, "tilt": 0.99}
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """A record made ready for the competition.
+
+    record : Record, masked and cut. start, stop : the stretch of the given record that it is, s.
+    steps : of the record, with times of the given record. processes : the same for a model's
+    `record`. left_out : channel -> why. notes : sentences. doubt : a sentence where the time stamps
+    do what has no name.
+    """
+
+    record: Record
+    start: float
+    stop: float
+    steps: tuple[Step, ...]
+    processes: tuple[Process, ...]
+    left_out: dict[str, str]
+    notes: tuple[str, ...]
+    doubt: str | None
+    findings: tuple[Finding, ...] = ()
+
+
+def ready(record: Record, model: Model | None = None) -> Ready:
+    """The record without its faults, and the steps that name them.
+
+    Parameters
+    ----------
+    record : Record
+    model : Model, optional
+        What its `record` holds is masked, too, but no step.
+
+    Raises
+    ------
+    InputError
+        If no channel says anything of its noise, or too few samples are left.
+    """
+    findings = faults.find(record)
+    left_out = _silent(record)
+    kept = {c: x for c, x in record.channels.items() if c not in left_out}
+    if not kept:
+        raise InputError(_nothing(record, left_out))
+    whole = replace(record, channels=kept)
+    sound = faults.sound(whole, _of(findings, kept), holes=_hollow(whole))
+    masked = sound.record
+    for c in list(masked.channels):  # what is held or dropped most of the time
+        lost = float(np.isnan(masked.channels[c]).mean())
+        if lost > MOST_LOST:
+            left_out[c] = f"is no measurement in {lost:.0%} of the samples"
+    kept = {c: x for c, x in masked.channels.items() if c not in left_out}
+    if not kept:
+        raise InputError(_nothing(record, left_out))
+    bursts = any(f.kind == "burst" for f in findings)
+    if masked.n < (LEAST_BURSTS if bursts else LEAST):
+        of = "" if masked.n == record.n else f" of {record.n:,} are left without faults and"
+        raise InputError(
+            f"{_name(record)}: {masked.n:,} samples{of} are too few; the gap workflow needs {LEAST} "
+            "or more."
+        )
+    masked = replace(masked, channels=kept)
+    held = {p.name for p in model.record} if model is not None else set()
+    clock, doubt = _clock(whole, sound, model, findings)
+    steps = [*clock, *(s for s in map(_step, findings) if s is not None)]
+    steps = [s for s in steps if s.effect not in held]
+    processes = tuple(
+        from_json({"process": s.effect, **s.parameters}, on_record=True) for s in steps
+    )
+    notes = [f"{c} {why}; it is left out." for c, why in left_out.items()]
+    notes += sound.notes
+    if sound.start > 0:
+        notes.append(
+            f"Times of what follows count from {seconds(sound.start)} s (as with --start "
+            f"{seconds(sound.start)} --stop {seconds(sound.stop)}), those of drop-outs, "
+            "disturbances and tilts from the first sample."
+        )
+    return Ready(
+        masked,
+        sound.start,
+        sound.stop,
+        tuple(steps),
+        processes,
+        left_out,
+        tuple(notes),
+        doubt,
+        findings,
+    )
+
+
+def _name(record: Record) -> str:
+    return record.source or record.name or "the record"
+
+
+def _nothing(record: Record, left_out: dict[str, str]) -> str:
+    why = "; ".join(f"{c} {reason}" for c, reason in left_out.items())
+    return (
+        f"{_name(record)}: no channel says anything of its noise (stuck, missing or rounded away: "
+        f"{why}); check the logger."
+    )
+
+
+def _of(findings, channels) -> tuple[Finding, ...]:
+    """Findings that concern the channels kept."""
+    return tuple(f for f in findings if not f.channels or set(f.channels) & set(channels))
+
+
+def _silent(record: Record) -> dict[str, str]:
+    """Channels that say next to nothing, and why."""
+    out = {}
+    for channel, x in record.channels.items():
+        lost = np.isnan(x).mean()
+        edges = np.flatnonzero(np.concatenate([[True], np.diff(x) != 0, [True]]))
+        run = np.diff(edges).max() / len(x)
+        same = (x == np.nanmedian(x)).mean()
+        reason = (
+            f"is missing in {lost:.0%} of the samples"
+            if lost > MOST_LOST
+            else "never changes"
+            if same == 1
+            else f"is stuck at one value for {run:.0%} of the record"
+            if run > LONGEST_STUCK
+            else f"has one value in {same:.0%} of its samples, which hides its noise"
+            if same > MOST_ALIKE
+            else None
+        )
+        if reason:
+            out[channel] = reason
+    return out
+
+
+def _hollow(record: Record) -> bool:
+    """Whether so much is missing in holes that the record is cut at them."""
+    whole = int(record.slots()[-1]) + 1
+    lost = 1 - (record.n - record.missing().sum()) / whole
+    if lost <= LONGEST_HOLES:
+        return False
+    start, stop = faults.longest_stretch(record, [f for f in faults.of_clock(record)])
+    # samples lost all over the record: the workflow knows how to miss them
+    return (stop - start) * record.n / record.duration >= LEAST or whole > 10 * record.n
+
+
+def _clock(record, sound, model, findings):
+    """Steps of the time stamps, of the stretch as it was recorded."""
+    part = record.slice(sound.start, sound.stop) if sound.start > 0 or sound.cut else record
+    steps, doubt = record_level.timing(part, model)
+    if any(f.kind == "burst" for f in findings):
+        # the sensor's own bursts: the stamps do what they should
+        return [s for s in steps if s.effect == "time_gaps"], None
+    return steps, doubt
+
+
+def _step(finding: Finding) -> Step | None:
+    """A finding as a step of the record; None where the effect has no name in a model file."""
+    if finding.kind not in MEASURED:
+        return None
+    parameters = dict(finding.parameters)
+    if finding.kind == "dropout":
+        if parameters.get("value") is None and not parameters.get("held"):
+            return None  # NaN: the file says itself that nothing is there
+        parameters = {k: v for k, v in parameters.items() if v is not None}
+    sure = MEASURED[finding.kind]
+    return Step(
+        finding.kind,
+        parameters,
+        {},
+        finding.sentence,
+        sure,
+        {"effect": "none", "confidence": round(1 - sure, 4)},
+        [],
+        gain=np.inf,
+        cause=finding.means,
+        notes={"evidence": finding.evidence, "short": _short(finding)},
+    )
+
+
+def _short(finding: Finding) -> str:
+    """The parameters in words, for a table."""
+    p = finding.parameters
+    where = f"on {named(finding.channels)}"
+    if finding.kind == "dropout":
+        what = "copies of the row before" if p.get("held") else f"at {p['value']}"
+        even = f", one in {p['period']}" if p.get("period") else ""
+        return f"{100 * p['fraction']:.3g} % of the rows{even}, {what}, {where}"
+    if finding.kind == "disturbance":
+        return f"{seconds(p['start'])} s, {p['duration']:.2g} s long, {where}"
+    angles = ", ".join(f"{1e3 * a:.3g}" for a in p["angles"])
+    return f"{seconds(p['time'])} s, ({angles}) mrad"
