@@ -11,8 +11,9 @@ the error-model file, the figures it rests on, and a sentence.
 from __future__ import annotations
 
 from .clock import find as of_clock
-from .doors import Sound, breaks, find, longest_stretch, sound
 from .finding import BREAKS, TOLD, Finding
+from .search import find
+from .soundness import Sound, breaks, longest_stretch, sound
 
 __all__ = [
     "BREAKS",

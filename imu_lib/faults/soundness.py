@@ -1,6 +1,4 @@
-"""The doors of the room: find everything; give the longest sound stretch; give a record in which
-what was found is masked or cut.
-"""
+"""The longest sound stretch of a record, and the record with what was found masked or cut."""
 
 from __future__ import annotations
 
@@ -8,136 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from imu_lib.faults import clock, disturbance, dropout, held, motion, restart, tilt, warm_up
-from imu_lib.faults.chance import Levels
+from imu_lib.faults import clock
 from imu_lib.faults.finding import BREAKS, Finding, seconds
-from imu_lib.faults.levels import bridged, prepared
+from imu_lib.faults.search import find
 from imu_lib.record import Record
-
-#: Samples that a stretch must have to be looked at for disturbances.
-LEAST = 100
-#: Share of the rows on several channels that one kind of drop-out may take and still be masked.
-MOST_MASKED = 0.6
-
-
-def find(record: Record) -> tuple[Finding, ...]:
-    """All faults and disturbances of a record: first of the data, then of the clock, then what
-    happened to the sensor; linear in the number of samples.
-
-    On a sensor that travels (a drive) only the data and the clock are looked at.
-
-    Parameters
-    ----------
-    record : Record
-    """
-    channels = {c: np.asarray(x) for c, x in record.channels.items()}
-    time = record.times()
-    levels = {c: Levels.of(x) for c, x in channels.items()}
-    data = dropout.find(channels, time, levels)
-    blind = np.zeros(record.n, bool)
-    for item in data:
-        if len(item.channels) > 1:
-            blind[item.rows] = True
-    data += held.constant(channels, time)
-    data += held.find(channels, time, record.rate, levels, blind)
-    data += dropout.missing(channels, time)
-    found = data + clock.find(record) + warm_up.find(record)
-    if not travels(channels, record.rate, data):
-        found += _happened(record, channels, time, levels, data)
-    return tuple(sorted(found, key=lambda f: (_rank(f), f.start)))
-
-
-def travels(channels, rate: float, data) -> bool:
-    """Whether the sensor moves for so long that it is not at rest with disturbances."""
-    x = {c: bridged(v, _bad(c, v, data)) for c, v in channels.items()}
-    return motion.windows(x, rate, {}).travels
-
-
-def _bad(channel: str, x: np.ndarray, data) -> np.ndarray:
-    """Samples that are no measurements; copies of a slow stream are its level and stay."""
-    bad = np.isnan(x)
-    for item in data:
-        if item.kind in ("dropout", "stuck") and channel in item.channels:
-            bad[item.rows] = True
-    return bad
-
-
-def _rank(finding: Finding) -> int:
-    order = ("constant", "dropout", "stuck", "held", "burst", "gap", "time_grid", "jitter", "rate")
-    return order.index(finding.kind) if finding.kind in order else len(order)
-
-
-def _happened(record, channels, time, levels, data) -> list[Finding]:
-    """Disturbances, tilts and restarts, one stretch between long holes after the other."""
-    bad = {c: _bad(c, x, data) for c, x in channels.items()}
-    dead = {item.channels[0] for item in data if item.kind == "constant"}
-    live = [c for c in channels if c not in dead and len(levels[c].values) > 2]
-    breaks = _hole_rows(record)
-    edges = [0, *(b + 1 for b in breaks), record.n]
-    found: list[Finding] = []
-    for low, high in zip(edges[:-1], edges[1:]):
-        if high - low < LEAST or not live:
-            continue
-        rate = _row_rate(time[low:high], record.rate)
-        found += _within(live, channels, bad, levels, slice(low, high), time, rate)
-    masked = {c: np.where(bad[c], np.nan, channels[c]) for c in live} if breaks else {}
-    for at in breaks:
-        item = tilt.in_hole({c: x for c, x in masked.items()}, time, at)
-        if item is not None:
-            found.append(item)
-    return found
-
-
-def _within(live, channels, bad, levels, part, time, rate) -> list[Finding]:
-    good = [c for c in live if bad[c][part].mean() < MOST_MASKED]
-    if not good:
-        return []
-    ready = {c: prepared(channels[c][part], bad[c][part], rate, _grid(levels[c])) for c in good}
-    t = time[part]
-    touched = disturbance.find(ready, t, rate)
-    spans = [(d.start, d.stop) for d in touched]
-    x = {c: _clear(ready[c].x, touched, c) for c in good}
-    tilts = tilt.find(x, t, rate, spans)
-    again = restart.find(x, t, rate, spans + [(k.start, k.stop) for k in tilts])
-    return [
-        replace(item, rows=item.rows + part.start) if len(item.rows) else item
-        for item in (*touched, *tilts, *again)
-    ]
-
-
-def _clear(x: np.ndarray, touched, channel: str) -> np.ndarray:
-    """The channel without what a short knock rang, so that its level is seen on both sides.
-
-    Gyros keep what they show during handling: it is the turn.
-    """
-    if channel.startswith("gyro") or not touched:
-        return x
-    bad = np.zeros(len(x), bool)
-    for item in touched:
-        if item.stop - item.start < disturbance.KNOCK:
-            bad[item.rows] = True
-    return bridged(x, bad)
-
-
-def _grid(levels: Levels) -> float:
-    if not levels.coarse or len(levels.values) < 2:
-        return 0.0
-    return float(np.median(np.diff(levels.values)))
-
-
-def _row_rate(time: np.ndarray, rate: float) -> float:
-    """Rows per second where samples are missing all over (bursts), else the rate."""
-    span = float(time[-1] - time[0])
-    rows = (len(time) - 1) / span if span > 0 else rate
-    return rows if rows < 0.8 * rate else rate
-
-
-def _hole_rows(record: Record) -> list[int]:
-    """Last rows before the holes that end a stretch."""
-    if record.time is None:
-        return []
-    starts = [low for low, _ in clock.holes(record)]
-    return np.searchsorted(record.times(), starts).tolist()
 
 
 def breaks(findings) -> list[tuple[float, float]]:
