@@ -94,9 +94,17 @@ def make(seed, kind=None):
     return case
 
 
+def by_chance(case, members, same):
+    """How many rows the record itself makes that look lost on the channels."""
+    share = [same(case.x[:, c]) for c in members]
+    return len(case.x) * float(np.prod(share))
+
+
 def _zero(case, rng):
     rows, how = lost_rows(len(case.x), rng)
     members = some(rng)
+    if by_chance(case, members, lambda x: np.mean(x == 0)) > 0.1 * len(rows):
+        members = list(range(6))
     case.x[np.ix_(rows, members)] = 0.0
     case.truth = {"finding": "dropout", "rows": rows, "channels": members, "how": how}
 
@@ -107,6 +115,9 @@ def _copy(case, rng):
     if len(rows) == 0:
         rows = np.array([len(case.x) // 2])
     members = some(rng)
+    if by_chance(case, members, lambda x: np.mean(np.diff(x) == 0)) > 0.05 * len(rows):
+        members, how = list(range(6)), "periodic"
+        rows = np.arange(31, len(case.x), 150)
     for r in rows:
         case.x[r, members] = case.x[r - 1, members]
     case.truth = {"finding": "dropout", "rows": rows, "channels": members, "how": how}

@@ -15,6 +15,8 @@ IMPROBABLE = -18.0
 MANIFOLD = 5.0
 #: Samples over which the frequency of an event is taken as one.
 BLOCK = 1000
+#: Frequency up to which an event on one channel is rare.
+RARE = 0.02
 
 
 @dataclass(frozen=True)
@@ -163,11 +165,17 @@ def coincidences(
 
 
 def _frequencies(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Samples in each block, and how often each channel shows the event there (channels, blocks)."""
+    """Samples in each block, and how often each channel shows the event there (channels, blocks).
+
+    Where that is rare, rows in which several show it are left out: they are what is asked about.
+    """
     n = events.shape[1]
     edge = np.arange(0, max(n - BLOCK // 2, 1), BLOCK)
     size = np.diff(np.r_[edge, n])
-    return size, np.add.reduceat(events, edge, axis=1, dtype=float) / size
+    whole = np.add.reduceat(events, edge, axis=1, dtype=float) / size
+    alone = events & (events.sum(axis=0) == 1)
+    single = np.add.reduceat(alone, edge, axis=1, dtype=float) / size
+    return size, np.where(events.mean(axis=1, keepdims=True) < RARE, single, whole)
 
 
 def period_of(starts: np.ndarray) -> int | None:

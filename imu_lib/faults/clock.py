@@ -126,7 +126,7 @@ def grain_of(time: np.ndarray) -> float | None:
             if np.mean(np.abs(step / grain - np.rint(step / grain)) < 1e-3) > 0.999:
                 # steps that are all alike are an even grid and tell no grain
                 kinds, count = np.unique(np.rint(step / grain), return_counts=True)
-                return grain if (count > 0.01 * len(step)).sum() > 1 else None
+                return grain if (count > 0.002 * len(step)).sum() > 1 else None
     return None
 
 

@@ -21,7 +21,7 @@ ENERGY = (0.02, 0.08, 0.32, 1.28)
 #: s of the windows of level.
 LEVEL = (0.5, 2.0, 8.0)
 #: Chance alarms allowed in a record: on one channel, on several together.
-ALONE, TOGETHER = 1e-4, 1e-3
+ALONE, TOGETHER = 1e-4, 1e-4
 #: Noise levels by which a sample must stand out on each of several channels, and a level.
 STANDS, LEVEL_STANDS = 5.5, 7.0
 #: Noise levels from which on a sample is large.
@@ -30,6 +30,8 @@ LARGE = 4.0
 LOUD = 6.0
 #: Blocks of level on each side that tell what is usual, and those next to it left out.
 LEVEL_REACH, GUARD = 15, 1
+#: s of the means that tell where an excursion of the level begins and ends.
+FINE = 0.25
 #: s between two findings that are one.
 JOINED = 0.6
 #: s up to which it is a knock.
@@ -59,11 +61,43 @@ def find(channels: dict[str, Prepared], time: np.ndarray, rate: float) -> list[F
         if n // length >= 40 and (length <= 4 or length <= 2.5 * rate):
             hits += _energy(fast, length)
     x = np.stack([channels[c].x for c in names])
+    bad = np.any([channels[c].bad for c in names], axis=0)
     for length in sorted({max(2, round(s * rate)) for s in LEVEL}):
         if n // length >= 24:
-            hits += _level(x, length, rate, names)
-    merged = _merged(hits, max(2, round(JOINED * rate)))
-    return [_finding(h, channels, names, time, rate) for h in merged]
+            hits += _level(x, bad, length, rate, names)
+    found = []
+    for hit in _merged(hits, max(2, round(JOINED * rate))):
+        left = _no_steps(hit, channels, names, rate)
+        if left is not None:
+            found.append(_finding(left, channels, names, time, rate))
+    return found
+
+
+def _no_steps(hit: Hit, channels, names, rate: float) -> Hit | None:
+    """The hit without the channels on which the level only changes, None where no other is left.
+
+    A step leaves a burst in what is above 1 Hz; with it taken out nothing stands out.
+    """
+    if hit.slow:
+        return hit
+    left = []
+    for c in hit.channels:
+        ready = channels[names[c]]
+        reach = max(8, int(rate))
+        low, high = max(0, hit.low - reach), min(len(ready.x), hit.high + reach)
+        y = ready.x[low:high] / ready.sigma[min((hit.low + hit.high) // 2, len(ready.x) - 1)]
+        k = np.arange(4, len(y) - 4)
+        if not len(k):
+            left.append(c)
+            continue
+        total, n = np.cumsum(y), len(y)
+        before, after = total[k - 1] / k, (total[-1] - total[k - 1]) / (n - k)
+        gain = (before - after) ** 2 * k * (n - k) / n
+        at = int(np.argmax(gain))
+        rest = y - np.where(np.arange(n) < k[at], before[at], after[at])
+        if gain[at] < 20 or np.sort(np.abs(rest))[-2] > STANDS:
+            left.append(c)
+    return Hit(hit.low, hit.high, frozenset(left), hit.score) if left else None
 
 
 def _energy(fast: np.ndarray, length: int) -> list[Hit]:
@@ -157,10 +191,16 @@ def _together(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.nd
     return out
 
 
-def _level(x: np.ndarray, length: int, rate: float, names) -> list[Hit]:
-    """Windows whose mean is off those of both sides, on two channels, or one gyro by an angle."""
+def _level(x: np.ndarray, bad: np.ndarray, length: int, rate: float, names) -> list[Hit]:
+    """Windows whose mean is off those of both sides, on two channels, or one gyro by an angle.
+
+    Windows in which samples are bridged are not judged, where these are few.
+    """
     hits = []
     for offset in (0, length // 2):
+        bridged = windows(bad, length, offset).any(axis=1)
+        if bridged.mean() > 0.3:
+            bridged[:] = False
         means = np.stack([windows(v, length, offset).mean(axis=1) for v in x])
         off, scale = zip(*(_excursion(m) for m in means))
         score = np.array(off) / np.array(scale)
@@ -172,7 +212,8 @@ def _level(x: np.ndarray, length: int, rate: float, names) -> list[Hit]:
                 value = np.log(np.maximum(score[c], 1e-3))
                 limit = max(tail_threshold(value, ALONE), np.log(2 * LEVEL_STANDS))
                 alone |= (value > limit) & (off[c] * length / rate > TURN)
-        mask |= alone
+        mask = (mask | alone) & ~bridged
+        mask[: GUARD + 4] = mask[-GUARD - 4 :] = False  # there is no side to hold it against
         hits += [
             Hit(
                 offset + int(j) * length,
@@ -253,10 +294,34 @@ def _edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
     loud = np.zeros(high - low, bool)
     for c in hit.channels:
         loud |= np.abs(channels[names[c]].fast[low:high]) > 4.0
-    if not loud.any():
-        return hit.low, min(hit.high, n)
+    if hit.slow or not loud.any():
+        return _slow_edges(hit, channels, names, rate)
     first, last = np.flatnonzero(loud)[[0, -1]]
-    if hit.slow:
-        return min(hit.low, low + int(first)), min(max(hit.high, low + int(last) + 1), n)
     margin = max(1, int(0.05 * rate))
     return max(0, low + int(first) - margin), min(n, low + int(last) + 1 + margin)
+
+
+def _slow_edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
+    """Rows from which to which short means are off the levels of both sides."""
+    n = len(channels[names[0]].x)
+    block = max(1, round(FINE * rate))
+    low, high = max(0, hit.low - 2 * block), min(n, hit.high + 2 * block)
+    k = (high - low) // block
+    if k < 2:
+        return hit.low, min(hit.high, n)
+    off = np.zeros(k, bool)
+    for c in hit.channels:
+        x = channels[names[c]].x
+        sides = [x[max(0, low - 40 * block) : low], x[high : high + 40 * block]]
+        sides = [s[: len(s) // block * block].reshape(-1, block).mean(axis=1) for s in sides]
+        sides = [s for s in sides if len(s) >= 4]
+        if not sides:
+            return hit.low, min(hit.high, n)
+        scatter = max(1.4826 * np.median(np.abs(s - np.median(s))) for s in sides)
+        mean = x[low : low + k * block].reshape(k, block).mean(axis=1)
+        apart = np.min([np.abs(mean - np.median(s)) for s in sides], axis=0)
+        off |= apart > STANDS * max(scatter, 1e-300)
+    if not off.any():
+        return hit.low, min(hit.high, n)
+    first, last = np.flatnonzero(off)[[0, -1]]
+    return max(0, low + (int(first) - 1) * block), min(n, low + (int(last) + 2) * block)

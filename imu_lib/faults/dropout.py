@@ -19,6 +19,8 @@ from imu_lib.faults.finding import Finding, named, seconds
 
 #: Robust standard deviations from the usual values beyond which a value cannot be the sensor's.
 FOREIGN = 8.0
+#: log p below which a value that cannot be the sensor's comes again by no chance.
+IMPROBABLE_FOREIGN = -12.0
 #: Runs that a value must come in, where it is not 0.
 LEAST_RUNS = 3
 MEANS = (
@@ -39,29 +41,38 @@ def find(channels: dict, time: np.ndarray, levels: dict[str, Levels]) -> list[Fi
     names = [c for c in channels if len(levels[c].values) > 1]
     if not names:
         return []
-    n = len(time)
-    events, chance, single = np.zeros((len(names), n), bool), np.zeros(len(names)), []
-    for row, name in enumerate(names):
-        atoms, p, alone = _atoms(channels[name], levels[name])
-        single.append(alone)
-        chance[row] = p
-        if atoms:
-            events[row] = np.isin(levels[name].index, atoms)
-    found = []
-    for members, rows, expected in coincidences(events, chance):
-        if len(members) == 1:
-            row = members[0]
-            own = single[row]
-            rows = rows[np.isin(levels[names[row]].index[rows], own)]
-            if not len(rows):
-                continue
-        found.append(_finding([names[m] for m in members], rows, expected, channels, time))
+    atoms = [_atoms(channels[c], levels[c]) for c in names]
+    found, done = [], np.zeros((len(names), len(time)), bool)
+    for which in ("standing", "zero"):
+        events = np.stack([np.isin(levels[c].index, a[which]) for c, a in zip(names, atoms)])
+        events &= ~done
+        chance = np.array([a[f"{which}_chance"] for a in atoms])
+        for members, rows, expected in coincidences(events, chance):
+            if len(members) == 1:
+                row = members[0]
+                rows = rows[np.isin(levels[names[row]].index[rows], atoms[row]["alone"])]
+                if not len(rows):
+                    continue
+            if which == "zero" and len(members) > 1:
+                members = _with_others(members, rows, [channels[c] == 0 for c in names])
+            done[np.ix_(members, rows)] = True
+            found.append(_finding([names[m] for m in members], rows, expected, channels, time))
     return found
 
 
-def _atoms(x: np.ndarray, levels: Levels) -> tuple[list[int], float, list[int]]:
-    """Levels at which a channel stands suspiciously often, or 0; their probability by chance; and
-    those that are suspicious on this channel alone.
+def _with_others(members, rows, same) -> list[int]:
+    """The channels, and those that show the same in nearly all of the rows and seldom elsewhere."""
+    more = [
+        c
+        for c, e in enumerate(same)
+        if c not in members and e[rows].mean() > max(0.95, 1.5 * e.mean())
+    ]
+    return sorted([*members, *more])
+
+
+def _atoms(x: np.ndarray, levels: Levels) -> dict:
+    """Levels at which a channel stands suspiciously often (`standing`), and 0 where it is not one of
+    them (`zero`); their probabilities by chance; those suspicious on this channel `alone`.
     """
     values, runs = levels.values, levels.runs
     total = runs.sum()
@@ -73,29 +84,59 @@ def _atoms(x: np.ndarray, levels: Levels) -> tuple[list[int], float, list[int]]:
     if len(often) > 200:  # a grid: only what stands out of its neighbours at all
         mass = np.sort(runs)
         usual_mass = mass[np.searchsorted(np.cumsum(mass), 0.5 * total)]
-        often = often[(runs[often] > usual_mass) | foreign[often]]
-        often = often[np.argsort(-runs[often], kind="stable")[:200]]
-    atoms, alone, chance = [], [], 0.0
+        common = often[(runs[often] > usual_mass) & ~foreign[often]]
+        common = common[np.argsort(-runs[common], kind="stable")[:200]]
+        strange_ones = often[foreign[often]]
+        most = np.argsort(-runs[strange_ones], kind="stable")[:200]
+        often = np.r_[common, strange_ones[most]]
+    atoms, alone, chance, others_chance = [], [], 0.0, 0.0
+    plain: list[int] = []
+    strange, kinds = int(runs[foreign].sum()), int(foreign.sum())
     for at in often:
         p = levels.value_chance(int(at), spread)
+        improbable = IMPROBABLE
+        if foreign[at]:  # knocks, too, make strange values; seldom the same one again and again
+            others = (strange - runs[at]) / (kinds - 1) if kinds > 1 else 0.0
+            p, improbable = max(others, 0.02) / total, IMPROBABLE_FOREIGN
         standing = runs[at] > MANIFOLD * p * total and (
-            poisson.logsf(runs[at] - 1, p * total) < IMPROBABLE
+            poisson.logsf(runs[at] - 1, p * total) < improbable
         )
         # a clipped signal piles up at the end of what it usually does
         clipped = len(usual) > 0 and at in (usual[0], usual[-1])
+        if standing and foreign[at] and not _leaps(x, levels.index == at, FOREIGN / 2 * spread):
+            continue
         if standing and not (clipped and values[at] != 0):
-            atoms.append(int(at))
-            chance += p
+            if values[at] != 0:
+                atoms.append(int(at))
+                chance += p
             if foreign[at] or not clipped and not _dead_zone(levels, int(at), spread):
                 alone.append(int(at))
     zero = np.flatnonzero(values == 0)
-    if len(zero) and int(zero[0]) not in atoms:
+    if len(zero):
         p = levels.value_chance(int(zero[0]), spread)
         # a common value of the sensor itself is no sign of anything
         if p < 0.2:
-            atoms.append(int(zero[0]))
-            chance += max(p, 0.2 * runs[zero[0]] / total if not foreign[zero[0]] else 0.0)
-    return atoms, chance, alone
+            plain.append(int(zero[0]))
+            others_chance = p
+    return {
+        "standing": atoms,
+        "standing_chance": chance,
+        "zero": plain,
+        "zero_chance": others_chance,
+        "alone": alone,
+    }
+
+
+def _leaps(x: np.ndarray, mask: np.ndarray, least: float) -> bool:
+    """Whether the value is left and reached by leaps: where a sensor is turned, its neighbours are
+    near it.
+    """
+    edge = np.diff(np.r_[False, mask, False].astype(np.int8))
+    start, stop = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
+    value = x[start[0]]
+    near = np.r_[x[start[start > 0] - 1], x[stop[stop < len(x)]]]
+    near = near[~np.isnan(near)]
+    return len(near) == 0 or float(np.mean(np.abs(near - value) > least)) > 0.7
 
 
 def _spread(x: np.ndarray) -> float:

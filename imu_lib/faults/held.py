@@ -12,6 +12,8 @@ from imu_lib.faults.finding import Finding, named, seconds
 
 #: Share of repeats from which on a stream may be held all through.
 SHARE = 0.3
+#: Runs that chance may make in a record, to be called frozen.
+FROZEN = 1e-6
 #: Scatter of the number of copies over their mean up to which they are a slower rate; copies that
 #: come at random scatter by more.
 REGULAR = 0.42
@@ -36,11 +38,17 @@ def find(
     found, done = [], set()
     for group in _streams(again, chance):
         rows = np.logical_and.reduce([again[c] for c in group])
-        item = _held(group, rows, time, rate, len(group) == len(channels))
+        rare = float(np.prod([chance[c] for c in group])) < 0.02
+        item = _held(group, rows, time, rate, whole=len(group) == len(channels), rare=rare)
         if item is not None:
             found.append(item)
             done |= set(group)
     rest = [c for c in names if c not in done]
+    for c in rest:
+        rows = _frozen(again[c], chance[c])
+        if len(rows) and not _others_too(rows, [again[o] for o in rest if o != c]):
+            found.append(_copies([c], rows, float(chance[c] * len(rows)), time))
+            again[c][rows] = False
     if rest:
         events = np.stack([again[c] for c in rest])
         p = np.array([chance[c] for c in rest])
@@ -56,7 +64,35 @@ def _at_an_end(levels: Levels) -> np.ndarray:
     last = len(levels.values) - 1
     if last < 20:  # on so few levels the ends are common
         return np.zeros(len(levels.index), bool)
-    return (levels.index == 0) | (levels.index == last)
+    out = np.zeros(len(levels.index), bool)
+    for end in (0, last):
+        if levels.runs[end] > 3:  # once or twice is noise
+            out |= levels.index == end
+    return out
+
+
+def _frozen(again: np.ndarray, chance: float) -> np.ndarray:
+    """Rows of runs of equal neighbours that are longer than the grid makes them anywhere near."""
+    n = len(again)
+    edge = np.flatnonzero(np.diff(np.r_[False, again, False].astype(np.int8)))
+    start, stop = edge[::2], edge[1::2]
+    length = stop - start
+    p = min(max(chance, float(again.mean())), 0.995)
+    long = np.flatnonzero(length > max(8.0, np.log(n / FROZEN) / -np.log(p)))
+    total = np.r_[0, np.cumsum(again)]
+    rows = []
+    for i in long:
+        k = int(length[i])
+        low, high = max(0, start[i] - 5 * k), min(n, stop[i] + 5 * k)
+        near = (total[high] - total[low] - k) / max(1, high - low - k)
+        if near < 1 and k > np.log(n / FROZEN) / -np.log(max(near, p)):
+            rows.append(np.arange(start[i], stop[i]))
+    return np.concatenate(rows) if rows else np.zeros(0, np.int64)
+
+
+def _others_too(rows: np.ndarray, others: list[np.ndarray]) -> bool:
+    """Whether another channel repeats in nearly all of the rows: then they are lost, not frozen."""
+    return any(o[rows].mean() > 0.9 for o in others)
 
 
 def _streams(again: dict, chance: dict) -> list[list[str]]:
@@ -79,14 +115,14 @@ def _streams(again: dict, chance: dict) -> list[list[str]]:
     return groups
 
 
-def _held(group, rows, time, rate, whole) -> Finding | None:
+def _held(group, rows, time, rate, *, whole: bool, rare: bool) -> Finding | None:
     starts = np.flatnonzero(~rows)
     length = np.diff(starts)
     if len(length) < 8:
         return None
     # readings that agree by chance make a run twice as long: the usual run tells
     usual = float(np.median(length))
-    plain = length[length < 1.6 * usual] if usual >= 2 else length
+    plain = length if rare or usual < 2 else length[length < 1.6 * usual]
     mean = float(plain.mean())
     if mean < 1.4 or float(plain.std()) > REGULAR * mean or len(plain) < 0.6 * len(length):
         return None

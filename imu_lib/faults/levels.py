@@ -22,12 +22,14 @@ class Prepared:
     """A channel for the detectors.
 
     x : ndarray, shape (n,), bad rows bridged. fast : its part above about 1 Hz over `sigma`,
-    shape (n,). sigma : noise level of the surroundings, shape (n,), the signal's unit.
+    shape (n,). sigma : noise level of the surroundings, shape (n,), the signal's unit. bad : rows
+    that were bridged, shape (n,), bool.
     """
 
     x: np.ndarray
     fast: np.ndarray
     sigma: np.ndarray
+    bad: np.ndarray
 
 
 def prepared(x: np.ndarray, bad: np.ndarray, rate: float, grid: float) -> Prepared:
@@ -49,7 +51,7 @@ def prepared(x: np.ndarray, bad: np.ndarray, rate: float, grid: float) -> Prepar
     wide = np.maximum(wide, 0.05 * floor if floor > 0 else 1e-300)
     sigma = np.repeat(wide, block)
     sigma = np.r_[sigma, np.full(n - len(sigma), wide[-1])]
-    return Prepared(x, residual / sigma, sigma)
+    return Prepared(x, residual / sigma, sigma, bad)
 
 
 def bridged(x: np.ndarray, bad: np.ndarray) -> np.ndarray:
@@ -66,8 +68,8 @@ def bridged(x: np.ndarray, bad: np.ndarray) -> np.ndarray:
 
 
 def sides(values: np.ndarray, reach: int, guard: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Medians of the `reach` values before each, and of those after; at an end of the series the
-    other side's.
+    """Medians of the `reach` values before each, and of those after; of as many as there are near
+    an end, and the other side's at it.
 
     `guard` values next to each are left out.
     """
@@ -82,9 +84,11 @@ def sides(values: np.ndarray, reach: int, guard: int = 0) -> tuple[np.ndarray, n
     before = middle[np.clip(first + reach // 2, 0, n - 1)]
     last = np.arange(n) + 1 + guard
     after = middle[np.clip(last + reach // 2, 0, n - 1)]
-    before = np.where(first < 0, after, before)
-    after = np.where(last + reach > n, np.where(first < 0, after, before), after)
-    return before, after
+    for j in range(min(reach + guard, n)):  # as many as there are
+        before[j] = np.median(values[: j - guard]) if j > guard else np.nan
+        i = n - 1 - j
+        after[i] = np.median(values[i + 1 + guard :]) if i + 1 + guard < n else np.nan
+    return np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
 
 
 def windows(y: np.ndarray, length: int, offset: int) -> np.ndarray:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 #: s of the windows.
 WINDOW = 1.0
 #: rad/s of a window's mean off the bias: more than any bias drifts within a record at rest.
 TURNING = 0.02
+#: rad/s that no change of bias makes, and windows around each that tell its usual mean.
+SPINNING, AROUND = 0.15, 61
 #: m/s^2 between neighbouring windows' means: 0.9 deg of tilt.
 TILTING = 0.15
 #: Times the scatter of the quietest fifth of the windows.
@@ -74,7 +77,13 @@ def windows(channels: dict[str, np.ndarray], rate: float, grid: dict[str, float]
         noise = quiet / np.sqrt(block)
         if name.startswith("gyro"):
             still = known & (s <= np.quantile(s[known], 0.5))
-            moving |= known & (np.abs(m - np.median(m[still])) > max(TURNING, 5 * noise))
+            usual = np.median(m[still])
+            # a bias may change for good, and be another one from then on
+            around = median_filter(np.where(known, m, usual), size=min(AROUND, k), mode="nearest")
+            least = max(TURNING, 5 * noise)
+            moving |= known & (
+                (np.abs(m - around) > least) | (np.abs(m - usual) > least + SPINNING)
+            )
         else:
             jump = np.r_[0.0, np.abs(np.diff(m))]
             moving |= known & (np.nan_to_num(jump) > max(TILTING, 6 * noise))

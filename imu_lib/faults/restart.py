@@ -13,6 +13,8 @@ from imu_lib.faults.finding import Finding, named, seconds
 WIDTH, GUARD = 40, 2
 #: Standard deviations by which each of the levels must change.
 CHANGED = 8.0
+#: Share of a sample's own noise that it must reach, too.
+VISIBLE = 0.5
 #: Gyros, or channels, that must change at once.
 GYROS, CHANNELS = 2, 4
 
@@ -26,7 +28,8 @@ def find(
     if blocks.k < 3 * WIDTH:
         return []
     off, scale = sudden(blocks.change(WIDTH, GUARD), 2 * (WIDTH + GUARD))
-    score = np.abs(off) / scale
+    fast = np.array([np.mean(np.abs(np.diff(v[: blocks.k * blocks.size]))) for v in x.values()])
+    score = np.where(np.abs(off) > VISIBLE * fast[:, None], np.abs(off) / scale, 0.0)
     is_gyro = np.array([c.startswith("gyro") for c in names])
     # the second largest of the gyros, the fourth of all: as many levels change at once
     joint = np.zeros(score.shape[1])
@@ -34,13 +37,14 @@ def find(
         if rows.sum() >= least:
             joint = np.maximum(joint, np.sort(score[rows], axis=0)[-least])
     found = []
-    for at in peaks(joint, CHANGED, WIDTH):
+    for at in peaks(joint, CHANGED, 2 * (WIDTH + GUARD)):
         members = score[:, at] > CHANGED
         if not members[is_gyro].any():
             continue
         row = min(at * blocks.size, len(time) - 1)
         t = float(time[row])
-        if any(low - 3.0 <= t <= high + 3.0 for low, high in turns):
+        reach = (WIDTH + 2 * GUARD) * blocks.dt  # a turn shifts the means for as long
+        if any(low - reach <= t <= high + reach for low, high in turns):
             continue
         channels = tuple(c for c, m in zip(names, members) if m)
         found.append(

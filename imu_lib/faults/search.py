@@ -94,26 +94,25 @@ def _within(live, channels, bad, levels, part, time, rate) -> list[Finding]:
     t = time[part]
     touched = disturbance.find(ready, t, rate)
     spans = [(d.start, d.stop) for d in touched]
-    x = {c: _clear(ready[c].x, touched, c) for c in good}
-    tilts = tilt.find(x, t, rate, spans)
-    again = restart.find(x, t, rate, spans + [(k.start, k.stop) for k in tilts])
+    tilts = tilt.find({c: ready[c].x for c in good}, t, rate, spans)
+    calm = {c: _calm(ready[c].x, touched) for c in good}
+    again = restart.find(calm, t, rate, [(k.start, k.stop) for k in (*long_ones(touched), *tilts)])
     return [
         replace(item, rows=item.rows + part.start) if len(item.rows) else item
         for item in (*touched, *tilts, *again)
     ]
 
 
-def _clear(x: np.ndarray, touched, channel: str) -> np.ndarray:
-    """The channel without what a short knock rang, so that its level is seen on both sides.
+def long_ones(touched: list[Finding]) -> list[Finding]:
+    """Handling, not knocks."""
+    return [d for d in touched if d.stop - d.start >= disturbance.KNOCK]
 
-    Gyros keep what they show during handling: it is the turn.
-    """
-    if channel.startswith("gyro") or not touched:
-        return x
+
+def _calm(x: np.ndarray, touched: list[Finding]) -> np.ndarray:
+    """The channel without what it showed while it was touched, so that levels are seen."""
     bad = np.zeros(len(x), bool)
     for item in touched:
-        if item.stop - item.start < disturbance.KNOCK:
-            bad[item.rows] = True
+        bad[item.rows] = True
     return bridged(x, bad)
 
 

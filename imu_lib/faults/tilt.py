@@ -24,6 +24,8 @@ AGREE, SHARE = 3.5, 0.15
 LARGE = 0.1
 #: Share by which the length of the specific force may change in it.
 LENGTH = 0.1
+#: Tilts looked for at the most beyond those where it was touched.
+MOST = 20
 #: s on each side of a hole that tell the attitude, and rad of a change told at the least.
 ASIDE, LEAST_IN_HOLE = 60.0, 3e-3
 MEANS = (
@@ -45,48 +47,149 @@ class Turn:
 
 
 def find(
-    x: dict[str, np.ndarray], time: np.ndarray, rate: float, knocks: list[tuple[float, float]]
+    x: dict[str, np.ndarray], time: np.ndarray, rate: float, spans: list[tuple[float, float]]
 ) -> list[Finding]:
-    """Tilts within one stretch without holes. `knocks` are spans (s) in which it was touched."""
+    """Tilts within one stretch without holes. `spans` (s) are those in which it was touched."""
     accels = [c for c in (f"accel_{a}" for a in "xyz") if c in x]
     gyros = [c for c in (f"gyro_{a}" for a in "xyz") if c in x]
     if len(accels) < 3:
         return []
     f = Blocks(np.stack([x[c] for c in accels]), rate)
     w = Blocks(np.stack([x[c] for c in gyros]), rate) if len(gyros) == 3 else None
-    if f.k < 24:
+    gravity = float(np.linalg.norm(np.median(f.means, axis=1))) if f.k else 0.0
+    if f.k < 24 or not gravity > 5.0:
         return []
-    gravity = float(np.linalg.norm(np.median(f.means, axis=1)))
-    if not gravity > 5.0:
-        return []
+    bench = _Bench(f, w, gravity)
+    cuts = _blocks_of(spans, f, time)
+    found = []
+    for i, (low, high) in enumerate(cuts):
+        limits = cuts[i - 1][1] if i else 0, cuts[i + 1][0] if i + 1 < len(cuts) else f.k
+        found.append(bench.turn(low, high, limits, touched=True))
+    found += _untouched(bench, cuts)
+    return [_finding(t, f, w, time) for t in sorted(filter(None, found), key=lambda t: t.low)]
+
+
+def _blocks_of(spans, f: Blocks, time) -> list[tuple[int, int]]:
+    """Spans in blocks, those that touch joined."""
+    out: list[tuple[int, int]] = []
+    for start, stop in sorted(spans):
+        low = int(np.searchsorted(time, start)) // f.size
+        high = -(-int(np.searchsorted(time, stop)) // f.size) + 1
+        if out and low <= out[-1][1] + 4:
+            out[-1] = (out[-1][0], max(high, out[-1][1]))
+        else:
+            out.append((low, min(high, f.k)))
+    return out
+
+
+def _untouched(bench: _Bench, cuts: list[tuple[int, int]]) -> list[Turn]:
+    """Tilts that no disturbance gave away, the largest first; each ends what the next may use."""
+    edges = [0, *(e for cut in cuts for e in cut), bench.f.k]
     found: list[Turn] = []
-    wander = {
-        (width, guard): sudden(f.change(width, guard), 2 * (width + guard))
-        for width in WIDTHS
-        for guard in GUARDS
-        if guard <= 2 * width
-    }
-    for at in _candidates(f, wander):
-        turn = _judge(f, w, at, gravity, wander, _touched(at, f, time, knocks))
-        if turn is not None:
-            found.append(turn)
-    return [_finding(t, f, w, time) for t in _apart(found)]
+    open_stretches = list(zip(edges[::2], edges[1::2]))
+    while open_stretches and len(found) < MOST:
+        low, high = open_stretches.pop()
+        at = [a for a in bench.candidates() if low + 4 <= a <= high - 4]
+        turns = [t for t in (bench.step(a, (low, high)) for a in at) if t is not None]
+        if turns:
+            best = max(turns, key=lambda t: float(np.linalg.norm(t.change)))
+            found.append(best)
+            open_stretches += [(low, best.low), (best.high, high)]
+    return found
 
 
-def _candidates(f: Blocks, wander: dict) -> list[int]:
-    """Boundaries of blocks at which an accelerometer changes for good."""
-    at: list[int] = []
-    for (width, guard), (off, scale) in wander.items():
-        if f.k >= 3 * width:
-            at += peaks(np.max(np.abs(off) / scale, axis=0), CHANGED, width + guard)
-    at.sort()
-    # nearby ones are one candidate each four blocks at the most
-    return [a for i, a in enumerate(at) if i == 0 or a - at[i - 1] > 2]
+class _Bench:
+    """Means of both sensors, and what changes of the accelerometers are usual."""
 
+    def __init__(self, f: Blocks, w: Blocks | None, gravity: float):
+        self.f, self.w, self.gravity = f, w, gravity
+        self.wander = {}
+        for width in WIDTHS:
+            for guard in GUARDS:
+                if guard <= 2 * width and f.k >= 3 * width:
+                    change = f.change(width, guard)
+                    self.wander[width, guard] = sudden(change, 2 * (width + guard))
+        self._candidates: list[int] | None = None
 
-def _touched(at: int, f: Blocks, time, knocks) -> bool:
-    t = time[min(at * f.size, len(time) - 1)]
-    return any(low - 3.0 <= t <= high + 3.0 for low, high in knocks)
+    def candidates(self) -> list[int]:
+        """Boundaries of blocks at which an accelerometer changes for good, the clearest MOST."""
+        if self._candidates is None:
+            at: dict[int, float] = {}
+            for (width, guard), (off, scale) in self.wander.items():
+                score = np.max(np.abs(off) / scale, axis=0)
+                for i in peaks(score, CHANGED, width + guard):
+                    at[i] = max(at.get(i, 0.0), float(score[i]))
+            best = sorted(at, key=lambda i: -at[i])[: 3 * MOST]
+            self._candidates = sorted(best)
+        return self._candidates
+
+    def step(self, at: int, limits: tuple[int, int]) -> Turn | None:
+        """The change at a boundary as a turn: the shortest that has nearly all of it."""
+        turns = [self.turn(at - g, at + g, limits, touched=False) for g in GUARDS]
+        turns = [t for t in turns if t is not None]
+        if not turns:
+            return None
+        size = [float(np.linalg.norm(t.change)) for t in turns]
+        return next(t for t, s in zip(turns, size) if s > 0.9 * max(size))
+
+    def turn(self, low: int, high: int, limits: tuple[int, int], *, touched: bool) -> Turn | None:
+        """Blocks [low, high) as a turn, by the means of both sides within `limits`; None where it
+        is none.
+        """
+        best: Turn | None = None
+        for width in WIDTHS:
+            left, right = min(width, low - limits[0]), min(width, limits[1] - high)
+            if min(left, right) < 4 or min(left, right) < width // 4:
+                continue
+            turn = self._turn(low, high, left, right, touched)
+            if turn is not None and (best is None or turn.score > 1.5 * best.score):
+                best = turn
+        return best
+
+    def _turn(self, low, high, left, right, touched) -> Turn | None:
+        f, w = self.f, self.w
+        before, after = f.mean(low - left, low), f.mean(high, high + right)
+        change = after - before
+        sides = np.sqrt(1 / left + 1 / right)
+        sd = np.maximum(_scatter(f, low - left, high + right) * sides, self._usual(left, low, high))
+        score = float(np.max(np.abs(change) / sd))
+        if score < CHANGED:
+            return None
+        length = abs(np.linalg.norm(after) - np.linalg.norm(before)) / self.gravity
+        minimal = _rotation(before, after)
+        if np.linalg.norm(minimal) > LARGE and length < LENGTH:
+            return Turn(low, high, minimal, change, score, np.inf)
+        if w is None:
+            return Turn(low, high, minimal, change, score, 0.0) if touched else None
+        span = high - low
+        first, last = w.mean(low - left, low), w.mean(high, high + right)
+        turn = (w.mean(low, high) - 0.5 * (first + last)) * span * w.dt
+        noise = _scatter(w, low - left, high + right) * w.dt
+        noise = noise * np.sqrt(span) * np.sqrt(1 + span * (1 / left + 1 / right) / 4)
+        mean_force = 0.5 * (before + after)
+        told = -np.cross(turn, mean_force)
+        told_sd = np.sqrt(_crossed(noise**2, mean_force**2))
+        pulse = float(np.max(np.abs(told) / np.maximum(told_sd, 1e-300)))
+        both = np.sqrt(sd**2 + told_sd**2)
+        agree = np.all(np.abs(change - told) < AGREE * both + SHARE * np.linalg.norm(change))
+        # the level of the gyros themselves may have changed: that is no pulse
+        shifted = np.linalg.norm((last - first) * span * w.dt) > 0.5 * np.linalg.norm(turn)
+        if pulse > TURNED and agree and not shifted:
+            return Turn(low, high, turn, change, score, pulse)
+        expected = np.linalg.norm(change) / max(float(np.median(told_sd[told_sd > 0])), 1e-300)
+        if touched and expected < TURNED and score > 1.5 * CHANGED:
+            return Turn(low, high, minimal, change, score, pulse)
+        return None
+
+    def _usual(self, width, low, high) -> np.ndarray:
+        """What a level wanders in as long beyond white noise: standard deviations, shape (3,)."""
+        keys = [k for k in self.wander if k[0] <= max(width, WIDTHS[0])]
+        if not keys:
+            return np.zeros(3)
+        guard = (high - low + 1) // 2
+        key = min(keys, key=lambda k: (abs(k[0] - width), abs(k[1] - guard)))
+        scale = self.wander[key][1][:, 0]
+        return np.where(np.isfinite(scale), scale / np.sqrt(1.5), 0.0)
 
 
 def _scatter(b: Blocks, low: int, high: int) -> np.ndarray:
@@ -95,59 +198,6 @@ def _scatter(b: Blocks, low: int, high: int) -> np.ndarray:
     if part.shape[1] < 6:
         part = b.means
     return 1.4826 * np.median(np.abs(np.diff(part, axis=1)), axis=1) / np.sqrt(2)
-
-
-def _judge(f, w, at: int, gravity: float, wander: dict, touched: bool) -> Turn | None:
-    best: Turn | None = None
-    for width in WIDTHS:
-        for guard in GUARDS:
-            if guard > 2 * width or at - guard < 4 or at + guard > f.k - 4:
-                continue
-            turn = _turn(f, w, at, (width, guard), gravity, wander[width, guard][1], touched)
-            if turn is None:
-                continue
-            if best is None or turn.score > 1.5 * best.score:
-                best = turn
-    return best
-
-
-def _turn(f, w, at, scale_of, gravity, wander, touched) -> Turn | None:
-    width, guard = scale_of
-    before = f.mean(at - guard - width, at - guard)
-    after = f.mean(at + guard, at + guard + width)
-    change = after - before
-    left, right = min(width, at - guard), min(width, f.k - at - guard)
-    sides = np.sqrt(1 / left + 1 / right)
-    scale = _scatter(f, at - guard - width, at + guard + width) * sides
-    # what the level wanders beyond white noise in as long
-    sd = np.maximum(scale, np.where(np.isfinite(wander[:, 0]), wander[:, 0] / np.sqrt(1.5), 0.0))
-    score = float(np.max(np.abs(change) / sd))
-    if score < CHANGED:
-        return None
-    length = abs(np.linalg.norm(after) - np.linalg.norm(before)) / gravity
-    angle = float(np.arctan2(np.linalg.norm(np.cross(before, after)), np.dot(before, after)))
-    minimal = _rotation(before, after)
-    if angle > LARGE and length < LENGTH:
-        return Turn(at - guard, at + guard, minimal, change, score, np.inf)
-    if w is None:
-        return Turn(at - guard, at + guard, minimal, change, score, 0.0) if touched else None
-    span = 2 * guard * w.dt
-    bias = 0.5 * (w.mean(at - guard - width, at - guard) + w.mean(at + guard, at + guard + width))
-    turn = (w.mean(at - guard, at + guard) - bias) * span
-    noise = _scatter(w, at - guard - width, at + guard + width) * w.dt
-    noise = noise * np.sqrt(2 * guard) * np.sqrt(1 + 2 * guard * (1 / left + 1 / right) / 4)
-    mean_force = 0.5 * (before + after)
-    told = -np.cross(turn, mean_force)
-    told_sd = np.sqrt(_crossed(noise**2, mean_force**2))
-    pulse = float(np.max(np.abs(told) / np.maximum(told_sd, 1e-300)))
-    expected = np.linalg.norm(change) / max(float(np.median(told_sd[told_sd > 0])), 1e-300)
-    sd_of_both = np.sqrt(sd**2 + told_sd**2)
-    agree = np.all(np.abs(change - told) < AGREE * sd_of_both + SHARE * np.linalg.norm(change))
-    if pulse > TURNED and agree:
-        return Turn(at - guard, at + guard, turn, change, score, pulse)
-    if touched and expected < TURNED and score > 1.5 * CHANGED:
-        return Turn(at - guard, at + guard, minimal, change, score, pulse)
-    return None
 
 
 def _crossed(a, b) -> np.ndarray:
@@ -164,15 +214,6 @@ def _rotation(before, after) -> np.ndarray:
     if size == 0:
         return np.zeros(3)
     return axis / size * float(np.arctan2(size, np.dot(before, after)))
-
-
-def _apart(turns: list[Turn]) -> list[Turn]:
-    """Of turns that overlap the clearest."""
-    kept: list[Turn] = []
-    for t in sorted(turns, key=lambda t: -t.score):
-        if all(t.high + 4 < k.low or t.low > k.high + 4 for k in kept):
-            kept.append(t)
-    return sorted(kept, key=lambda t: t.low)
 
 
 def _span(turn: Turn, f: Blocks, w: Blocks | None) -> tuple[int, int]:

@@ -1,0 +1,147 @@
+"""Each fault put into a record is found at its time, and nothing in a sound one."""
+
+import fault_generator as generator
+import numpy as np
+import pytest
+from fault_judge import judge
+
+from imu_lib import faults
+from imu_lib.faults import clock
+from imu_lib.faults.chance import Levels, period_of
+from imu_lib.record import Record
+
+CHANNELS = generator.CHANNELS
+
+
+def record_of(case):
+    return Record(case.channels, case.rate, time=case.time)
+
+
+def still(n=20_000, rate=100.0, seed=1, **more):
+    rng = np.random.default_rng(seed)
+    x = rng.standard_normal((n, 6)) * np.r_[[2e-3] * 3, [1.5e-2] * 3]
+    x[:, 5] -= 9.81
+    return x, rate
+
+
+def find(x, rate, time=None):
+    return faults.find(Record(dict(zip(CHANNELS, x.T)), rate, time=time))
+
+
+@pytest.mark.parametrize("kind", ["zero", "code", "nan", "held", "knock", "tilt", "hole", "burst"])
+def test_each_kind_is_found_at_its_time(kind):
+    """Two cases a kind here; benchmarks/fault_score.py has many."""
+    for seed in (21, 22):
+        case = generator.make(seed, kind)
+        found, wrong = judge(case, faults.find(record_of(case)))
+        assert found and not wrong, (seed, case.base, case.rate)
+
+
+def test_nothing_in_sound_records():
+    for seed in range(40, 48):
+        case = generator.make(seed)
+        assert judge(case, faults.find(record_of(case)))[1] == [], (seed, case.base, case.rate)
+
+
+@pytest.mark.parametrize(
+    ("name", "kinds"),
+    [
+        ("hipnuc_ch104", set()),
+        ("memsense_gyros", set()),
+        ("mpu6050_10min", {"jitter", "rate"}),
+        ("sony_cxd5602", {"burst", "gap"}),
+        ("xsens_mtx", {"dropout"}),
+        ("vn100_still", {"disturbance"}),
+        ("xsens_dot", {"disturbance"}),
+    ],
+)
+def test_real_records(data_dir, name, kinds):
+    """What is seen in their plots by eye."""
+    from imu_lib.readers import read_record
+
+    found = faults.find(read_record(data_dir / f"static/{name}.npz", trust_units=True))
+    assert {f.kind for f in found} == kinds, [f.sentence for f in found]
+
+
+def test_equal_neighbours_of_a_grid_are_no_fault():
+    """As many as normal noise on the grid makes: 14 pairs where 11.5 are expected, or half of all."""
+    x, rate = still(30_000)
+    for lsb in (1e-6, 1e-4, 2e-3):
+        x[:, 0] = np.round(still(30_000)[0][:, 0] / lsb) * lsb
+        again = np.mean(np.diff(x[:, 0]) == 0)
+        # 2 percent of the larger ones, or the Poisson scatter of the few
+        expected = Levels.of(x[:, 0]).repeat_chance()
+        assert expected == pytest.approx(again, rel=0.1, abs=4 * np.sqrt(again / 30_000) + 4e-5)
+        assert find(x, rate) == ()
+
+
+def test_rows_of_zeros_keep_their_period():
+    x, rate = still(40_000)
+    rows = np.arange(23, 40_000, 57)
+    rows = rows[np.random.default_rng(3).random(len(rows)) > 0.08]
+    x[rows] = 0
+    (found,) = find(x, rate)
+    assert found.kind == "dropout" and np.array_equal(found.rows, rows)
+    assert found.parameters == {
+        "fraction": len(rows) / 40_000,
+        "value": 0.0,
+        "period": 57,
+        "channels": list(CHANNELS),
+    }
+    assert period_of(np.sort(np.random.default_rng(4).choice(40_000, 600, replace=False))) is None
+
+
+def test_the_longest_stretch_holds_no_turn_in_a_hole():
+    """Twelve samples, eleven hours of nothing in which it was turned, and a record."""
+    x, _ = still(4012, 0.1)
+    x[:12, 3:] = x[:12, [5, 3, 4]]
+    time = np.r_[np.arange(12) * 10.0, 43_000 + np.arange(4000) * 10.0]
+    found = find(x, 0.1, time)
+    assert {f.kind for f in found} == {"gap", "tilt"}
+    record = Record(dict(zip(CHANNELS, x.T)), 0.1, time=time)
+    assert faults.longest_stretch(record, found) == (43_000.0, pytest.approx(83_000.0))
+    assert faults.sound(record, found).record.n == 4000
+
+
+def test_what_is_found_is_masked_and_held_rows_are_thinned():
+    x, rate = still()
+    x[5000:5030] += 40 * x[:30].std(axis=0) * np.hanning(30)[:, None]
+    x[777] = 0
+    record = Record(dict(zip(CHANNELS, x.T)), rate)
+    sound = faults.sound(record)
+    lost = np.isnan(sound.record["gyro_x"])
+    assert lost[777] and lost[5010:5020].all() and lost.sum() < 100 and not sound.cut  # a second
+    held = Record({c: np.repeat(v[:4000], 4) for c, v in record.channels.items()}, 400.0)
+    thin = faults.sound(held).record
+    assert thin.rate == pytest.approx(100.0, rel=1e-3)
+    assert np.array_equal(thin["accel_x"][:100], record["accel_x"][:100])
+
+
+def test_one_sample_thrown_off_is_no_disturbance_and_a_step_no_tilt():
+    x, rate = still(60_000)
+    x[1000, 0] += 0.1
+    x[40_000:, 3] += 0.1  # 0.6 deg, and no gyro saw it
+    assert find(x, rate) == ()
+
+
+def test_the_clock():
+    n = 8000
+    coarse = np.floor(np.arange(n) / 238.0 / 1e-3) * 1e-3
+    assert clock.grain_of(coarse) == pytest.approx(1e-3)
+    assert clock.grain_of(np.arange(n) / 100.0) is None
+    x, _ = still(n)
+    kinds = {f.kind: f for f in find(x, 99.3, np.arange(n) / 99.3 + 1e-4 * np.sin(np.arange(n)))}
+    assert set(kinds) <= {"rate", "jitter"} and "rate" in kinds
+
+
+def test_an_hour_with_knocks_is_quick():
+    """220,000 rows: a second or two of processor time; ten leave room for a busy machine."""
+    import time
+
+    x, rate = still(220_000, 60.0)
+    for at in range(3000, 215_000, 1500):
+        x[at : at + 12] += 30 * np.r_[[2e-3] * 3, [1.5e-2] * 3] * np.hanning(12)[:, None]
+    started = time.process_time()
+    found = find(x, rate)
+    assert time.process_time() - started < 10.0
+    assert len([f for f in found if f.kind == "disturbance"]) == len(range(3000, 215_000, 1500))
