@@ -175,7 +175,12 @@ class _Bench:
         # the level of the gyros themselves may have changed: that is no pulse
         shifted = np.linalg.norm((last - first) * span * w.dt) > 0.5 * np.linalg.norm(turn)
         if pulse > TURNED and agree and not shifted:
-            return Turn(low, high, turn, change, score, pulse)
+            # gravity tells the tilt better than the pulse; a turn about it the gyros alone
+            up = mean_force / np.linalg.norm(mean_force)
+            about = float(turn @ up)
+            if abs(about) < TURNED * float(np.sqrt(noise**2 @ up**2)):
+                about = 0.0
+            return Turn(low, high, minimal + about * up, change, score, pulse)
         expected = np.linalg.norm(change) / max(float(np.median(told_sd[told_sd > 0])), 1e-300)
         if touched and expected < TURNED and score > 1.5 * CHANGED:
             return Turn(low, high, minimal, change, score, pulse)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 
 from imu_lib import units
+from imu_lib.gap import faulty
 from imu_lib.gap.summary import sentences
 
 #: Parameters that say which kind of effect it is, in words, and effects whose rate is that of
@@ -64,8 +65,8 @@ def value(symbol: str, x, channel: str) -> str:
 def describe(step, channel: str) -> str:
     """Name and parameters of a step."""
     p = step.parameters
-    if "short" in step.notes:
-        return f"{step.effect}  {step.notes['short']}"
+    if (words := faulty.described(step.effect, p)) is not None:
+        return words
     if step.effect == "vibration":
         return _vibration(p)
     if step.effect == "common_mode":  # the noise's unit is that of the channels that share it
