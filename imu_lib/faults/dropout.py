@@ -92,7 +92,8 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
     atoms, alone, chance, others_chance = [], [], 0.0, 0.0
     plain: list[int] = []
     strange, kinds = int(runs[foreign].sum()), int(foreign.sum())
-    for at in often:
+    count = np.bincount(levels.index[levels.index >= 0], minlength=len(values))
+    for at in often[count[often] < 0.5 * count.sum()]:  # what most samples have is the reading
         p = levels.value_chance(int(at), spread)
         improbable = IMPROBABLE
         if foreign[at]:  # knocks, too, make strange values; seldom the same one again and again
@@ -112,7 +113,7 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
             if foreign[at] or not clipped and not _dead_zone(levels, int(at), spread):
                 alone.append(int(at))
     zero = np.flatnonzero(values == 0)
-    if len(zero):
+    if len(zero) and count[zero[0]] < 0.5 * count.sum():
         p = levels.value_chance(int(zero[0]), spread)
         # a common value of the sensor itself is no sign of anything
         if p < 0.2:

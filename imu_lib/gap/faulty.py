@@ -90,7 +90,7 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     masked = replace(masked, channels=kept)
     held = {p.name for p in model.record} if model is not None else set()
     clock, doubt = _clock(whole, sound, model, findings)
-    steps = [*clock, *(s for s in map(_step, findings) if s is not None)]
+    steps = [*clock, *(s for s in map(_step, _of(findings, kept)) if s is not None)]
     steps = [s for s in steps if s.effect not in held]
     processes = tuple(
         from_json({"process": s.effect, **s.parameters}, on_record=True) for s in steps
