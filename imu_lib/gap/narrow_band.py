@@ -40,6 +40,11 @@ class Place:
     peak: float
     length: int
 
+    @property
+    def rank(self) -> float:
+        """Its gain, longer segments preferred: they show the same place more sharply."""
+        return self.gain * (1.0 + 0.2 * np.log2(self.length / LENGTHS[0]))
+
     def overlaps(self, other: Place, slack: float = 0.0) -> bool:
         """Whether the bands meet and the times have more in common than not."""
         shared = min(self.stop, other.stop) - max(self.start, other.start)
@@ -126,7 +131,7 @@ def places(x, fs: float, *, least: float = 0.0, most: int = 60) -> list[Place]:
     found: list[Place] = []
     for length in ladder(len(x)):
         found += _of_length(Periodograms(x, fs, length), least, most)
-    found.sort(key=lambda p: -p.gain)
+    found.sort(key=lambda p: -p.rank)
     out: list[Place] = []
     for place in found:
         slack = 1.5 * fs / place.length
@@ -206,9 +211,9 @@ def _levels(ratio, parts: int = 8) -> np.ndarray:
 
 def _extent(ratio, i: int, dof: float) -> tuple[int, int]:
     """First and last ordinate of what stands out around ordinate `i`: down to a twentieth of the
-    excess, or to what chance allows.
+    excess or a decibel, or to what chance allows.
     """
-    floor = 1.0 + max(0.05 * (ratio[i] - 1.0), 2.0 / np.sqrt(dof))
+    floor = 1.0 + max(min(0.05 * (ratio[i] - 1.0), 0.3), 2.0 / np.sqrt(dof))
     lo = hi = i
     while lo > 1 and (ratio[lo - 1] > floor or lo > 2 and ratio[lo - 2] > floor):
         lo -= 1

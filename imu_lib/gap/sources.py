@@ -250,7 +250,7 @@ def sources(places: dict, transforms: Transforms) -> list[Source]:
     first, each place used once.
     """
     left = [(p, name) for name, found in places.items() for p in found]
-    left.sort(key=lambda item: -item[0].gain)
+    left.sort(key=lambda item: -item[0].rank)
     out = []
     while left:
         place, first = left[0]
@@ -275,7 +275,7 @@ def _meets(item, place: Place, names, transforms) -> bool:
     """
     other, name = item
     slack = transforms.fs / max(place.length, other.length)
-    if other.high - other.low > 3 * (place.high - place.low) and other.gain < place.gain:
+    if other.high - other.low > 3 * (place.high - place.low) and other.rank < place.rank:
         # wide and faint over narrow and strong: it is what is left beside the line
         return place.low - slack <= other.high and other.low - slack <= place.high
     return place.overlaps(other, slack) or (

@@ -17,6 +17,7 @@ _HOME = {
     "save": "style",
     "unstable_response": "errata",
     "outage_ratios": "errata",
+    "recorded": "recorded",
     "record_signals": "record",
     "record_lateness": "record",
     "record_levels": "record",

@@ -11,10 +11,13 @@ from imu_lib.processes import HeavyTails as Stage
 
 from .base import ChannelEffect, Finding
 from .noise_level_change import unsteady
+from .resolution import grid_of
 
 #: Gain in log-likelihood over a normal distribution, and degrees of freedom beyond which nobody
 #: would tell.
 GAIN, MOST = 14.0, 60.0
+#: Step of a grid, in standard deviations of the noise, beyond which its levels show.
+COARSE = 0.5
 #: log10 p of an unsteady level below which tails may be nothing but that.
 STEADY = -5.0
 
@@ -63,6 +66,9 @@ class HeavyTails(ChannelEffect):
         held = None if view.given is None else view.given.find(self.name)
         if held is not None:
             return []
+        grid = grid_of(view.raw[~np.isnan(view.raw)])
+        if grid is not None and grid[0] > COARSE * np.sqrt(view.smooth.conditional_variance):
+            return []  # a few levels have a distribution of their own
         gain, freedom, _, sd = fitted(y - np.mean(y))
         gain *= independent
         if gain < GAIN or freedom > MOST:

@@ -27,7 +27,7 @@ MISSING, LEAST = 0.3, 1000
 #: Gain of all channels together, once the surroundings are measured on both sides.
 LEAST_GAIN = 25.0
 #: Blocks of the record whose means are the slow part that is taken out first.
-SLOW = 256
+SLOW = 128
 #: Deviations at which samples are clipped before the search, in robust standard deviations.
 CLIP = 12.0
 
