@@ -18,6 +18,8 @@ from imu_lib.gap.narrow_band import Place
 FELT, LEAST = 9.0, 1.12
 #: Gain that a beginning and an end have to bring; share of the excess that may be left outside.
 TIMED, OUTSIDE = 18.0, 0.3
+#: Width over that of a stronger place from which on what is faint is what is left beside it.
+WIDE = 1.6
 #: Blocks in which the beginning and the end are sought.
 BLOCKS = 360
 
@@ -185,6 +187,10 @@ def _span(z, ratio, duration) -> tuple[float, float] | None:
     excess, outside = on[best] - 1.0, max(off[best] - 1.0, 0.0)
     if gain < TIMED or excess <= 0 or outside > OUTSIDE * excess:
         return None
+    # fainter, but there all the same
+    still = dof * n_off[best] * (outside - np.log1p(outside))
+    if still > 0.25 * dof * n_on[best] * (excess - np.log1p(excess)):
+        return None
     step = duration * size / len(power)
     start, stop = i[best] * step, j[best] * step
     return (
@@ -275,7 +281,7 @@ def _meets(item, place: Place, names, transforms) -> bool:
     """
     other, name = item
     slack = transforms.fs / max(place.length, other.length)
-    if other.high - other.low > 3 * (place.high - place.low) and other.rank < place.rank:
+    if other.high - other.low > WIDE * (place.high - place.low) and other.rank < place.rank:
         # wide and faint over narrow and strong: it is what is left beside the line
         return place.low - slack <= other.high and other.low - slack <= place.high
     return place.overlaps(other, slack) or (
@@ -285,7 +291,7 @@ def _meets(item, place: Place, names, transforms) -> bool:
 
 def _joined(place: Place, other: Place) -> Place:
     """A place widened to the band and the time of another of its make."""
-    if other.high - other.low > 3 * (place.high - place.low):
+    if other.high - other.low > WIDE * (place.high - place.low):
         return place
     whole = min(place.start, other.start), max(place.stop, other.stop)
     return replace(
