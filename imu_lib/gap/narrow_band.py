@@ -109,7 +109,7 @@ def independent(count: int) -> float:
 
 def ladder(n: int) -> list[int]:
     """Lengths of the segments for a record of `n` samples."""
-    return [length for length in LENGTHS if length <= n // 12]
+    return [length for length in LENGTHS if length <= n // 4]
 
 
 def _stretches(count: int) -> list[tuple[int, int]]:
