@@ -75,7 +75,9 @@ class Gnss:
     (None: the same); correlation_time : s, of the fixes' errors: fixes
     that follow each other faster
         are given the variance that makes so many of them worth one
-    position_ratio, velocity_ratio : true standard deviation over the stated one (see `fix_noise`)
+    position_ratio, velocity_ratio : true standard deviation over the stated one; position_extra,
+    velocity_extra : m and m/s, standard deviation of what the receiver does not count, on each of
+    north, east, down (see `fix_noise`)
     gate : probability with which a true fix passes the innovation test, None for no test; patience : s of rejected
     fixes before the filter widens its covariance
     velocity : use the velocity where there is one; accept : fix codes to take (None: all)
@@ -90,6 +92,8 @@ class Gnss:
     correlation_time: float = 0.0
     position_ratio: float = 1.0
     velocity_ratio: float = 1.0
+    position_extra: float = 0.0
+    velocity_extra: float = 0.0
     gate: float | None = 1.0 - 1e-6
     patience: float = 5.0
     velocity: bool = True
@@ -117,18 +121,7 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
         if drive.gnss_velocity is None or not gnss.velocity
         else np.asarray(drive.gnss_velocity, float)
     )
-    sd = np.column_stack(
-        [
-            _deviations(
-                drive.gnss_position_sd, gnss.position_sd, gnss.position_floor, gnss.position_ratio
-            )
-            * np.ones_like(position),
-            _deviations(
-                drive.gnss_velocity_sd, gnss.velocity_sd, gnss.velocity_floor, gnss.velocity_ratio
-            )
-            * np.ones_like(position),
-        ]
-    )
+    sd = np.column_stack([_deviations(drive, gnss, k, position) for k in ("position", "velocity")])
     has_position = np.isfinite(position).all(axis=1) & (np.abs(position[:, 0]) < np.pi / 2)
     has_velocity = np.isfinite(velocity).all(axis=1)
     keep = np.isfinite(time) & (has_position | has_velocity)
@@ -168,14 +161,16 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     return _apart(fixes, own - gnss.latency), notes
 
 
-def _deviations(given, usual, floor, ratio):
-    """Standard deviations (m, 3) or (3,) of the fixes, not below the floor."""
-    if given is None:
-        return np.asarray(usual) * ratio
-    given = np.asarray(given, float)
+def _deviations(drive, gnss, part, like):
+    """Standard deviations (m, 3) of the fixes' position or velocity: stated or usual, not below the
+    floor, and what the receiver does not count.
+    """
+    given, usual = getattr(drive, f"gnss_{part}_sd"), np.asarray(getattr(gnss, f"{part}_sd"))
+    ratio, floor, extra = (getattr(gnss, f"{part}_{k}") for k in ("ratio", "floor", "extra"))
+    sd = np.full(like.shape, np.nan) if given is None else np.asarray(given, float) * ratio
     with np.errstate(invalid="ignore"):
-        good = np.isfinite(given) & (given > 0.0)
-        return np.where(good, np.maximum(given * ratio, floor), np.asarray(usual) * ratio)
+        good = np.isfinite(sd) & (sd > 0.0)
+        return np.hypot(np.where(good, np.maximum(sd, floor), usual * ratio), extra)
 
 
 def _apart(fixes: Fixes, later):

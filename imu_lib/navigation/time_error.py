@@ -4,7 +4,7 @@ the innovations of a filter that estimates the offset.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -70,13 +70,16 @@ class TimeError:
         stamped.
         """
         out = []
-        for part, ratio in (
-            ("positions", self.gnss.position_ratio),
-            ("velocities", self.gnss.velocity_ratio),
-        ):
+        for part, what, unit in (("position", "positions", "m"), ("velocity", "velocities", "m/s")):
+            ratio = getattr(self.gnss, f"{part}_ratio")
+            extra = getattr(self.gnss, f"{part}_extra")
+            if extra > 0.01:
+                out.append(
+                    f"{extra:.2g} {unit} are added to the stated standard deviations of the fixes' {what}, as their innovations ask (--as-stated leaves them)."
+                )
             if abs(ratio - 1.0) > 0.05:
                 out.append(
-                    f"The standard deviations of the fixes' {part} are taken {ratio:.2g} times the given ones, as their innovations ask (--as-stated leaves them)."
+                    f"The file states no standard deviations of the fixes' {what}; the usual ones are taken {ratio:.2g} times (--as-stated leaves them)."
                 )
         return (*out, str(self)) if self.found else tuple(out)
 
@@ -90,6 +93,8 @@ def from_turns(drive: Drive):
     the fixes turns as the gyros do; None where the drive does not turn enough to tell.
     """
     grid = np.arange(drive.time[0], drive.time[-1], STEP)
+    if grid.size < 60.0 / STEP:
+        return None
     down = -np.median(drive.accel, axis=0)
     felt = np.asarray(drive.gyro) @ (down / np.linalg.norm(down))
     angle = np.concatenate([[0.0], np.cumsum(felt[1:] * np.diff(drive.time))])
@@ -164,7 +169,6 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
     model, gnss, options : as for `LooselyCoupled`; offsets are beyond what they hold
     """
     own = drive.gnss_velocity is not None and gnss.velocity
-    least = fix_noise.least(drive, gnss)
     groups = ("gnss_time_offset", *(("velocity_offset",) if own else ()))
     free = {**priors(*groups), "lever_arm": LEVER_SD}
     start = from_turns(drive)
@@ -181,11 +185,11 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
         changed = model.with_(effects=(*model.effects, offset), free=free)
         return LooselyCoupled(drive, changed, gnss=gnss, **options).solve(moments=[])
 
-    enlarged, base = fix_noise.settled(partial(run, (0.0, 0.0), {}), gnss, least=least)
+    enlarged, base = fix_noise.settled(partial(run, (0.0, 0.0), {}), drive, gnss)
     at, taken = np.array([start, start]), enlarged
     for _ in range(ROUNDS):
         taken, solution = fix_noise.settled(
-            partial(run, at, free), replace(gnss, **_ratios(taken)), rounds=1, least=least
+            partial(run, at, free), drive, gnss, start=taken, rounds=1
         )
         found = solution.estimates()
         value = found["gnss_time_offset offset"]
@@ -194,7 +198,7 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
         at = at + np.clip(step, -0.5, 0.5)
         if np.abs(step).max() < 0.01:
             break
-    corrected, best = fix_noise.settled(partial(run, at, {}), gnss, least=least)
+    corrected, best = fix_noise.settled(partial(run, at, {}), drive, gnss)
     keep = np.zeros(len(drive.gnss_time), bool)
     keep[np.intersect1d(base.innovations.index, best.innovations.index)] = True
     length = whitened_length(best.innovations)
@@ -208,7 +212,3 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
         enlarged,
         corrected,
     )
-
-
-def _ratios(gnss):
-    return {k: getattr(gnss, k) for k in ("position_ratio", "velocity_ratio")}
