@@ -22,7 +22,6 @@ from imu_lib.stream import (
     Keep,
     LagSums,
     Means,
-    Segments,
     bounds,
     original,
 )
@@ -34,10 +33,6 @@ SEGMENT = 1 << 11
 #: Where the two scales meet, as a share of the low rate.
 SEAM = 0.3
 assert SEAM < PASSED
-
-
-def _cosine(x):
-    return fft.dct(x, norm="ortho")[1:]
 
 
 class Pass:
@@ -68,14 +63,13 @@ class Pass:
         self.halved = [self.slow]
         for k in range(self.halvings - 1, -1, -1):
             self.halved = [Halved(self.halved, _level(begin, k, Halved.first))]
-        self.fast = Segments(self.segment, self.segment, _cosine, begin)
+        self.fast = tapered.segments(self.segment, self.fs, begin)
         self.moments = LagSums(lags.LAGS if curves else 0, begin)
         self.all = [self.fast, self.moments]
         if curves:
             self._with_curves(begin)
 
     def _with_curves(self, begin):
-        self.tapered = tapered.segments(self.segment, self.fs, begin)
         self.m = clusters.lengths(self.n, self.depth)
         at = clusters.level_of(self.m, self.depth)
         starts = [_level(begin, k, lambda b: -(-b // 2)) for k in range(self.depth + 1)]
@@ -87,7 +81,7 @@ class Pass:
         node = [self.means, self.clusters[-1]]
         for k in range(self.depth - 1, -1, -1):
             node = [*self.levels[k], self.clusters[k], Means(2, node, starts[k])]
-        self.all += [self.tapered, *node]
+        self.all += node
 
     def feed(self, x):
         """The next samples, ndarray (k,), without NaN."""
@@ -147,14 +141,15 @@ class Pass:
     def spectrum(self):
         """The averaged Spectrum."""
         rates = self.fs, self.low_rate
-        return tapered.averaged(self.tapered, self.slow.values, rates, self.seam)
+        return tapered.averaged(self.fast, self.slow.values, rates, self.seam)
 
     def scales(self):
-        """(slow, fast) as `Statistics.of_scales` takes them."""
+        """(slow, fast) as `likelihood.of_scales` takes them."""
         p = int(PASSED * self.low_rate * 2 * self.limit / self.fs)
         slow = fft.dct(self.slow.values, norm="ortho")[1 : p + 1]
         slow = original(slow, self.limit, self.halvings)
-        return (self.limit, slow), (self.segment, self.fast.count, self.fast.power)
+        power = self.fast.power / self.fast.count
+        return (self.limit, slow), (self.segment, self.fast.count, power)
 
 
 def over(pieces, n, fs, *, curves=True) -> Pass:

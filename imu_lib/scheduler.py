@@ -16,6 +16,8 @@ from imu_lib.errors import InputError
 
 #: How often a task is taken up again whose worker was lost.
 RETRIES = 3
+#: Workers are as many as there are processors: their libraries need no threads.
+_ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "MKL", "OMP")}
 
 
 def cores() -> int:
@@ -25,10 +27,19 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
+class Lost:
+    """The result of a task that ended every worker that took it up."""
+
+
 def run(
-    function: Callable, tasks: Iterable[tuple], *, workers: int | None = None, address=None
+    function: Callable,
+    tasks: Iterable[tuple],
+    *,
+    workers: int | None = None,
+    address: str | None = None,
+    apart: bool = False,
 ) -> Iterator[tuple[int, object]]:
-    """(number of the task, what `function(*task)` gave) as each ends.
+    """(number of the task, what `function(*task)` gave) as each ends, `Lost()` where nothing did.
 
     Parameters
     ----------
@@ -40,68 +51,96 @@ def run(
         Processes here; default one per core. With 1 the tasks run in this process.
     address : str, optional
         Of a Dask scheduler, as in tcp://host:8786; `workers` is then its affair.
+    apart : bool
+        In a process of its own even with one worker: what ends it does not end the caller.
 
     Raises
     ------
     InputError
         Where nothing answers at `address`.
-    RuntimeError
-        Where a task has lost its worker more than RETRIES times.
     """
+    workers = workers or cores()
     if address is not None:
         yield from _on_dask(function, tasks, address)
-    elif (workers or cores()) == 1:
+    elif workers == 1 and not apart:
         for number, task in enumerate(tasks):
             yield number, function(*task)
     else:
-        yield from _here(function, tasks, workers or cores())
+        yield from _Here(function, tasks, workers)
 
 
-def _here(function, tasks, workers):
-    from concurrent.futures import FIRST_COMPLETED, wait
-    from concurrent.futures.process import BrokenProcessPool
+class _Here:
+    """Tasks over processes of this machine. A worker that dies takes the pool with it: what was
+    running is taken up again, and what was running twice when that happened goes alone.
+    """
 
-    from joblib.externals.loky import get_reusable_executor
+    def __init__(self, function, tasks, workers):
+        self.function, self.source, self.workers = function, enumerate(tasks), workers
+        self.again, self.alone = deque(), deque()
+        self.running, self.deaths = {}, {}
 
-    waiting = deque()  # tasks that a lost worker gives back
-    source = enumerate(tasks)
-    running, tries = {}, {}
+    def _pool(self, renew=False):
+        from joblib.externals.loky import get_reusable_executor
 
-    def submit():
-        pool = get_reusable_executor(max_workers=workers, timeout=60)
-        while len(running) < workers + 1:  # one more, so that nobody waits for this process
-            number, task = waiting.popleft() if waiting else next(source, (None, None))
-            if number is None:
-                return
-            running[pool.submit(function, *task)] = number, task
+        return get_reusable_executor(
+            max_workers=self.workers, timeout=60, env=_ONE_THREAD, kill_workers=renew
+        )
 
-    submit()
-    while running:
-        done = wait(running, return_when=FIRST_COMPLETED).done
-        for future in done:
-            number, task = running.pop(future)
+    def _fill(self):
+        from concurrent.futures.process import BrokenProcessPool
+
+        while len(self.running) < self.workers + 1:  # one more, so that nobody waits for us
+            if self.again:
+                number, task = self.again.popleft()
+            else:
+                number, task = next(self.source, (None, None))
+                if number is None:
+                    break
             try:
-                result = future.result()
+                self.running[self._pool().submit(self.function, *task)] = number, task
             except BrokenProcessPool:
-                tries[number] = tries.get(number, 0) + 1
-                if tries[number] > RETRIES:
-                    raise RuntimeError(
-                        f"task {number} has lost its worker {tries[number]} times"
-                    ) from None
-                waiting.append((number, task))
-                continue
-            yield number, result
-        if waiting:  # a broken pool: whatever else was running is lost with it
-            for _, (number, task) in list(running.items()):
-                waiting.append((number, task))
-            running.clear()
-            get_reusable_executor(max_workers=workers, timeout=60, kill_workers=True)
-        submit()
+                self.again.appendleft((number, task))
+                self._pool(renew=True)
+        if self.alone and not self.running:
+            number, task = self.alone.popleft()
+            self.running[self._pool(renew=True).submit(self.function, *task)] = number, task
+
+    def __iter__(self):
+        from concurrent.futures import FIRST_COMPLETED, wait
+        from concurrent.futures.process import BrokenProcessPool
+
+        self._fill()
+        while self.running:
+            dead = []
+            for future in wait(self.running, return_when=FIRST_COMPLETED).done:
+                number, task = self.running.pop(future)
+                try:
+                    result = future.result()
+                except BrokenProcessPool:
+                    dead.append((number, task))
+                    continue
+                yield number, result
+            if dead:
+                yield from self._buried(dead)
+            self._fill()
+
+    def _buried(self, dead):
+        dead += self.running.values()
+        self.running.clear()
+        self._pool(renew=True)
+        for number, task in sorted(dead, key=lambda d: d[0]):
+            self.deaths[number] = self.deaths.get(number, 0) + 1
+            if self.deaths[number] > RETRIES:
+                yield number, Lost()
+            elif self.deaths[number] > 1:
+                self.alone.append((number, task))
+            else:
+                self.again.append((number, task))
 
 
 def _on_dask(function, tasks, address):
     try:
-        from distributed import Client, as_completed
+        from distributed import Client, KilledWorker, as_completed
     except ImportError:
         raise InputError(
             "A Dask cluster needs the package distributed; install imu_lib[cluster]."
@@ -130,7 +169,11 @@ def _on_dask(function, tasks, address):
 
         submit(2 * threads)
         for future in pending:
-            yield numbers.pop(future.key), future.result()
+            try:
+                result = future.result()
+            except KilledWorker:
+                result = Lost()
+            yield numbers.pop(future.key), result
             submit(1)
 
 
@@ -145,7 +188,7 @@ def shared(function: Callable, tasks: list[tuple], workers: int) -> Iterator[obj
         return
     from joblib.externals.loky import get_reusable_executor
 
-    pool = get_reusable_executor(max_workers=workers - 1, timeout=5)
+    pool = get_reusable_executor(max_workers=workers - 1, timeout=5, env=_ONE_THREAD)
     running = []
     while waiting or running:
         while waiting and len(running) < min(2 * (workers - 1), len(waiting)):

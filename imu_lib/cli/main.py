@@ -33,6 +33,7 @@ COMMANDS = {
     ),
     "outages": ("outages", (), "error models compared under GPS outages of a drive"),
     "compare": ("compare", (), "two models or two records of one sensor side by side"),
+    "fleet": ("fleet", (), "many records, one table: spread over units, outliers, drift"),
     "book": ("book", (), "the book re-executed on your own record"),
     "exercise": ("exercise", (), "records with hidden effects for a class, and their marking"),
     "data": ("data", (), "the public records of the registry"),

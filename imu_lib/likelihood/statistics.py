@@ -23,7 +23,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.fft import dct
 from scipy.special import ndtri
-from scipy.stats import chi2
 
 from .kernel import weights
 
@@ -41,8 +40,7 @@ class Stretch:
     """One gap-free stretch: `n` samples from `start` (index into the record); its coefficients,
     shape (n-1,), of which only those of `edges` are asked for.
 
-    A coefficient may stand for the same one of `times` stretches of n samples: their root sum of
-    squares.
+    A coefficient may stand for `times` degrees of freedom: the root of a sum of so many squares.
     """
 
     start: int
@@ -50,7 +48,7 @@ class Stretch:
     coefficients: np.ndarray = field(repr=False)
     edges: np.ndarray = field(repr=False)
     dropped: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0, int))
-    times: int = 1
+    times: float = 1.0
 
     @property
     def count(self):
@@ -298,26 +296,20 @@ def _without_lines(s, fs):
     """The stretch without the ordinates beyond the LINE_TAIL point of their band's median level,
     and the lines.
     """
-    # the tail and the median of a sum over `times` squared coefficients
-    limit = ndtri(LINE_TAIL / 2) ** 2 if s.times == 1 else chi2.isf(LINE_TAIL, s.times)
-    middle = 0.454936 if s.times == 1 else chi2.median(s.times)
+    limit = ndtri(LINE_TAIL / 2) ** 2
     ordinates = s.coefficients**2
     top = np.maximum.reduceat(ordinates[: s.edges[-1] - 1], s.edges[:-1] - 1)
     dropped, lines = [], []
-    mean = s.sums(ordinates) / s.count
-    for b in np.flatnonzero((np.diff(s.edges) >= 12) & (top > limit / 3 * mean)):
+    for b in np.flatnonzero((s.count >= 12) & (top > limit / 3 * s.sums(ordinates) / s.count)):
         inside = ordinates[s.edges[b] - 1 : s.edges[b + 1] - 1]
-        out = np.flatnonzero(inside > limit * np.median(inside) / middle)
+        out = np.flatnonzero(inside > limit * np.median(inside) / 0.454936)
         if len(out) and len(out) < len(inside) / 4:
             dropped.append(s.edges[b] - 1 + out)
             # neighbours are one line; ordinates 2 c^2/fs sum to the mean square times 2 n/fs
             for group in np.split(out, np.flatnonzero(np.diff(out) > 3) + 1):
                 peak = s.edges[b] + group[np.argmax(inside[group])]
                 lines.append(
-                    (
-                        peak * fs / (2 * s.n),
-                        float(np.sqrt(inside[group].sum() * fs / 2 / s.n / s.times)),
-                    )
+                    (peak * fs / (2 * s.n), float(np.sqrt(inside[group].sum() * fs / 2 / s.n)))
                 )
     if not dropped:
         return s, []

@@ -1,0 +1,109 @@
+"""`imu-lib fleet FOLDER|MANIFEST --out DIR`: every record of a fleet characterised, one table."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from imu_lib.cli import common
+from imu_lib.errors import InputError
+
+NAME = "fleet"
+HELP = (
+    "Characterise every record of a folder or of a manifest (.csv with the columns file, sensor, date) into one "
+    "Parquet table; started again, it goes on where it was. Prints the spread of each coefficient over the sensors, "
+    "outliers and drift, and writes a fleet model with typical values and the worst of 95 %."
+)
+
+
+def add_arguments(parser):
+    parser.add_argument(
+        "records", metavar="FOLDER|MANIFEST", help="a folder of records, or a table of them (.csv)"
+    )
+    parser.add_argument(
+        "--out",
+        required=True,
+        metavar="DIR",
+        help="fleet.parquet, fleet.json and model.json go there",
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes at a time; default one per core"
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="a Dask scheduler that is there (tcp://host:8786) instead of processes here",
+    )
+    parser.add_argument(
+        "--gap", action="store_true", help="also look for what each record's model misses"
+    )
+    common.add_json_argument(parser)
+    group = parser.add_argument_group("what is in the files, where they do not say")
+    for flag, kind, text in (
+        ("--rate", common.positive, "samples per second"),
+        ("--time-unit", str, "s, ms, us or ns"),
+        ("--gyro-unit", str, "rad/s, deg/s, deg/h or counts:C"),
+        ("--accel-unit", str, "m/s^2, g, mg or counts:C"),
+        ("--columns", str, "names by position"),
+    ):
+        group.add_argument(flag, type=kind, metavar=flag[2:].upper(), help=text)
+
+
+def run(args):
+    from imu_lib import fleet
+
+    if args.workers is not None and args.workers < 1:
+        raise InputError("--workers must be at least 1")
+    common.check_writable(args.json)
+    out = Path(args.out)
+    common.check_out(out)
+    reading = ("rate", "time_unit", "gyro_unit", "accel_unit", "columns")
+    entries = fleet.entries(args.records, **{key: getattr(args, key) for key in reading})
+    out.mkdir(exist_ok=True)
+    left = len(fleet.Ledger(out, entries, gap=args.gap).open())
+    done = len(entries) - left
+    print(
+        f"{len(entries)} records of {len({e.sensor for e in entries})} sensors"
+        + (f", {done} of them characterised before" if done else ""),
+        file=sys.stderr,
+    )
+    _characterised(args, fleet, entries, out, left)
+    _told(args, fleet, out)
+    return 0
+
+
+def _characterised(args, fleet, entries, out, left):
+    bar = common.progress(about="records", total=left)
+
+    def ended(entry, rows):
+        bar.update(1)
+        wrong = next((row["error"] for row in rows if row["error"]), None)
+        if wrong:
+            bar.clear()
+            print(f"left out: {wrong}", file=sys.stderr)
+
+    try:
+        fleet.characterise(
+            entries,
+            out,
+            workers=args.workers,
+            address=args.scheduler,
+            gap=args.gap,
+            progress=ended,
+        )
+    finally:
+        bar.close()
+
+
+def _told(args, fleet, out):
+    table = fleet.load(out)
+    summary = fleet.summary(table)
+    common.write_json(summary, out / "fleet.json")
+    if summary.model is not None:
+        summary.model.save(out / "model.json")
+    common.write_json(summary, args.json)
+    if args.json == "-":
+        return
+    print(summary.text())
+    written = ["fleet.parquet", "fleet.json"] + ["model.json"] * (summary.model is not None)
+    print(f"written to {out}: {', '.join(written)}")

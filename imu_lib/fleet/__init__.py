@@ -1,0 +1,41 @@
+"""A fleet of sensors: every record characterised once, one table, and what the table answers.
+
+`entries(folder)` lists the records, `characterise(entries, out)` makes the table, `load(out)` opens
+it; `spread`, `outliers`, `drift`, `sensor_and_day` and `shares` ask it, `summary` asks all of them
+and makes the fleet's error model, `draw` a unit of that.
+"""
+
+from imu_lib.fleet.ledger import Ledger, load
+from imu_lib.fleet.manifest import Entry, entries
+from imu_lib.fleet.questions import (
+    by_sensor,
+    coefficients,
+    drift,
+    outliers,
+    sensor_and_day,
+    shares,
+    spread,
+)
+from imu_lib.fleet.spread import Spread
+from imu_lib.fleet.summary import Summary, draw, fleet_model, summary
+from imu_lib.fleet.work import characterise
+
+__all__ = [
+    "Entry",
+    "Ledger",
+    "Spread",
+    "Summary",
+    "by_sensor",
+    "characterise",
+    "coefficients",
+    "draw",
+    "drift",
+    "entries",
+    "fleet_model",
+    "load",
+    "outliers",
+    "sensor_and_day",
+    "shares",
+    "spread",
+    "summary",
+]

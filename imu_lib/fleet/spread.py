@@ -1,0 +1,152 @@
+"""How a coefficient is spread over the units of a fleet, apart from the error of its estimates.
+
+Each unit's coefficient is positive; its logarithm is y_i, known to the standard error s_i. The
+units' true values scatter: y_i ~ N(mu, tau^2 + s_i^2), and a unit that does not show the
+coefficient says that its true value lies below its upper limit. The posterior of (mu, tau) under
+flat priors (Gelman 2006, Sec. 4.3, for three units or more) is taken on a grid. From it come the
+typical value exp(mu), the scatter tau, and the worst of 95 per cent of all units: the 0.95 quantile
+of exp(mu + 1.645 tau), an upper tolerance bound of content and confidence 95 per cent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special, stats
+
+from imu_lib.estimate import Z95, Estimate
+
+#: Content of the tolerance bound, and confidence in it.
+CONTENT = CONFIDENCE = 0.95
+#: Fewest units that a spread is told of.
+LEAST = 3
+_POINTS = 161
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The spread of one coefficient over units.
+
+    Attributes
+    ----------
+    typical : Estimate
+        Median over all units that the maker makes, the coefficient's unit, 95 % interval.
+    scatter : Estimate
+        Standard deviation of its logarithm from unit to unit; 0.1 is 10 per cent.
+    worst : float
+        What 95 % of all units stay below, with 95 % confidence.
+    error : float
+        Median standard error of the logarithm in one unit's estimate, for comparison.
+    units, shown : int
+        Units asked, and those that show the coefficient.
+    """
+
+    typical: Estimate
+    scatter: Estimate
+    worst: float
+    error: float
+    units: int
+    shown: int
+
+    def to_json(self):
+        return {
+            "typical": self.typical.to_json(),
+            "scatter": self.scatter.to_json(),
+            "worst": self.worst,
+            "error": self.error,
+            "units": self.units,
+            "shown": self.shown,
+        }
+
+
+def logarithms(value, low, high):
+    """(y, s) of estimates with 95 % intervals, arrays (n,): logarithms and their standard errors.
+
+    An interval that is open on one side counts twice its other half.
+    """
+    value, low, high = (np.asarray(v, float) for v in (value, low, high))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        y = np.log(value)
+        below, above = y - np.log(low), np.log(high) - y
+    below = np.where(np.isfinite(below) & (low > 0), below, np.nan)
+    below, above = (np.where(np.isfinite(v), v, w) for v, w in ((below, above), (above, below)))
+    half = np.where(np.isfinite(below + above), 0.5 * (below + above), np.nan)
+    return y, half / Z95
+
+
+def of_units(value, low, high) -> Spread | None:
+    """The spread of a positive coefficient over units.
+
+    Parameters
+    ----------
+    value, low, high : array_like, shape (n,)
+        One estimate a unit, with its 95 % interval; `value` NaN where the unit does not show it and
+        `high` is its upper limit.
+
+    Returns
+    -------
+    Spread, or None where fewer than three units show the coefficient.
+    """
+    value, low, high = (np.asarray(v, float) for v in (value, low, high))
+    y, s = logarithms(value, low, high)
+    shown = np.isfinite(y) & np.isfinite(s) & (s > 0)
+    if shown.sum() < LEAST:
+        return None
+    absent = np.isnan(value) & np.isfinite(high) & (high > 0)
+    y, s, limits = y[shown], s[shown], np.log(high[absent])
+    mu, tau, weight = _posterior(y, s, limits)
+    at_mu, at_tau = weight.sum(axis=1), weight.sum(axis=0)
+    typical = np.exp(_quantiles(mu, at_mu, (0.5, 0.025, 0.975)))
+    scatter = _quantiles(tau, at_tau, (0.5, 0.025, 0.975))
+    bound = (mu[:, None] + stats.norm.ppf(CONTENT) * tau[None, :]).ravel()
+    order = np.argsort(bound)
+    worst = float(np.exp(_quantiles(bound[order], weight.ravel()[order], (CONFIDENCE,))[0]))
+    low_end = float(scatter[1]) if at_tau[0] < 0.5 * at_tau.max() else 0.0
+    return Spread(
+        Estimate(*map(float, typical)),
+        Estimate(float(scatter[0]), low_end, float(scatter[2])),
+        worst,
+        float(np.median(s)),
+        int(shown.sum() + absent.sum()),
+        int(shown.sum()),
+    )
+
+
+def _posterior(y, s, limits):
+    """Grids of mu (a,) and tau (b,) and the posterior's weight on them (a, b), sum 1; the grids are
+    laid again where the weight is.
+    """
+    middle, size = float(np.median(y)), max(float(np.std(y)), float(np.median(s)), 1e-6)
+    reach = 8 * size if not limits.size else 8 * size + max(middle - float(limits.min()), 0.0)
+    mu = np.linspace(middle - reach, middle + reach, _POINTS)
+    tau = np.linspace(0.0, 8 * size + reach * (limits.size > 0), _POINTS)
+    for _ in range(4):
+        weight = _weight(mu, tau, y, s, limits)
+        mu, tau = _closer(mu, weight.sum(axis=1)), _closer(tau, weight.sum(axis=0), least=0.0)
+    return mu, tau, _weight(mu, tau, y, s, limits)
+
+
+def _weight(mu, tau, y, s, limits):
+    log = np.zeros((mu.size, tau.size))
+    for value, sd in zip(y, s, strict=True):
+        variance = tau**2 + sd**2
+        log -= 0.5 * (np.log(variance)[None, :] + (value - mu[:, None]) ** 2 / variance[None, :])
+    for limit in limits:
+        log += special.log_ndtr((limit - mu[:, None]) / np.maximum(tau[None, :], 1e-9))
+    weight = np.exp(log - log.max())
+    return weight / weight.sum()
+
+
+def _closer(grid, weight, least=-np.inf):
+    """The grid over what holds all but 1e-7 of the weight, with a margin."""
+    total = np.cumsum(weight)
+    low, high = np.searchsorted(total, (1e-7, 1 - 1e-7))
+    step = grid[1] - grid[0]
+    low, high = grid[low] - 2 * step, grid[min(high, grid.size - 1)] + 2 * step
+    return np.linspace(max(low, least), high, grid.size)
+
+
+def _quantiles(grid, weight, shares):
+    total = np.cumsum(weight) - 0.5 * weight
+    return np.interp(shares, total / weight.sum(), grid)
