@@ -24,7 +24,9 @@ def parts(x, fs):
         "spectrum": lambda: spectrum.characterise(x, fs),
         "autocorrelation": lambda: autocorrelation.characterise(x, fs),
         "autoregressive": lambda: autoregressive.characterise(x, fs),
-        "likelihood": lambda: fitted([x], fs, None, []),
+        "likelihood": lambda: fitted(
+            likelihood.Statistics.of(x, fs, exclude_lines=True), x.var(), fs, None, []
+        ),
     }
     stats = likelihood.Statistics.of(x, fs)
     model = likelihood.CANDIDATES["white + Gauss-Markov + walk"]

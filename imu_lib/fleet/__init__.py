@@ -17,10 +17,15 @@ from imu_lib.fleet.questions import (
     spread,
 )
 from imu_lib.fleet.spread import Spread
+from imu_lib.fleet.study import coverage, drives, monte_carlo, simulate
 from imu_lib.fleet.summary import Summary, draw, fleet_model, summary
 from imu_lib.fleet.work import characterise
 
 __all__ = [
+    "simulate",
+    "monte_carlo",
+    "drives",
+    "coverage",
     "Entry",
     "Ledger",
     "Spread",
