@@ -122,7 +122,8 @@ def _ends(
             if abs(new - step) < 0.01 * abs(step):
                 break
             step = 0.5 * (step + new)
-        ends.append(value * np.exp(step))
+        with np.errstate(over="ignore"):  # an end that is open above
+            ends.append(value * np.exp(step))
     return Estimate(float(value), float(ends[0]), float(ends[1]))
 
 

@@ -79,7 +79,6 @@ def _characterised(args, fleet, entries, out, left):
         bar.update(1)
         wrong = next((row["error"] for row in rows if row["error"]), None)
         if wrong:
-            bar.clear()
             print(f"left out: {wrong}", file=sys.stderr)
 
     try:
