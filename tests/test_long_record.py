@@ -156,3 +156,62 @@ def test_infinite_value_is_named(signals, short, tmp_path):
     )
     with pytest.raises(InputError, match="row 300001"):
         long_record.open_long(tmp_path / "inf.parquet")
+
+
+def test_checked_on_disk_as_in_memory(signals, short, tmp_path, monkeypatch):
+    """The same numbers; a knock is told with the part that shows it."""
+    from imu_lib import health
+
+    monkeypatch.setattr(sys.modules["imu_lib.health.long"], "PART", 1 << 17)
+    channels = {c: x.copy() for c, x in signals.items()}
+    channels["accel_z"][300_000:300_200] += 3.0 * np.hanning(200)
+    path = saved(Record(channels, FS), tmp_path / "record.parquet")
+    long = health.of_long(long_record.open_long(path))
+    whole = health.of_record(readers.read_record(path, trust_units=True))
+    assert long.clock.samples == whole.clock.samples
+    assert long.clock.duration == pytest.approx(whole.clock.duration)
+    for name, channel in whole.channels.items():
+        other = long.channels[name]
+        assert (other.low, other.high, other.nan) == (channel.low, channel.high, channel.nan)
+        assert other.mean == pytest.approx(channel.mean, rel=1e-4)
+        assert other.noise == pytest.approx(channel.noise, rel=0.02)
+    assert [f.kind for f in long.faults] == [f.kind for f in whole.faults] == ["disturbance"]
+    assert long.faults[0].start == pytest.approx(whole.faults[0].start, abs=1.0)
+    assert long.faults[0].sentence.startswith("--start 1310.72 --stop ")
+    assert long.motion.state == whole.motion.state
+
+
+def test_a_folder_of_logs_is_one_record(signals, tmp_path):
+    """Four logs: the second goes on where the first ends, the third after a pause, the fourth after
+    a restart."""
+    from imu_lib.long_record import open_folder
+
+    x, n = signals["gyro_x"], 5000
+    starts = (1000.0, 1000.0 + n / FS, 1000.0 + 2 * n / FS + 60.0, 0.0)
+    for k, start in enumerate(starts):
+        lines = ["time [s],gyro_x [rad/s]"]
+        lines += [f"{start + i / FS:.3f},{x[k * n + i]:.9g}" for i in range(n)]
+        (tmp_path / f"log{k}.csv").write_text("\n".join(lines) + "\n")
+    record = open_folder(tmp_path, trust_units=True)
+    assert record.rate == FS and record.rows == 4 * n
+    got = np.concatenate(list(record.pieces("gyro_x", record.runs[:1])))
+    np.testing.assert_allclose(got, x[: 2 * n], rtol=1e-8)
+    gaps = [g[2] for g in record.time_gaps()]
+    assert gaps[0] == 60 * FS and len(gaps) == 2
+    assert "log3.csv" in record.notes[-1] and "begin anew" in record.notes[-1]
+    whole = record.in_memory()
+    assert [g.missing for g in whole.gaps()] == gaps and whole.n == 4 * n
+
+
+def test_logs_that_do_not_belong_together(signals, tmp_path):
+    from imu_lib import InputError
+    from imu_lib.long_record import open_folder
+
+    one = Record({"gyro_x": signals["gyro_x"][:3000]}, FS)
+    write_record(one, tmp_path / "a.npz")
+    write_record(Record({"accel_z": signals["accel_z"][:3000]}, FS), tmp_path / "b.npz")
+    with pytest.raises(InputError, match="b.npz has the channels accel_z"):
+        open_folder(tmp_path, trust_units=True)
+    write_record(Record({"gyro_x": signals["gyro_x"][:3000]}, 100.0), tmp_path / "b.npz")
+    with pytest.raises(InputError, match="one rate"):
+        open_folder(tmp_path, trust_units=True)

@@ -44,6 +44,18 @@ def look(args):
         options.pop("only", None)
         found = health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options))
         return found, readers.read_raw(args.file, columns=args.columns, topic=args.topic).described
+    if args.file and not getattr(args, "only", None):
+        if (long := common.open_on_disk(args)) is not None:
+            bar = common.progress(about="check", total=100)
+            done = [0]
+
+            def step(share):
+                bar.update(round(100 * share) - done[0])
+                done[0] = round(100 * share)
+
+            found = health.of_long(long, progress=step)
+            bar.close()
+            return found, list(long.described)
     found = readers.read(args.file, lenient=True, **options)
     return health.of_record(found.record, repeats=found.repeats), list(found.columns)
 

@@ -143,13 +143,30 @@ def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool =
     return record
 
 
+def open_on_disk(args: argparse.Namespace):
+    """The record of parsed flags where it stays on disk: a long file that is read by pieces, or a
+    folder of logs; else None.
+    """
+    from imu_lib.long_record import open_folder, open_long
+
+    options = record_options(args)
+    if not Path(args.file).is_dir():
+        return open_long(args.file, **options)
+    if args.start is not None or args.stop is not None:
+        return None
+    return open_folder(args.file, **options)
+
+
 def open_either(args: argparse.Namespace, *, one_rate: bool = True):
     """As `open_record`; a record that is long and can be read by pieces stays on disk."""
-    from imu_lib.long_record import open_long
     from imu_lib.stream import LONG
 
     if args.file and not (args.gyro or args.accel or getattr(args, "only", None)):
-        record = open_long(args.file, **record_options(args))
+        record = open_on_disk(args)
+        if record is not None and Path(args.file).is_dir() and record.longest <= LONG:
+            for note in record.notes:
+                print(f"note: {note}", file=sys.stderr)
+            return record.in_memory()
         if record is not None and record.longest > LONG:
             for note in record.notes:
                 print(f"note: {note}", file=sys.stderr)

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from .channels import resolution
 from .drive import of_drive
+from .long import of_long
 from .record import of_record
 from .result import Channel, Clock, Health, Motion
 
-__all__ = ["Channel", "Clock", "Health", "Motion", "of_drive", "of_record", "resolution"]
+__all__ = ["Channel", "Clock", "Health", "Motion", "of_drive", "of_long", "of_record", "resolution"]

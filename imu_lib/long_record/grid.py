@@ -13,7 +13,8 @@ from imu_lib.errors import InputError
 class Grid:
     """rate, Hz; runs (k, 3): rows start, stop and the first one's slot; gaps: samples missing in
     each gap of the stamps; missing: rows without a number in some channel; flat: places, in the
-    list of columns, of those that never change.
+    list of columns, of those that never change; steps (g, 2): row after each gap of the stamps and
+    samples missing before it.
     """
 
     rate: float
@@ -21,6 +22,7 @@ class Grid:
     gaps: tuple
     missing: int
     flat: tuple
+    steps: np.ndarray
 
 
 def lay(source, columns, rows, stamps, rate):
@@ -42,16 +44,30 @@ def lay(source, columns, rows, stamps, rate):
             return None
         rate, steps = found
     bad, flat = _missing(source, columns, rows)
+    found = runs(rows, steps, bad)
+    if not len(found):
+        return None
+    return Grid(rate, found, tuple(steps[:, 1].tolist()), int(bad.size), flat, steps)
+
+
+def runs(rows, steps, bad):
+    """Runs (k, 3) of rows without a missing sample: start, stop, slot of the first.
+
+    Parameters
+    ----------
+    rows : int
+    steps : ndarray of int, shape (g, 2)
+        Row after each gap, and samples missing before it.
+    bad : ndarray of int
+        Rows without a number.
+    """
     cuts = np.unique(np.concatenate([[0], steps[:, 0], bad, bad + 1]))
     cuts = cuts[cuts < rows]
     stops = np.append(cuts[1:], rows)
     lost = np.concatenate([[0], np.cumsum(steps[:, 1])])
     slots = cuts + lost[np.searchsorted(steps[:, 0], cuts, side="right")]
     good = ~np.isin(cuts, bad)
-    runs = np.column_stack([cuts, stops, slots])[good]
-    if not len(runs):
-        return None
-    return Grid(rate, runs, tuple(steps[:, 1].tolist()), int(bad.size), flat)
+    return np.column_stack([cuts, stops, slots])[good]
 
 
 def _steps(source, stamps, rows, rate):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from imu_lib.errors import InputError
 from imu_lib.long_record import columns, grid
 from imu_lib.readers import names
 from imu_lib.readers.streams import slow_kind
-from imu_lib.record import CHANNELS
+from imu_lib.record import CHANNELS, Record
 from imu_lib.stream import CHUNK, LONG
 
 #: Rows that tell units, rate and columns.
@@ -46,6 +46,12 @@ class LongRecord:
         Channels that never change.
     name, source : str
     notes : tuple of str
+    rows : int
+        Of the file, those without a number included.
+    steps : ndarray of int, shape (g, 2)
+        Row after each gap of the stamps, and samples missing before it.
+    described : tuple
+        What the readers say of the columns.
     """
 
     columns: dict = field(repr=False)
@@ -55,6 +61,42 @@ class LongRecord:
     name: str
     source: str
     notes: tuple
+    rows: int = 0
+    steps: np.ndarray = field(repr=False, default_factory=lambda: np.zeros((0, 2), np.int64))
+    described: tuple = ()
+
+    def __contains__(self, channel):
+        return channel in self.columns
+
+    def slot(self, row):
+        """Number of a row on the even grid; an array for an array."""
+        lost = np.concatenate([[0], np.cumsum(self.steps[:, 1])])
+        return row + lost[np.searchsorted(self.steps[:, 0], row, side="right")]
+
+    def second(self, row):
+        """Moment of a row, s from the first."""
+        return float(self.slot(row)) / self.rate
+
+    def time_gaps(self):
+        """(start s, duration s, missing samples) of each gap in the stamps."""
+        return tuple(
+            (self.second(int(row) - 1), float(m + 1) / self.rate, int(m)) for row, m in self.steps
+        )
+
+    def part(self, low, high) -> Record:
+        """The rows low .. high - 1 as a record in memory, missing numbers as NaN."""
+        channels = {}
+        for name, column in self.columns.items():
+            x = np.concatenate([y for y in column.source.pieces(column.name, low, high)])
+            channels[name] = column.factor * x.astype(float) + column.zero
+        slots = self.slot(np.arange(low, high))
+        even = slots[-1] - slots[0] == high - low - 1
+        time = None if even else (slots - slots[0]) / self.rate
+        return Record(channels, self.rate, time, None, self.name, self.source)
+
+    def in_memory(self) -> Record:
+        """All of it as a record in memory."""
+        return replace(self.part(0, self.rows), notes=self.notes)
 
     @property
     def channel_names(self):
@@ -126,7 +168,7 @@ def open_long(path, *, start=None, stop=None, trust_units=False, **options):
     rows = max(sizes.values())
     if rows <= LONG:
         return None
-    head = _head(source, path, trust_units=trust_units, **options)
+    head, described = _head(source, path, trust_units=trust_units, **options)
     if head.n != HEAD or slow_kind(head):
         return None  # rows that are copies, or streams in rows of their own: read whole
     found = _matched(source, {k for k, n in sizes.items() if n == rows}, head)
@@ -148,6 +190,9 @@ def open_long(path, *, start=None, stop=None, trust_units=False, **options):
         path.stem,
         str(path),
         notes,
+        rows,
+        laid.steps,
+        described,
     )
 
 
@@ -156,7 +201,8 @@ def _head(source, path, **options):
         part = Path(folder) / f"{path.stem}{columns.suffix(path)}"
         source.head(HEAD, part)
         try:
-            return readers.read_record(part, **options)
+            found = readers.read(part, **options)
+            return found.record, tuple(found.columns)
         except InputError as error:
             raise InputError(str(error).replace(str(part), str(path))) from None
 

@@ -1,0 +1,136 @@
+"""Time and memory against the length of a record and the number of records, each command in a
+process of its own: wall time, processor time, and the peak memory of all its processes together.
+
+python benchmarks/scaling.py --hours 0.167 1 6 24 --records 8 16
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from imu_lib import fleet
+from imu_lib.model import Model
+
+RESULT = Path(__file__).parent / "results" / "scaling.json"
+RATE = 200.0
+
+
+def processes(pid):
+    """The process and all that it has started."""
+    out = [pid]
+    try:
+        for thread in os.listdir(f"/proc/{pid}/task"):
+            text = Path(f"/proc/{pid}/task/{thread}/children").read_text()
+            for child in text.split():
+                out += processes(int(child))
+    except OSError:
+        pass
+    return out
+
+
+def memory(pid):
+    """(sum of resident sizes, the same with shared pages counted once), MiB."""
+    total = dict.fromkeys(("Rss:", "Pss:"), 0)
+    for one in processes(pid):
+        try:
+            for line in Path(f"/proc/{one}/smaps_rollup").read_text().splitlines():
+                key, *rest = line.split()
+                if key in total:
+                    total[key] += int(rest[0])
+        except OSError:
+            continue
+    return total["Rss:"] / 1024, total["Pss:"] / 1024
+
+
+def measured(*call):
+    """One command: wall and processor time in s, peak memory in MiB."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    start = time.perf_counter()
+    run = subprocess.Popen([sys.executable, "-m", "imu_lib", *map(str, call)],
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+    peak = np.zeros(2)
+    while run.poll() is None:
+        peak = np.maximum(peak, memory(run.pid))
+        time.sleep(0.1)
+    wall = time.perf_counter() - start
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if run.returncode:
+        raise SystemExit(f"{' '.join(map(str, call))} has ended with {run.returncode}")
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return {
+        "wall": round(wall, 1),
+        "processor": round(used, 1),
+        "rss": round(peak[0]),
+        "pss": round(peak[1]),
+        "load": round(os.getloadavg()[0], 1),
+    }
+
+
+def of_lengths(hours, folder, keep):
+    for length in hours:
+        file = folder / f"{length}.parquet"
+        call = ("simulate", "preset:3dm-gx3-25", "--hours", length, "--rate", RATE)
+        keep({"command": "simulate", "hours": length} | measured(*call, "--seed", 1, "--out", file))
+        for command in ("check", "characterise"):
+            keep({"command": command, "hours": length} | measured(command, file))
+        file.unlink()
+
+
+def of_records(counts, folder, keep):
+    axes = [f"{kind}_{axis}" for kind in ("gyro", "accel") for axis in "xyz"]
+    entry = [{"process": "white_noise", "N": 1e-4}, {"process": "random_walk", "K": 1e-6}]
+    spread = {axis: {"N": {"scatter": 0.2}} for axis in axes}
+    model = Model.from_json({**dict.fromkeys(axes, entry), "spread": spread})
+    for count in counts:
+        records = folder / f"fleet{count}"
+        records.mkdir()
+        dates, hours = ("2024-01-01",), 1 / 60
+        fleet.simulate(model, records, sensors=count, dates=dates, hours=hours, rate=50.0, seed=1)
+        tables = []
+        for workers in (1, 2):
+            out = folder / f"out{count}_{workers}"
+            found = measured("fleet", records, "--out", out, "--workers", workers)
+            keep({"command": "fleet", "records": count, "workers": workers} | found)
+            tables.append((out / "fleet.parquet").read_bytes())
+        assert tables[0] == tables[1], "the table depends on the number of workers"
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--hours", type=float, nargs="*", default=[0.167, 1.0, 6.0, 24.0])
+    parser.add_argument("--records", type=int, nargs="*", default=[8, 16])
+    parser.add_argument("--out", type=Path, default=RESULT)
+    options = parser.parse_args(arguments)
+    rows = []
+
+    def keep(row):
+        rows.append(row)
+        print(row, flush=True)
+        said = "python benchmarks/scaling.py --hours {} --records {}"
+        told = {
+            "command": said.format(
+                " ".join(f"{h:g}" for h in options.hours), " ".join(map(str, options.records))
+            ),
+            "date": time.strftime("%Y-%m-%d"),
+            "processors": os.cpu_count(),
+            "table": rows,
+        }
+        options.out.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+
+    with tempfile.TemporaryDirectory() as folder:
+        of_records(options.records, Path(folder), keep)
+        of_lengths(options.hours, Path(folder), keep)
+
+
+if __name__ == "__main__":
+    main()
