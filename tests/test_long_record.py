@@ -208,10 +208,12 @@ def test_logs_that_do_not_belong_together(signals, tmp_path):
     from imu_lib.long_record import open_folder
 
     one = Record({"gyro_x": signals["gyro_x"][:3000]}, FS)
-    write_record(one, tmp_path / "a.npz")
-    write_record(Record({"accel_z": signals["accel_z"][:3000]}, FS), tmp_path / "b.npz")
-    with pytest.raises(InputError, match="b.npz has the channels accel_z"):
+    write_record(one, tmp_path / "log1.npz")
+    write_record(Record({"accel_z": signals["accel_z"][:3000]}, FS), tmp_path / "log2.npz")
+    with pytest.raises(InputError, match="log2.npz has the channels accel_z"):
         open_folder(tmp_path, trust_units=True)
-    write_record(Record({"gyro_x": signals["gyro_x"][:3000]}, 100.0), tmp_path / "b.npz")
+    write_record(Record({"gyro_x": signals["gyro_x"][:3000]}, 100.0), tmp_path / "log2.npz")
     with pytest.raises(InputError, match="one rate"):
         open_folder(tmp_path, trust_units=True)
+    write_record(one, tmp_path / "another.npz")
+    assert open_folder(tmp_path, trust_units=True) is None  # not a row of logs

@@ -149,7 +149,11 @@ def _header(file):
     shape, fortran, dtype = read(file)
     if fortran and len(shape) > 1 or dtype.hasobject:
         raise ValueError("columns first")
-    return file.tell(), shape, dtype
+    start = file.tell()
+    held = file.seek(0, 2) - start
+    if held < dtype.itemsize * int(np.prod(shape, dtype=object)):
+        raise ValueError("announces more than it holds")
+    return start, shape, dtype
 
 
 def source(path):

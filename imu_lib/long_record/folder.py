@@ -9,6 +9,7 @@ nothing is said about the time between.
 from __future__ import annotations
 
 import atexit
+import re
 import shutil
 import tempfile
 from dataclasses import dataclass
@@ -42,8 +43,9 @@ class Appended:
 
 
 def open_folder(path, *, rate=None, progress=None, **options):
-    """The logs of a folder as one LongRecord; None where the folder is no row of logs (a ROS bag, a
-    gyro's and an accelerometer's file). Options as for `read_record`.
+    """The logs of a folder as one LongRecord, in the order of their names; None where the folder is
+    no row of logs: two files or more whose names differ in their numbers alone. Options as for
+    `read_record`.
 
     `progress` is called with each file's name when it is read. InputError where two files have
     other channels, or rates that differ by more than a per cent.
@@ -52,7 +54,8 @@ def open_folder(path, *, rate=None, progress=None, **options):
     if not path.is_dir() or bags.is_bag(path) or _pair(path):
         return None
     files = sorted(p for p in path.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
-    if not files:
+    kinds = {re.sub(r"\d+", "#", p.name) for p in files}
+    if len(files) < 2 or len(kinds) > 1:
         return None
     scratch = Path(tempfile.mkdtemp(prefix="imu-lib-"))
     atexit.register(shutil.rmtree, scratch, ignore_errors=True)
