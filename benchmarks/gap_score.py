@@ -22,8 +22,9 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "benchmarks")]
 
+import gap_final  # noqa: E402
 import gap_generator as generator  # noqa: E402
 import numpy as np  # noqa: E402
 from statsmodels.stats.proportion import proportion_confint  # noqa: E402
@@ -125,6 +126,7 @@ def run(case, *, free=False, simulations=0):
         "cpu": time.process_time() - cpu,
         "base": {c: [e["process"] for e in made.base[c]] for c in channels},
     }
+    out["final"] = gap_final.judged(made, found)
     if simulations:
         out["gap"] = {
             c: [r.before.value, r.after.value, r.held_out] for c, r in found.channels.items()
@@ -274,21 +276,28 @@ def table(results):
                 "within": ok,
                 "covering": cover,
                 "seconds": round(float(np.median([r["seconds"] for r in part])), 2),
+                **gap_final.row(part),
             }
         )
     return rows
 
 
+def _of(row, name):
+    return f"{row[name]}/{row['final']}" if "final" in row else ""
+
+
 def show(rows):
     print(
         f"{'kind':<20}{'cases':>6}{'detect.':>8}{'named':>7}{'listed':>7}{'95 %':>16}{'wrong':>7}{'false':>9}{'unexpl.':>9}"
-        f"{'param ok':>10}{'cover':>8}{'s':>7}"
+        f"{'param ok':>10}{'cover':>8}{'s':>7}   final model: {'kinds':>8}{'spectrum':>10}{'covering':>10}"
     )
     for r in rows:
         print(
             f"{r['kind']:<20}{r['cases']:>6}{r['detectable']:>8}{r['named']:>7}{r['listed']:>7}{str(r['named_interval']):>16}{r['wrong']:>7}"
             f"{str(r['false']) + '/' + str(r['clean_channels']):>9}{str(r['unexplained']) + '/' + str(r['unknown']):>9}"
             f"{str(r['within']) + '/' + str(r['parameters']):>10}{r['covering']:>8}{r['seconds']:>7}"
+            f"{'':>16}{_of(r, 'final_kinds'):>8}{_of(r, 'final_spectrum'):>10}"
+            f"{'/'.join(map(str, r.get('final_parameters', []))):>10}"
         )
 
 

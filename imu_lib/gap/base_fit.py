@@ -12,7 +12,7 @@ import numpy as np
 from imu_lib.gap import fast, slow
 from imu_lib.gap.effects import CATALOGUE, DRIFTS, SPECTRAL
 from imu_lib.gap.engine import Data
-from imu_lib.gap.state import EVIDENCE, State
+from imu_lib.gap.state import EVIDENCE, TEMPER, State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
 #: What a filter in the sensor has to add to the evidence of a free base.
@@ -77,9 +77,9 @@ def _slow(slot, fs):
     return replace(slot, low=low)
 
 
-def free_base(data: Data, held=()) -> State:
+def free_base(data: Data, held=()) -> tuple[State, list[State]]:
     """The best family by evidence, as a state whose base is free, beside the drifts and the filter
-    that stand far out of it.
+    that stand far out of it; and all families.
 
     A drift competes with the families, each by itself: fitted first, a random walk would imitate a
     ramp that is plain to see. A filter in the sensor is tried beside a base fitted to the low part
@@ -105,7 +105,23 @@ def free_base(data: Data, held=()) -> State:
             trial = State(data, below.base, [*below.items, item], base_slots=below.base_slots)
             if trial.evidence > best.evidence + FILTER:
                 best = trial
-    return best.settled()
+    return best.settled(), [s.settled() for s in families]
+
+
+def alternatives(state: State, families) -> list[tuple[State, float]]:
+    """The state, and with its items each other family that the record does not rule out, with their
+    shares of the evidence.
+    """
+    names = [t.name for t in state.base]
+    others = [
+        State(state.data, f.base, state.items, base_slots=f.base_slots)
+        for f in families
+        if [t.name for t in f.base] != names
+    ]
+    states = [state, *others]
+    evidence = np.array([s.evidence for s in states])
+    share = np.exp((evidence - evidence.max()) / TEMPER)
+    return list(zip(states, share / share.sum()))
 
 
 def _worth(state: State) -> float:

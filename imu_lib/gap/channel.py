@@ -9,12 +9,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from imu_lib.gap import effects, electronics, noise_level, rounds, steadiness, verdict
-from imu_lib.gap.base_fit import absorbed, free_base
+from imu_lib.gap.base_fit import absorbed, alternatives, free_base
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.base import ChannelView
 from imu_lib.gap.effects.resolution import grid_of
 from imu_lib.gap.engine import Data
-from imu_lib.gap.grown import between, grown, refits
+from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
@@ -46,7 +46,8 @@ class ChannelResult:
     have swallowed, `unexplained`
     None or a sentence, `refit` models fitted to the first part of the record, one a simulation,
     empty where that part does not
-    show every effect, `filled` the number of samples that were filled in.
+    show every effect, `filled` the number of samples that were filled in,
+    `likely` grown models that stand for what the fit leaves uncertain.
     """
 
     name: str
@@ -61,6 +62,7 @@ class ChannelResult:
     refit: list = field(default_factory=list)
     evidence: float = 0.0
     filled: int = 0
+    likely: list = field(default_factory=list)
 
 
 def analyse(
@@ -202,7 +204,7 @@ def _analyse(
     # -------------------------------------------------------------------------------------
     say("candidates")
     if given is None:
-        state = free_base(data, terms)
+        state, families = free_base(data, terms)
     else:
         state = State(data, terms, low_pass=given.low_pass)
     n_base = len(state.base)
@@ -279,6 +281,13 @@ def _analyse(
         refit,
         state.evidence,
         clean.filled,
+        likely(
+            [(state, 1.0)] if given is not None else alternatives(state, families),
+            given,
+            findings,
+            held_terms,
+            rng,
+        ),
     )
 
 

@@ -115,6 +115,18 @@ def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
     ]
 
 
+def likely(states, given, findings, held_terms: int, rng) -> list[Sum]:
+    """Grown models whose free parameters are drawn from their distribution given the whole record,
+    as many of each of `states` (state, share) as its share: what the record leaves uncertain.
+    """
+    out = []
+    for state, share in states:
+        base = given if given is not None else Sum(tuple(state.base[held_terms:]))
+        parts = base, state, findings, len(state.base) - held_terms, held_terms
+        out += [grown(*parts, fit=fit) for fit in _drawn(state, rng, round(share * REFITS))]
+    return out
+
+
 def _drawn(state, rng, count):
     """Fits whose parameters are drawn from the normal distribution about the state's own, within
     the bounds of each.

@@ -11,16 +11,13 @@ import numpy as np
 from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.drifts import retuned
 from imu_lib.gap.effects import COMPETITORS
-from imu_lib.gap.state import EVIDENCE, GAIN, State
+from imu_lib.gap.state import EVIDENCE, GAIN, TEMPER, State
 
 #: Alternatives within this log evidence of the winner cannot be told from it.
 NEAR = 3.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second
 #: effect.
 REPLACED, REACH = 3, 150.0
-#: Evidences are divided by this before they become weights: no catalogue is complete and no record
-#: exactly of its model.
-TEMPER = 1.5
 
 
 @dataclass(frozen=True)
