@@ -42,6 +42,9 @@ def merge(
     if gyro.time is None and accel.time is None and shift == 0.0 and abs(ratio - 1) < 1e-9:
         n = min(gyro.n, accel.n)
         left = right = np.arange(n)
+    elif shift == 0.0 and not one_file and abs(ratio - 1) < 1e-3:
+        # files whose clocks have nothing in common: their jitter says nothing of each other's
+        _, left, right = np.intersect1d(gyro.slots(), accel.slots(), return_indices=True)
     elif 0.98 < ratio < 1.02:
         left, right = _pairs(t["gyro"], t["accel"], 0.55 / min(gyro.rate, accel.rate))
         if abs(ratio - 1) > 1e-3:
