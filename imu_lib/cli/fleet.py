@@ -63,7 +63,7 @@ def run(args):
     left = len(fleet.Ledger(out, entries, gap=args.gap).open())
     done = len(entries) - left
     print(
-        f"{len(entries)} records of {len({e.sensor for e in entries})} sensors"
+        f"records: {len(entries)}, sensors: {len({e.sensor for e in entries})}"
         + (f", {done} of them characterised before" if done else ""),
         file=sys.stderr,
     )

@@ -61,7 +61,11 @@ class Summary:
 
     def text(self) -> str:
         """Tables in datasheet units."""
-        lines = [f"{self.sensors} sensors, {self.records} records, {len(self.errors)} left out", ""]
+        lines = [
+            f"{_number(self.sensors, 'sensor')}, {_number(self.records, 'record')}, "
+            f"{len(self.errors)} left out",
+            "",
+        ]
         if not self.spreads:
             lines.append("fewer than three sensors show a coefficient: there is no spread to tell")
         share, sure = round(100 * CONTENT), round(100 * CONFIDENCE)
@@ -94,6 +98,10 @@ class Summary:
                         f"[{100 * np.expm1(d.low):.3g}, {100 * np.expm1(d.high):.3g}]"
                     )
         return "\n".join(lines)
+
+
+def _number(n, noun):
+    return f"{n} {noun}{'s' * (n != 1)}"
 
 
 def _row(channel, key, s):
