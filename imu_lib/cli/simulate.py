@@ -14,6 +14,8 @@ HELP = "A record drawn from an error model (a file or preset:NAME), written as .
 FORMATS = (".npz", ".csv", ".tsv", ".txt", ".parquet")
 #: Samples: a hundred days at 200 Hz.
 MOST = 2_000_000_000
+#: Values that are drawn at once where something acts on all channels together.
+IN_MEMORY = 1_000_000_000
 
 
 def add_arguments(parser):
@@ -106,7 +108,10 @@ def _check_room(args, n, rate, model):
     width = 8 if Path(args.out).suffix.lower() in (".npz", ".parquet") else 20
     # the file itself, each channel's scratch file, and the terms of one channel
     need = values * (width + 8) + 8 * 7 * n
-    if n > MOST or need > free:
+    from imu_lib.drawing import by_pieces
+
+    in_memory = n * len(model.channel_names) if not by_pieces(model) else 0
+    if n > MOST or need > free or in_memory > IN_MEMORY:
         raise InputError(
             f"--hours {args.hours:g} at {rate:g} Hz are {n:,} samples of {len(model.channel_names)} "
             f"channels, more than memory and disk take ({need / 1e9:.3g} GB; {free / 1e9:.3g} GB are "
