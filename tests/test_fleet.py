@@ -161,6 +161,13 @@ def test_manifest_and_names(tmp_path):
         fleet.entries(_made(tmp_path / "empty"))
 
 
+def test_the_table_of_an_earlier_run_is_no_record(folder, table, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "fleet.parquet").write_bytes(table[0])
+    (tmp_path / "a.npz").write_bytes((folder / "unit0_2024-05-01.npz").read_bytes())
+    assert [entry.file for entry in fleet.entries(tmp_path)] == ["a.npz"]
+
+
 def _made(path):
     path.mkdir()
     return path

@@ -14,10 +14,9 @@ import time
 from pathlib import Path
 
 from imu_lib.errors import InputError
-from imu_lib.fleet.manifest import Entry
+from imu_lib.fleet.manifest import TABLE, Entry
 from imu_lib.fleet.rows import COLUMNS
 
-TABLE = "fleet.parquet"
 #: The table is written anew when this many times the last writing's own time has passed.
 SPARE = 20.0
 #: Changes when rows of earlier versions no longer serve.

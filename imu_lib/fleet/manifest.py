@@ -22,6 +22,8 @@ OPTIONS = {
     "start": float,
     "stop": float,
 }
+#: The table that a fleet makes.
+TABLE = "fleet.parquet"
 _DATE = re.compile(r"(?:^|[_\-. T])((?:19|20)\d\d)-?([01]\d)-?([0-3]\d)(?=$|[_\-. T])")
 
 
@@ -67,6 +69,7 @@ def _of_folder(folder, options):
         for p in folder.rglob("*")
         if p.suffix.lower() in SUFFIXES
         and p.is_file()
+        and p.name != TABLE  # of an earlier run, where --out lies inside the folder
         and not any(part.startswith(".") for part in p.relative_to(folder).parts)
     )
     out = []
