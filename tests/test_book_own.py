@@ -146,3 +146,19 @@ def test_tools_that_lack_are_named(tmp_path, monkeypatch, capsys):
     assert main(["book", str(tmp_path / "x.npz")]) == 2
     told = capsys.readouterr().err
     assert "imu_lib[book]" in told and len(told.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", ["own_record", "own_drive"])
+def test_what_a_template_imports_is_there(name):
+    import ast
+    from importlib import import_module
+
+    text = (ROOT / f"book/{name}.md").read_text(encoding="utf-8")
+    cells = [c.source for c in own.notebook_of(text).cells if c.cell_type == "code"]
+    assert len(cells) > 8
+    for node in ast.walk(ast.parse("\n".join(cells))):
+        if isinstance(node, ast.ImportFrom):
+            module = import_module(node.module)
+            for alias in node.names:
+                if not hasattr(module, alias.name):
+                    import_module(f"{node.module}.{alias.name}")
