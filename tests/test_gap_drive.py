@@ -8,9 +8,9 @@ import pytest
 
 from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
-from imu_lib.gap.drive import coarse, columns, path, problem, select
+from imu_lib.gap.drive import columns, path, problem, select
 from imu_lib.model import Model
-from imu_lib.navigation import earth, strapdown
+from imu_lib.navigation import earth, gross, strapdown
 
 MODEL = Model.from_json(generator.MODEL)
 
@@ -71,12 +71,12 @@ def test_sensitivity_is_the_derivative_of_the_innovations():
 )
 def test_axes_are_found(permutation):
     drive = made(5, [("axes", {"permutation": permutation})], gnss_rate=2.0)
-    assert coarse.axes(drive)[0] == permutation
+    assert gross.axes(drive)[0] == permutation
 
 
 def test_late_fixes_are_found():
     drive = made(6, [("gnss_time_offset", {"offset": 3.0})], gnss_rate=1.0, velocity=False)
-    assert coarse.late(drive)[0] == pytest.approx(3.0, abs=0.3)
+    assert gross.late(drive)[0] == pytest.approx(3.0, abs=0.3)
 
 
 def test_two_effects_are_found_named_and_added(tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.drive import Drive
+from imu_lib.health.driven import disagreements
 from imu_lib.health.record import of_record
 from imu_lib.health.result import Health
 
@@ -45,6 +46,8 @@ def of_drive(drive: Drive) -> Health:
         )
     if drive.gnss_velocity is None:
         more.append("The fixes have no velocity.")
+    if not any("overlap" in m for m in more):
+        more += disagreements(drive)
     # a vehicle moves: that it is not at rest is no finding here
     keep = tuple(
         f

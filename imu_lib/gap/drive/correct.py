@@ -6,10 +6,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import Drive
+from imu_lib.navigation.gross import IDENTITY, to_body
 
 from . import columns
-
-IDENTITY = ("+x", "+y", "+z")
 
 
 def value(theta, effect):
@@ -21,14 +20,6 @@ def cross_coupling(six):
     """X of the model file's matrix xy xz yx yz zx zy."""
     xy, xz, yx, yz, zx, zy = six
     return np.array([[0.0, xy, xz], [yx, 0.0, yz], [zx, zy, 0.0]])
-
-
-def to_body(permutation):
-    """Matrix from the file's axes into the body's: column i is where the file's axis i points."""
-    c = np.zeros((3, 3))
-    for i, entry in enumerate(permutation):
-        c["xyz".index(entry[1]), i] = 1.0 if entry[0] == "+" else -1.0
-    return c
 
 
 def axes_put_right(drive: Drive, permutation) -> Drive:

@@ -12,9 +12,10 @@ from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect
 from imu_lib.errors import InputError
 from imu_lib.model import Model
+from imu_lib.navigation import gross
 from imu_lib.units import DEG
 
-from . import base_model, coarse, columns, correct, outage, search, steps, vehicle
+from . import base_model, columns, correct, outage, search, steps, vehicle
 from .battery import battery
 from .problem import Noise, turn_on_of, with_constants
 
@@ -64,20 +65,30 @@ class DriveReport:
         }
 
 
-def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, judge=True, say=None):
+def close(
+    drive: Drive,
+    model: Model | None = None,
+    *,
+    seed=0,
+    heading=None,
+    judge=True,
+    random=True,
+    say=None,
+):
     """Find what the filter does not know about a drive.
 
     model : of the sensor; its key `drive` is where the search starts; None: white noise and walks
     alike on the three axes, fitted to the drive
     heading : rad at the start, as somebody gives it; the first `reference_attitude` otherwise
-    judge : compare outages before and after; say : callable, told what is done
+    judge : compare outages before and after; random : search for changes of what is random too;
+    say : callable, told what is done
     Raises InputError where the drive has too little to be searched.
     """
     say = say or (lambda text: None)
     rng = np.random.default_rng(seed)
     _enough(drive)
     notes = []
-    permutation, sure, runner, gain, alike = coarse.axes(drive)
+    permutation, sure, runner, gain, alike = gross.axes(drive)
     say(f"axes {' '.join(permutation)}")
     right = correct.axes_put_right(drive, permutation)
     windows = outage.withheld(right)
@@ -85,7 +96,7 @@ def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, jud
     state = search.State(
         right, noise, theta, withhold=tuple((w.start, w.duration) for w in windows)
     )
-    late, likeness = coarse.late(correct.corrected(right, theta))
+    late, likeness = gross.late(correct.corrected(right, theta))
     if abs(late) > 0.25:
         theta[columns.of("gnss_time_offset")] += late
         state.kept = ("gnss_time_offset",)
@@ -99,30 +110,32 @@ def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, jud
         state.noise = first.noise = noise = fitted
         original = noise.model
         first.weigh()
-    search.run(state, given=given, say=say)
+    search.run(state, given=given, random=random, say=say)
     before = battery(first.problem, first.result.e, first.use, rng)
     after = battery(state.problem, state.result.e, state.use, rng)
     found = steps.of(state, first, noise, rng, before)
-    if permutation != correct.IDENTITY:
+    if permutation != gross.IDENTITY:
         found.insert(0, steps.axes(permutation, sure, runner, gain, alike, before))
     attitude_sd = _attitude_sd(state)
     turned = vehicle.mounting(state.problem, attitude_sd)
     found += steps.mounting(turned, after)
-    mount = np.zeros(3) if turned is None or found[-1:] == [] else _mount(found)
+    mount = _mount(found)
     given_yaw = heading
     if given_yaw is None and drive.reference_attitude is not None:
         given_yaw = float(drive.reference_attitude[0, 2])
     if given_yaw is not None:
-        apart, sd = vehicle.heading_error(state.problem, given_yaw, mount, attitude_sd)
-        found += steps.heading(apart, sd, after)
+        apart = vehicle.heading_error(state.problem, given_yaw, mount, attitude_sd)
+        found += [] if apart is None else steps.heading(*apart, after)
     steps.arm_of_vehicle(found, right, mount)
-    whole = Model.with_drive(original, tuple(_effects(found)))
+    fitted = [] if given else _ratios(noise, drive)
+    original = original.with_drive(tuple(fitted))
+    whole = original.with_drive((*fitted, *_effects(found)))
     unexplained = steps.unexplained(state, after)
     result = None
     if windows and judge:
         say("outages before and after")
         result, more = outage.compare(
-            drive, with_constants(original.with_drive(())), with_constants(whole), windows
+            drive, with_constants(original), with_constants(whole), windows
         )
         notes += more
     return DriveReport(
@@ -134,6 +147,10 @@ def close(drive: Drive, model: Model | None = None, *, seed=0, heading=None, jud
 def _enough(drive):
     name = drive.source or drive.name or "the drive"
     fixes = int(np.isfinite(drive.gnss_position).all(axis=1).sum())
+    if gross.velocities_swapped(drive):
+        raise InputError(
+            f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the third's sign."
+        )
     if drive.duration < SHORTEST or fixes < FEWEST:
         raise InputError(
             f"{name}: {drive.duration:.0f} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
@@ -173,16 +190,25 @@ def _start(drive, model, notes):
     return theta, noise, True, model.with_drive(())
 
 
+def _ratios(noise, drive):
+    """Ratios of the fixes' errors to the usual ones, fitted where the drive states none."""
+    return [
+        DriveEffect("gnss_noise", {"ratio": getattr(noise, of), "of": of})
+        for of in ("position", "velocity")
+        if getattr(drive, f"gnss_{of}_sd") is None and getattr(noise, of) != 1.0
+    ]
+
+
 def _attitude_sd(state):
     """How well the path knows its attitude, rad (3,): from the filter's own covariance."""
     return np.minimum(np.median(state.problem.attitude_sd, axis=0), 20 * DEG)
 
 
 def _mount(found):
-    last = found[-1]
-    if last["effect"] != "mounting":
-        return np.zeros(3)
-    return np.array([last["parameters"][k] for k in ("roll", "pitch", "yaw")])
+    for step in found:
+        if step["effect"] == "mounting":
+            return np.array([step["parameters"][k] for k in ("roll", "pitch", "yaw")])
+    return np.zeros(3)
 
 
 def _effects(found):

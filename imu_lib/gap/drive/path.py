@@ -9,7 +9,7 @@ from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Gnss
 
 from . import columns, condense
-from .problem import Noise, Problem, turn_on_of, with_constants
+from .problem import Noise, Problem, for_search, turn_on_of
 
 LONGEST = 0.5  # s between nodes
 LINEAR_STEP = 0.05  # s of one linear step
@@ -33,7 +33,7 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     spread = replace_sd(drive, *loose)
     engine = LooselyCoupled(
         spread,
-        FilterModel("gap", with_constants(noise.model), turn_on_sd=turn_on, flicker="markov"),
+        FilterModel("gap", for_search(noise.model), turn_on_sd=turn_on, flicker="markov"),
         gnss=gnss,
         heading=heading,
         remove_bias=False,
@@ -41,7 +41,8 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     prepared = engine.prepared
     fixes = prepared.fixes
     _trust_velocities(fixes, split=bool(velocity_shift))
-    solution = engine.solve(moments=[])
+    end = min(float(drive.time[-1]), float(fixes.time[-1])) - 1.0
+    solution = engine.solve(moments=[end])
     rate = prepared.rate
     bias = _bias(engine, solution)
     lever = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm, float)

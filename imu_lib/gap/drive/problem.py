@@ -9,7 +9,7 @@ import numpy as np
 from imu_lib.drive import Drive
 from imu_lib.model import Model
 from imu_lib.navigation.states import sensor_states
-from imu_lib.processes import Constant, Sum
+from imu_lib.processes import Constant, GaussMarkov, Sum, WhiteNoise
 from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
 
@@ -84,7 +84,7 @@ class Problem:
         """
         a = self.arrays
         sensors = sensor_states(
-            with_constants(noise.model), self.rate, turn_on_sd=self.turn_on, flicker="markov"
+            for_search(noise.model), self.rate, turn_on_sd=self.turn_on, flicker="markov"
         )
         output = np.zeros((6, sensors.count))
         for c in range(6):
@@ -137,6 +137,27 @@ def turn_on_of(model: Model):
     if isinstance(given, dict):
         return float(given.get("gyro", TURN_ON[0])), float(given.get("accel", TURN_ON[1]))
     return tuple(float(v) for v in given)
+
+
+def for_search(model: Model) -> Model:
+    """The model with constants, and flicker noise as two Gauss-Markov processes, of 16 and 160 s,
+    and white noise for what is faster: between fixes and within a drive no more of it is seen, and
+    each state costs the search time.
+    """
+    channels = {}
+    for c in CHANNELS:
+        terms = []
+        for process in model[c].terms:
+            if process.name != "flicker":
+                terms.append(process)
+                continue
+            sigma = process.B * np.sqrt(np.log(10.0) / np.pi)  # one decade each
+            times = [10.0**k / (2.0 * np.pi) for k in range(-1, 4)]
+            white = np.sqrt(2.0 * sigma**2 * sum(times[:3]))
+            terms += [WhiteNoise(N=float(white))]
+            terms += [GaussMarkov(sigma=float(sigma), correlation_time=t) for t in times[3:]]
+        channels[c] = Sum(tuple(terms))
+    return with_constants(model.with_channels(channels))
 
 
 def with_constants(model: Model) -> Model:

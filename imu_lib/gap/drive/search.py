@@ -16,6 +16,7 @@ from .path import build
 from .problem import Noise, Problem
 
 ROUNDS = 10
+FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
@@ -92,13 +93,15 @@ def candidates(problem: Problem, given_arm=True):
     return out
 
 
-def run(state: State, *, given: bool, say=lambda text: None) -> State:
+def run(state: State, *, given: bool, random=True, say=lambda text: None) -> State:
     """Search until nothing more is asked for."""
     state.rebuild()
     seen = {}
     for number in range(ROUNDS):
         names = candidates(state.problem)
-        kept, _ = select.best(state.reg, names)
+        # a path that is still far off looks like many things at once
+        most = number + 1 if number < 2 and state.reg.temper > FAR else 8
+        kept, _ = select.best(state.reg, names, most)
         linear = _step(state, kept)
         moved = set(kept) != set(state.kept) or linear is not None
         key = (frozenset(kept), tuple(c.change.key for c in state.changes), state.restarts)
@@ -116,6 +119,8 @@ def run(state: State, *, given: bool, say=lambda text: None) -> State:
             _hold(state, kept)
             state.rebuild()
             continue
+        if not random:
+            break
         _refit(state)
         noise = _noise_step(state, given)
         if noise is None:

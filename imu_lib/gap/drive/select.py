@@ -16,6 +16,7 @@ from . import columns
 
 PER_PARAMETER = 1.5  # nats; chance alone gains 0.5 each
 PER_EFFECT = 5.0  # nats: about eighteen effects are tried at once
+HUBER = 4.0  # standard deviations
 BLOCK = 20.0  # s over which scores are summed to see how correlated they are
 #: Groups of columns: an effect of the file format or a cause outside it.
 GROUPS = {}
@@ -60,6 +61,15 @@ def regression(problem, result, theta, use) -> Regression:
     seen = np.flatnonzero(np.diag(information) > 0.0)
     x, _, _ = plain.solve(seen)
     left = total - j[:, seen] @ x
+    # what lies far out even then is not let decide (Huber 1964)
+    size = max(1.0, 1.48 * float(np.median(np.abs(left))))
+    weight = np.minimum(1.0, HUBER * size / np.maximum(np.abs(left), 1e-12))
+    if np.mean(weight < 1.0) > 1e-3:
+        root = np.sqrt(weight)
+        e, j, total = e * root, j * root[:, None], total * root
+        information, score = j.T @ j, j.T @ total
+        x, _, _ = Regression(information, score, 1.0, e.size).solve(seen)
+        left = total - j[:, seen] @ x
     time = np.broadcast_to(problem.time[:, None], good.shape)[good]
     block = ((time - time[0]) / BLOCK).astype(int)
     ratios = []
@@ -84,7 +94,7 @@ def best(reg, candidates, most=8):
     kept, top = (), 0.0
     alone = {e: score_of(reg, (e,)) for e in candidates}
     promising = [e for e in candidates if alone[e] > -PER_EFFECT - 20.0]
-    for size in (1, 2, 3):
+    for size in range(1, min(most, 3) + 1):
         for subset in combinations(promising, size):
             value = alone[subset[0]] if size == 1 else score_of(reg, subset)
             if value > top:

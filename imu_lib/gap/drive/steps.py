@@ -71,11 +71,12 @@ def of(state, first, noise, rng, before):
             )
         )
         gap = after
+    original = noise.model
     for found in sorted(state.changes, key=lambda c: -c.gain):
         noise = found.change.enter(noise, found.values)
         result = state.evaluate(noise)
         after = battery(state.problem, result.e, state.use, rng).index
-        out.append(_random_step(state, found, (gap, after)))
+        out.append(_random_step(state, found, original, (gap, after)))
         gap = after
     return out
 
@@ -107,13 +108,13 @@ def _gap_with(state, plain, reg, effects, rng):
     return battery(state.problem, e, state.use, rng).index
 
 
-def _random_step(state, found, gaps):
+def _random_step(state, found, first, gaps):
     change = found.change
     parameters = change.describe(found.values)
     if change.effect == "bias_model":
         parameters = {
             "channel": parameters["channel"], "process": parameters["process"],
-            "name": parameters["name"], "from": float(found.first), "to": parameters["to"],
+            "name": parameters["name"], "from": _stated(first, parameters), "to": parameters["to"],
         }  # fmt: skip
     sd = _curvature(state, found)
     low, high = (change.describe(found.values * np.exp(s * 1.96 * sd)) for s in (-1.0, 1.0))
@@ -131,6 +132,14 @@ def _random_step(state, found, gaps):
         change.effect, parameters, intervals, 1.0 / total,
         {"effect": names[k], "confidence": float(weights[k] / total)}, alike, gaps, found.gain,
     )  # fmt: skip
+
+
+def _stated(model, parameters):
+    """The value of a process's parameter in the model as it was given."""
+    for process in model[parameters["channel"]].terms:
+        if process.name == parameters["process"]:
+            return float(getattr(process, parameters["name"]))
+    return None
 
 
 def _curvature(state, found):

@@ -52,13 +52,31 @@ def _robust(a, b):
     return x, float(size / np.sqrt(independent) / np.mean(a[keep, 0]))
 
 
+CARRIED = 90.0  # s over which the gyros carry a heading back to the start
+DRIFT = 2e-4  # rad/s that the gyros' bias may still be off
+
+
 def heading_error(problem, given, mount, attitude_sd):
-    """Given heading at the start minus the path's own, in the vehicle's axes, and its standard
-    deviation, rad. The path's early heading is the later one carried back by the gyros.
+    """Given heading at the first sample minus the path's own, in the vehicle's axes, and its
+    standard deviation, rad; None where the drive has a hole there. The path's early heading is the
+    later one carried back by the gyros.
     """
-    first = problem.path["attitude"][0]
-    c = Rotation.from_euler("ZYX", first[::-1])
-    turn = Rotation.from_euler("ZYX", mount[::-1])
-    yaw = (c * turn.inv()).as_euler("ZYX")[0]
+    path, drive = problem.path, problem.drive
+    node = int(np.searchsorted(path["time"], path["time"][0] + CARRIED))
+    if node >= path["time"].size:
+        return None
+    until = path["time"][node]
+    part = (drive.time > drive.time[0]) & (drive.time <= until)
+    step = np.diff(drive.time)[part[1:]]
+    if step.max() > 1.0:
+        return None
+    turns = (drive.gyro[part] - problem.arrays["bias"][:3]) * step[:, None]
+    turned = Rotation.from_rotvec(turns)
+    while len(turned) > 1:  # the product in order, two by two
+        if len(turned) % 2:
+            turned = Rotation.concatenate([turned, Rotation.identity(1)])
+        turned = turned[0::2] * turned[1::2]
+    c = Rotation.from_euler("ZYX", path["attitude"][node][::-1]) * turned[0].inv()
+    yaw = (c * Rotation.from_euler("ZYX", mount[::-1]).inv()).as_euler("ZYX")[0]
     apart = (given - yaw + np.pi) % (2 * np.pi) - np.pi
-    return float(apart), float(attitude_sd[2])
+    return float(apart), float(np.hypot(attitude_sd[2], DRIFT * (until - drive.time[0])))

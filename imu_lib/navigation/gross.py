@@ -12,15 +12,15 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from imu_lib.drive import Drive
-from imu_lib.navigation import earth
 
-from . import correct
+from . import earth
 
 STEP = 0.2  # s of the common grid
 WIDTH = 2.0  # s of smoothing
 FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs from the above
 LATEST = 12.0  # s
-CLEAR = 15.0  # least gain of other axes, after tempering, nats
+IDENTITY = ("+x", "+y", "+z")
+CLEAR = 6.0  # least gain of other axes, after tempering, nats
 
 
 @dataclass(frozen=True)
@@ -110,13 +110,21 @@ def _alike(m, column, shift):
     return float(np.corrcoef(m.expected[a, column][keep], m.readings[b, column][keep])[0, 1])
 
 
+def to_body(permutation):
+    """Matrix from the file's axes into the body's: column i is where the file's axis i points."""
+    c = np.zeros((3, 3))
+    for i, entry in enumerate(permutation):
+        c["xyz".index(entry[1]), i] = 1.0 if entry[0] == "+" else -1.0
+    return c
+
+
 def axes(drive: Drive):
     """The order and signs of the axes: (permutation, confidence, runner-up, gain in nats,
     indistinguishable).
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 50:
-        return correct.IDENTITY, 0.0, correct.IDENTITY, 0.0, ()
+        return IDENTITY, 0.0, IDENTITY, 0.0, ()
     shifts = [int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)]
     shifts = sorted(shifts, key=abs)
     costs = {}
@@ -125,17 +133,17 @@ def axes(drive: Drive):
         np.median(readings[:, :3][~m.moving], axis=0) if (~m.moving).sum() > 50 else 0.0
     )
     for permutation in everything():
-        c = correct.to_body(permutation)
+        c = to_body(permutation)
         body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
         costs[permutation] = min(_cost(m, body, k) for k in shifts)
     order = sorted(costs, key=costs.get)
     first, second = order[0], order[1]
-    here = costs[correct.IDENTITY]
+    here = costs[IDENTITY]
     # smoothed readings repeat themselves for WIDTH seconds
     temper = WIDTH / STEP * 5.0 * max(1.0, costs[first] / max(m.moving.sum() * 3.0, 1.0))
     gain = (here - costs[first]) / temper
-    if first == correct.IDENTITY or gain < CLEAR:
-        return correct.IDENTITY, 0.0, first, gain, ()
+    if first == IDENTITY or gain < CLEAR:
+        return IDENTITY, 0.0, first, gain, ()
     apart = (costs[second] - costs[first]) / temper
     alike = tuple(p for p in order[1:] if (costs[p] - costs[first]) / temper < 3.0)
     return first, float(1.0 / (1.0 + np.exp(-apart))), second, float(gain), alike
@@ -158,3 +166,23 @@ def _cost(m, body, shift):
     z = np.abs(z)
     huber = np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5)
     return float(huber.sum() * (m.moving.sum() / max(keep.sum(), 1)))
+
+
+def velocities_swapped(drive: Drive) -> bool:
+    """Whether the fixes' velocities fit their own positions as east, north and not as north, east."""
+    if drive.gnss_velocity is None:
+        return False
+    time = np.asarray(drive.gnss_time)
+    position, velocity = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
+    later = np.searchsorted(time, time + 2.0)
+    k = np.flatnonzero(later < time.size)
+    later = later[k]
+    k, later = k[time[later] - time[k] < 4.0], later[time[later] - time[k] < 4.0]
+    moved = earth.meters(position[later], position[k])[:, :2] / (time[later] - time[k])[:, None]
+    went = 0.5 * (velocity[k] + velocity[later])[:, :2]
+    fast = np.linalg.norm(went, axis=1) > 3.0
+    if fast.sum() < 50:
+        return False
+    straight = np.median(np.linalg.norm((moved - went)[fast], axis=1))
+    swapped = np.median(np.linalg.norm((moved - went[:, ::-1])[fast], axis=1))
+    return bool(swapped < 0.5 * straight and straight > 2.0)

@@ -1,0 +1,156 @@
+"""What a drive says against itself: fixes, readings and reference held beside each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.drive import Drive
+from imu_lib.navigation import earth, gross
+from imu_lib.units import DEG
+
+LATE = 0.25  # s
+HEAVY = 0.015  # of gravity: three standard deviations of a bias at switch-on
+JUMP = 10.0  # m
+FAR = 10.0  # m of a reference from the fixes
+RATIO = 3.0  # of the fixes' scatter to what is stated
+
+
+def disagreements(drive: Drive) -> list[str]:
+    """Sentences, each with its remedy: wrong axes or units, late fixes, wrong gravity, a reference
+    that jumps or lies elsewhere, standard deviations that are not true, velocities in another
+    frame.
+    """
+    if gross.velocities_swapped(drive):
+        return [
+            "The fixes' velocities are east, north, up; a drive holds north, east, down: swap the first two and turn the third's sign."
+        ]
+    out = []
+    permutation, _, _, gain, _ = gross.axes(drive)
+    right = drive
+    if permutation != gross.IDENTITY:
+        c = gross.to_body(permutation)
+        right = drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
+        out.append(
+            f"The axes are not forward, right, down: the fixes' accelerations and turns fit when x, y, z of the file point "
+            f"along the body's {', '.join(permutation)} ({gain:.0f} nats); `imu-lib gap` on this drive with --out DIR writes a model file that "
+            "holds it, for --model."
+        )
+    return out + _time(right) + _turns(right) + _weight(right) + _reference(drive) + _fixes(drive)
+
+
+def _time(drive):
+    late, likeness = gross.late(drive)
+    if abs(late) < LATE:
+        return []
+    return [
+        f"The fixes are about {abs(late):.1f} s {'late' if late > 0 else 'early'} against the IMU (turns and accelerations agree best there, "
+        f"correlation {likeness:.2f}): give `imu-lib outages` --latency {-late:.1f}, or let `imu-lib gap` find it to the hundredth."
+    ]
+
+
+def _turns(drive):
+    m = gross.motion(drive)
+    if m is None or m.moving.sum() < 200 or np.std(m.expected[m.moving, 2]) < 0.02:
+        return []
+    steps = int(round(gross.late(drive)[0] / gross.STEP))
+    expected, felt = np.roll(m.expected[:, 2], -steps)[m.moving], m.readings[m.moving, 2]
+    if np.corrcoef(expected, felt)[0, 1] < 0.7:
+        return []
+    slope = float(np.std(felt) / np.std(expected))
+    for factor, unit in ((1.0 / DEG, "deg/s"), (DEG, "rad/s twice converted")):
+        if 0.7 < slope / factor < 1.4:
+            return [
+                f"The gyros turn {slope:.3g} times as fast as the fixes' course: they are in {unit}, not rad/s; multiply them by {1 / factor:.4g}."
+            ]
+    return []
+
+
+def _weight(drive):
+    position = np.asarray(drive.gnss_position)
+    good = np.isfinite(position).all(axis=1)
+    g = earth.gravity(*position[good][0, ::2])
+    width = max(int(drive.rate), 2)
+    count = drive.time.size // width
+    if count < 10:
+        return []
+    cut = slice(0, count * width)
+    blocks = drive.accel[cut].reshape(count, width, 3)
+    scatter = blocks.std(axis=1).sum(axis=1) + 10.0 * drive.gyro[cut].reshape(count, width, 3).std(
+        axis=1
+    ).sum(axis=1)
+    still = np.argsort(scatter)[: max(count // 20, 5)]
+    size = float(np.median(np.linalg.norm(blocks[still].mean(axis=1), axis=1)))
+    if abs(size / g - 1.0) < HEAVY:
+        return []
+    return [
+        f"Gravity reads {size:.3f} m/s^2 in the quietest seconds, {g:.3f} is true there: a scale factor of "
+        f"{size / g - 1:+.3f} or a bias of {size - g:+.2f} m/s^2 on the vertical accelerometer; `imu-lib gap` tells which, where the drive can."
+    ]
+
+
+def _reference(drive):
+    if not drive.has_reference:
+        return []
+    out = []
+    time = np.asarray(drive.reference_time)
+    moved = earth.horizontal(drive.reference_position[1:], drive.reference_position[:-1])
+    step = np.diff(time)
+    speed = np.median(moved / step) + 60.0
+    jumps = np.flatnonzero(moved > JUMP + speed * step)
+    if jumps.size:
+        k = jumps[np.argmax(moved[jumps])]
+        out.append(
+            f"The reference jumps {jumps.size} times, by {moved[k]:.0f} m at {time[k]:.1f} s: errors against it there are its own; "
+            "score against the full-GNSS solution."
+        )
+    at = np.column_stack(
+        [np.interp(drive.gnss_time, time, c) for c in np.asarray(drive.reference_position).T]
+    )
+    inside = (drive.gnss_time >= time[0]) & (drive.gnss_time <= time[-1])
+    inside &= np.isfinite(drive.gnss_position).all(axis=1)
+    if inside.sum() > 20:
+        apart = float(np.median(earth.horizontal(drive.gnss_position[inside], at[inside])))
+        if apart > FAR:
+            out.append(
+                f"The reference lies {apart:.0f} m from the fixes in the median: one of the two is in another frame, or late."
+            )
+    return out
+
+
+def _fixes(drive):
+    """Positions against their own velocities, over one interval between fixes."""
+    if drive.gnss_velocity is None:
+        return []
+    time = np.asarray(drive.gnss_time)
+    position, velocity = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
+    step = np.diff(time)
+    good = (
+        np.isfinite(position).all(axis=1)
+        & np.isfinite(velocity).all(axis=1)
+        & np.append(step < 1.5 * np.median(step), False)
+    )
+    k = np.flatnonzero(good[:-1] & good[1:])
+    if k.size < 50:
+        return []
+    moved = earth.meters(position[k + 1], position[k])
+    went = 0.5 * (velocity[k] + velocity[k + 1]) * step[k, None]
+    out = []
+    if drive.gnss_position_sd is None:
+        return out
+    scatter = 1.48 * np.median(np.abs(moved - went)[:, :2])
+    sd = np.asarray(drive.gnss_position_sd)
+    stated = np.sqrt(2.0) * np.nanmedian(sd[:, :2])
+    extra = step.mean() * np.nanmedian(
+        0.1 if drive.gnss_velocity_sd is None else np.asarray(drive.gnss_velocity_sd)[:, :2]
+    )
+    if scatter > RATIO * np.hypot(stated, extra):
+        out.append(
+            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where {stated / np.sqrt(2):.2g} m is stated: "
+            "their standard deviations are too small; `imu-lib gap` says by how much (gnss_noise)."
+        )
+    elif scatter < stated / (3.0 * RATIO):
+        out.append(
+            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where {stated / np.sqrt(2):.2g} m is stated: "
+            "their errors last (gnss_correlated) or the standard deviations are too large; `imu-lib gap` says which."
+        )
+    return out
