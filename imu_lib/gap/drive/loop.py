@@ -21,6 +21,7 @@ from .problem import Noise, turn_on_of, with_constants
 
 SHORTEST = 60.0  # s
 FEWEST = 40  # fixes
+UNSURE = 3.0  # gap index above which innovations are far from white, and no name is sure
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,12 @@ def close(
             drive, with_constants(original), with_constants(whole), windows
         )
         notes += more
+    if result is not None and (result.ratio() or {"low": 0.0})["low"] > 1.0:
+        # nothing is taken that does not predict what the search has not seen
+        whole, unexplained = original, steps.worse(found, result.ratio()["value"], unexplained)
+    if after.index > UNSURE:
+        for step in found:
+            step["confidence"] = min(step["confidence"], 0.8)
     return DriveReport(
         drive, given, tuple(found), tuple(steps.invisible(state)), whole, before, after, result,
         unexplained, tuple(notes), state, first,

@@ -293,4 +293,12 @@ def unexplained(state, after):
     return "; ".join(parts) or None
 
 
+def worse(found, ratio, left):
+    """What is said where the effects found make withheld outages worse: none of them is sure."""
+    for step in found:
+        step["confidence"] = min(step["confidence"], 0.5)
+    said = f"what was found makes withheld outages worse ({ratio:.1f} times the error), so that the model file does not hold it"
+    return said + (f"; {left}" if left else "")
+
+
 __all__ = ["correct", "of", "unexplained"]
