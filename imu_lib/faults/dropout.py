@@ -91,13 +91,16 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
         often = np.r_[common, strange_ones[most]]
     atoms, alone, chance, others_chance = [], [], 0.0, 0.0
     plain: list[int] = []
-    strange, kinds = int(runs[foreign].sum()), int(foreign.sum())
+    away = np.abs(values - middle)
     count = np.bincount(levels.index[levels.index >= 0], minlength=len(values))
     for at in often[count[often] < 0.5 * count.sum()]:  # what most samples have is the reading
         p = levels.value_chance(int(at), spread)
         improbable = IMPROBABLE
-        if foreign[at]:  # knocks, too, make strange values; seldom the same one again and again
-            others = (strange - runs[at]) / (kinds - 1) if kinds > 1 else 0.0
+        if foreign[at]:
+            # knocks and heavy tails, too, make strange values; those nearer to the usual ones more
+            # often, and seldom the same one again and again
+            nearer = runs[(away >= 0.5 * away[at]) & (away < away[at])]
+            others = float(nearer.mean()) if len(nearer) else 0.0
             p, improbable = max(others, 0.02) / total, IMPROBABLE_FOREIGN
         standing = runs[at] > MANIFOLD * p * total and (
             poisson.logsf(runs[at] - 1, p * total) < improbable

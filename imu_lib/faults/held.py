@@ -14,6 +14,8 @@ from imu_lib.faults.finding import Finding, named, seconds
 SHARE = 0.3
 #: Runs that chance may make in a record, to be called frozen.
 FROZEN = 1e-6
+#: Part of the way from independent to alike at which two channels are held together.
+LIFT = 0.3
 #: Scatter of the number of copies over their mean up to which they are a slower rate; copies that
 #: come at random scatter by more.
 REGULAR = 0.42
@@ -98,21 +100,25 @@ def _others_too(rows: np.ndarray, others: list[np.ndarray]) -> bool:
 def _streams(again: dict, chance: dict) -> list[list[str]]:
     """Channels that repeat far beyond chance, those that do so in the same rows together."""
     groups: list[list[str]] = []
-    for name, mask in again.items():
+    for name in sorted(again, key=lambda c: chance[c]):
+        mask = again[name]
         share = mask.mean()
         if share < SHARE or share - chance[name] < 0.5 * share:
             continue
-        home = next(
-            (
-                g
-                for g in groups
-                if (mask & again[g[0]]).sum() > 0.85 * min(mask.sum(), again[g[0]].sum())
-                and (mask & again[g[0]]).sum() > 0.7 * max(mask.sum(), again[g[0]].sum())
-            ),
-            None,
-        )
+        # all that the one holds the other holds, and what it repeats besides is chance
+        home = next((g for g in groups if _alike(again[g[0]], mask)), None)
         groups.append([name]) if home is None else home.append(name)
     return groups
+
+
+def _alike(rows: np.ndarray, mask: np.ndarray) -> bool:
+    """Whether two channels, each repeating by chance now and then, are held together: as many times
+    a reading, and one repeats where the other does, far more than if they had nothing in common.
+    """
+    usual = [float(np.median(np.diff(np.flatnonzero(~m)))) for m in (rows, mask)]
+    share = mask.mean()
+    together = mask[rows].mean() > share + LIFT * (1 - share)
+    return bool(together and abs(usual[0] - usual[1]) < 0.25 * max(usual))
 
 
 def _held(group, rows, time, rate, *, whole: bool, rare: bool) -> Finding | None:

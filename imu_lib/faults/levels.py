@@ -34,7 +34,7 @@ class Prepared:
 
 def prepared(x: np.ndarray, bad: np.ndarray, rate: float, grid: float) -> Prepared:
     """One channel, shape (n,). `grid` is the step of its output, 0 where there is none."""
-    x = bridged(x, bad)
+    given, x = x, bridged(x, bad)
     n = len(x)
     width = int(min(max(16, round(SLOW * rate)), max(4, n // 8)))
     residual = x - uniform_filter1d(x, width, mode="nearest")
@@ -42,7 +42,12 @@ def prepared(x: np.ndarray, bad: np.ndarray, rate: float, grid: float) -> Prepar
     k = max(1, n // block)
     size = np.abs(residual[: k * block]).reshape(k, block)
     # the mean size, not the median one: on a coarse grid most samples are alike
-    level = np.sqrt(np.pi / 2) * np.mean(size, axis=1)
+    good = ~(bad[: k * block] | np.isnan(given[: k * block])).reshape(k, block)
+    count = good.sum(axis=1)
+    level = np.sqrt(np.pi / 2) * (size * good).sum(axis=1) / np.maximum(count, 1)
+    full = count >= 0.25 * block
+    if full.any():  # what is bridged tells no noise
+        level = np.interp(np.arange(k), np.flatnonzero(full), level[full])
     before, after = sides(level, REACH)
     wide = np.maximum(before, after)
     # the grid hides a scatter below it
