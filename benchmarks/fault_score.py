@@ -65,6 +65,8 @@ def run(seed, kind, show):
 
 
 def wilson(count, total):
+    if not total:
+        return {"count": 0, "of": 0}
     low, high = proportion_confint(count, total, method="wilson")
     return {"count": int(count), "of": int(total), "low": round(low, 4), "high": round(high, 4)}
 
@@ -75,14 +77,14 @@ def main():
     parser.add_argument("--sound", type=int, default=200)
     parser.add_argument("--first", type=int, default=1000)
     parser.add_argument("--kinds", default=",".join(generator.KINDS))
-    parser.add_argument("--print", action="store_true", help="show misses, store nothing")
+    parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
     kinds = [k for k in args.kinds.split(",") if k]
     table, named, false, cost = {}, Counter(), Counter(), []
     for kind in kinds:
         hits = 0
         for seed in range(args.first, args.first + args.cases):
-            found, wrong, spent = run(seed, kind, args.print)
+            found, wrong, spent = run(seed, kind, True)
             hits += found
             named[FINDING.get(kind, kind)] += found
             false.update(set(wrong))
@@ -91,7 +93,7 @@ def main():
         print(f"{kind:<15}{hits:>5} of {args.cases}", flush=True)
     alarms = 0
     for seed in range(args.first, args.first + args.sound):
-        _, wrong, spent = run(seed, None, args.print)
+        _, wrong, spent = run(seed, None, True)
         alarms += bool(wrong)
         false.update(set(wrong))
         cost.append(spent)
