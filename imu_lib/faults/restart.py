@@ -37,7 +37,7 @@ def find(
         if rows.sum() >= least:
             joint = np.maximum(joint, np.sort(score[rows], axis=0)[-least])
     found = []
-    for at in peaks(joint, CHANGED, 2 * (WIDTH + GUARD)):
+    for at in peaks(joint, CHANGED, 3 * (WIDTH + GUARD)):
         members = score[:, at] > CHANGED
         if not members[is_gyro].any():
             continue
