@@ -7,48 +7,32 @@ a tilt, a vibration that goes on is the environment's: none of them is found her
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import comb
 
 import numpy as np
 from scipy.stats import poisson
 
+from imu_lib.faults.excursion import LEVEL, excursions
 from imu_lib.faults.finding import Finding, named, seconds
-from imu_lib.faults.levels import Prepared, sides, tail_threshold, windows
+from imu_lib.faults.hits import ALONE, Hit, merged
+from imu_lib.faults.levels import Prepared, tail_threshold, windows
 
 #: s of the windows of energy; one sample long, too, where several channels agree.
 ENERGY = (0.02, 0.08, 0.32, 1.28)
-#: s of the windows of level.
-LEVEL = (0.5, 2.0, 8.0)
-#: Chance alarms allowed in a record: on one channel, on several together.
-ALONE, TOGETHER = 1e-4, 1e-4
-#: Noise levels by which a sample must stand out on each of several channels, and a level.
-STANDS, LEVEL_STANDS = 5.5, 7.0
+#: Chance alarms allowed in a record, on several channels together.
+TOGETHER = 1e-4
+#: Noise levels by which a sample must stand out on each of several channels.
+STANDS = 5.5
 #: Noise levels from which on a sample is large.
 LARGE = 4.0
 #: Ratio of energies, without the few largest samples', that one channel alone must reach.
 LOUD = 6.0
-#: Blocks of level on each side that tell what is usual, and those next to it left out.
-LEVEL_REACH, GUARD = 15, 1
 #: s of the means that tell where an excursion of the level begins and ends.
 FINE = 0.25
 #: s between two findings that are one.
 JOINED = 0.6
 #: s up to which it is a knock.
 KNOCK = 1.0
-#: rad that a turn about one axis alone must reach, beyond its own noise.
-TURN = 4e-3
-
-
-@dataclass
-class Hit:
-    """Rows [low, high) in which channels (indices) stand out, by how much."""
-
-    low: int
-    high: int
-    channels: frozenset
-    score: float
-    slow: bool = False
 
 
 def find(channels: dict[str, Prepared], time: np.ndarray, rate: float) -> list[Finding]:
@@ -64,9 +48,9 @@ def find(channels: dict[str, Prepared], time: np.ndarray, rate: float) -> list[F
     bad = np.any([channels[c].bad for c in names], axis=0)
     for length in sorted({max(2, round(s * rate)) for s in LEVEL}):
         if n // length >= 24:
-            hits += _level(x, bad, length, rate, names)
+            hits += excursions(x, bad, length, rate, names)
     found = []
-    for hit in _merged(hits, max(2, round(JOINED * rate))):
+    for hit in merged(hits, max(2, round(JOINED * rate))):
         left = _no_steps(hit, channels, names, rate)
         if left is not None:
             found.append(_finding(left, channels, names, time, rate))
@@ -191,72 +175,6 @@ def _together(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.nd
     return out
 
 
-def _level(x: np.ndarray, bad: np.ndarray, length: int, rate: float, names) -> list[Hit]:
-    """Windows whose mean is off those of both sides, on two channels, or one gyro by an angle.
-
-    Windows in which samples are bridged are not judged, where these are few.
-    """
-    hits = []
-    for offset in (0, length // 2):
-        bridged = windows(bad, length, offset).any(axis=1)
-        if bridged.mean() > 0.3:
-            bridged[:] = False
-        means = np.stack([windows(v, length, offset).mean(axis=1) for v in x])
-        off, scale = zip(*(_excursion(m) for m in means))
-        score = np.array(off) / np.array(scale)
-        stands = score > LEVEL_STANDS
-        mask = stands.sum(axis=0) >= 2
-        alone = np.zeros_like(mask)
-        for c, name in enumerate(names):
-            if name.startswith("gyro"):
-                value = np.log(np.maximum(score[c], 1e-3))
-                limit = max(tail_threshold(value, ALONE), np.log(2 * LEVEL_STANDS))
-                alone |= (value > limit) & (off[c] * length / rate > TURN)
-        mask = (mask | alone) & ~bridged
-        mask[: GUARD + 4] = mask[-GUARD - 4 :] = False  # there is no side to hold it against
-        hits += [
-            Hit(
-                offset + int(j) * length,
-                offset + (int(j) + 1) * length,
-                frozenset(np.flatnonzero(stands[:, j]).tolist()),
-                float(score[:, j].max()),
-                True,
-            )
-            for j in np.flatnonzero(mask)
-        ]
-    return hits
-
-
-def _excursion(mean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """By how much each mean is off both sides, and the scatter of such means around it."""
-    before, after = sides(mean, LEVEL_REACH, GUARD)
-    up = np.minimum(mean - before, mean - after)
-    down = np.minimum(before - mean, after - mean)
-    off = np.maximum(np.maximum(up, down), 0.0)
-    near = np.abs(mean - 0.5 * (before + after))
-    left, right = sides(near, LEVEL_REACH, GUARD)
-    # half the difference of the sides is drift, not scatter
-    scale = 1.4826 * np.maximum(np.maximum(left, right), np.median(near))
-    return off, np.maximum(scale, 1e-300)
-
-
-def _merged(hits: list[Hit], join: int) -> list[Hit]:
-    out: list[Hit] = []
-    for h in sorted(hits, key=lambda h: h.low):
-        if out and h.low <= out[-1].high + join:
-            last = out[-1]
-            out[-1] = Hit(
-                last.low,
-                max(last.high, h.high),
-                last.channels | h.channels,
-                max(last.score, h.score),
-                last.slow or h.slow,
-            )
-        else:
-            out.append(h)
-    return out
-
-
 def _finding(hit: Hit, channels, names, time, rate) -> Finding:
     low, high = _edges(hit, channels, names, rate)
     members = tuple(names[c] for c in sorted(hit.channels)) or tuple(names)
@@ -293,12 +211,23 @@ def _edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
     low, high = max(0, hit.low - reach), min(n, hit.high + reach)
     loud = np.zeros(high - low, bool)
     for c in hit.channels:
-        loud |= np.abs(channels[names[c]].fast[low:high]) > 4.0
-    if hit.slow or not loud.any():
+        # against the level of both sides: a moving mean has the knock in it
+        ready, near = channels[names[c]], max(20, reach)
+        sides = [ready.x[max(0, low - near) : low], ready.x[high : high + near]]
+        level = [float(np.median(part)) for part in sides if len(part) >= 4]
+        if level:
+            line = np.linspace(level[0], level[-1], high - low)
+            loud |= np.abs(ready.x[low:high] - line) > LARGE * ready.sigma[low]
+    if not loud.any():
         return _slow_edges(hit, channels, names, rate)
     first, last = np.flatnonzero(loud)[[0, -1]]
     margin = max(1, int(0.05 * rate))
-    return max(0, low + int(first) - margin), min(n, low + int(last) + 1 + margin)
+    fast = max(0, low + int(first) - margin), min(n, low + int(last) + 1 + margin)
+    if hit.slow:  # means over short blocks are blunt: only what is longer by more is theirs
+        slow = _slow_edges(hit, channels, names, rate)
+        if slow[1] - slow[0] > fast[1] - fast[0] + 1.5 * rate + 4:
+            return slow
+    return fast
 
 
 def _slow_edges(hit: Hit, channels, names, rate) -> tuple[int, int]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.faults import clock, disturbance, dropout, held, motion, restart, tilt, warm_up
+from imu_lib.faults import clock, disturbance, dropout, held, hole, motion, restart, tilt, warm_up
 from imu_lib.faults.chance import Levels
 from imu_lib.faults.finding import Finding
 from imu_lib.faults.levels import bridged, prepared
@@ -80,7 +80,7 @@ def _happened(record, channels, time, levels, data) -> list[Finding]:
         found += _within(live, channels, bad, levels, slice(low, high), time, rate)
     masked = {c: np.where(bad[c], np.nan, channels[c]) for c in live} if breaks else {}
     for at in breaks:
-        item = tilt.in_hole({c: x for c, x in masked.items()}, time, at)
+        item = hole.turned({c: x for c, x in masked.items()}, time, at)
         if item is not None:
             found.append(item)
     return found

@@ -24,10 +24,10 @@ AGREE, SHARE = 3.5, 0.15
 LARGE = 0.1
 #: Share by which the length of the specific force may change in it.
 LENGTH = 0.1
+#: Blocks of a turn of which the shape is looked at.
+LONGEST = 100
 #: Tilts looked for at the most beyond those where it was touched.
 MOST = 20
-#: s on each side of a hole that tell the attitude, and rad of a change told at the least.
-ASIDE, LEAST_IN_HOLE = 60.0, 3e-3
 MEANS = (
     "The sensor moved: the accelerometers see another part of gravity from then on. Taken for one "
     "record, it is a step, and slow noise that there is not."
@@ -66,7 +66,7 @@ def find(
         limits = cuts[i - 1][1] if i else 0, cuts[i + 1][0] if i + 1 < len(cuts) else f.k
         found.append(bench.turn(low, high, limits, touched=True))
     found += _untouched(bench, cuts)
-    return [_finding(t, f, w, time) for t in sorted(filter(None, found), key=lambda t: t.low)]
+    return [_finding(t, f, time) for t in sorted(filter(None, found), key=lambda t: t.low)]
 
 
 def _blocks_of(spans, f: Blocks, time) -> list[tuple[int, int]]:
@@ -156,7 +156,7 @@ class _Bench:
         if score < CHANGED:
             return None
         length = abs(np.linalg.norm(after) - np.linalg.norm(before)) / self.gravity
-        minimal = _rotation(before, after)
+        minimal = rotation(before, after)
         if np.linalg.norm(minimal) > LARGE and length < LENGTH:
             return Turn(low, high, minimal, change, score, np.inf)
         if w is None:
@@ -212,7 +212,7 @@ def _crossed(a, b) -> np.ndarray:
     )
 
 
-def _rotation(before, after) -> np.ndarray:
+def rotation(before, after) -> np.ndarray:
     """The smallest rotation vector that makes the specific force `before` the one `after`."""
     axis = np.cross(after, before)
     size = np.linalg.norm(axis)
@@ -221,30 +221,26 @@ def _rotation(before, after) -> np.ndarray:
     return axis / size * float(np.arctan2(size, np.dot(before, after)))
 
 
-def _span(turn: Turn, f: Blocks, w: Blocks | None) -> tuple[int, int]:
-    """Blocks [low, high) in which the turn went on: from 5 to 95 % of it."""
+def _span(turn: Turn, f: Blocks) -> tuple[int, int]:
+    """Blocks [low, high) in which the turn went on: the ramp of gravity that fits best."""
     low, high = max(0, turn.low), min(f.k, turn.high)
-    if high - low < 3:
+    if not 3 <= high - low <= LONGEST:
         return low, high
-    if w is not None and np.isfinite(turn.pulse) and turn.pulse > TURNED:
-        part = turn.angles @ (w.means[:, low:high] - np.median(w.means, axis=1)[:, None])
-        done = np.cumsum(part)
-    else:
-        done = turn.change @ (
-            f.means[:, low:high] - f.means[:, max(0, low - 8) : low + 1].mean(axis=1)[:, None]
-        )
-        done = np.maximum.accumulate(done)
-    if not done[-1] > 0:
-        return low, high
-    inside = np.flatnonzero((done > 0.05 * done[-1]) & (done < 0.95 * done[-1]))
-    if not len(inside):
-        at = low + int(np.argmax(done >= 0.5 * done[-1]))
-        return at, at + 1
-    return low + int(inside[0]), low + int(inside[-1]) + 2
+    first, last = max(0, low - 8), min(f.k, high + 8)
+    before = f.mean(first, low) if low > first else f.means[:, low]
+    done = turn.change @ (f.means[:, first:last] - before[:, None]) / (turn.change @ turn.change)
+    at = np.arange(first, last) + 0.5
+    best, out = np.inf, (low, high)
+    for i in range(low, high):
+        for j in range(i + 1, high + 1):
+            left = float(np.sum((done - np.clip((at - i) / (j - i), 0.0, 1.0)) ** 2))
+            if left < best:
+                best, out = left, (i, j)
+    return out
 
 
-def _finding(turn: Turn, f: Blocks, w: Blocks | None, time) -> Finding:
-    low, high = _span(turn, f, w)
+def _finding(turn: Turn, f: Blocks, time) -> Finding:
+    low, high = _span(turn, f)
     low, high = low * f.size, min(high * f.size, len(time) - 1)
     start, stop = float(time[low]), float(time[high])
     angle = float(np.linalg.norm(turn.angles))
@@ -266,48 +262,12 @@ def _finding(turn: Turn, f: Blocks, w: Blocks | None, time) -> Finding:
             "pulse_over_noise": turn.pulse if np.isfinite(turn.pulse) else None,
             "change": [float(c) for c in turn.change],
         },
-        f"The sensor was tilted by {_angle(angle)} at {seconds(start)} s: {seen}.",
+        f"The sensor was tilted by {angle_in_words(angle)} at {seconds(start)} s: {seen}.",
         MEANS,
         np.arange(low, high + 1),
     )
 
 
-def _angle(angle: float) -> str:
+def angle_in_words(angle: float) -> str:
     degrees = np.degrees(angle)
     return f"{degrees:.3g} deg" if degrees >= 0.5 else f"{60 * degrees:.3g} arcmin"
-
-
-def in_hole(x: dict[str, np.ndarray], time: np.ndarray, at: int) -> Finding | None:
-    """Whether the attitude changed between the rows `at` and `at` + 1, before and after a hole."""
-    accels = [f"accel_{a}" for a in "xyz"]
-    if any(c not in x for c in accels):
-        return None
-    first = int(np.searchsorted(time, time[at] - ASIDE))
-    last = int(np.searchsorted(time, time[at + 1] + ASIDE, side="right"))
-    first, last = min(first, max(0, at - 9)), max(last, min(len(time), at + 11))
-    left = np.stack([x[c][first : at + 1] for c in accels])
-    right = np.stack([x[c][at + 1 : last] for c in accels])
-    if min(left.shape[1], right.shape[1]) < 4:
-        return None
-    before, after = np.median(left, axis=1), np.median(right, axis=1)
-    turn = _rotation(before, after)
-    angle = float(np.linalg.norm(turn))
-    error = np.sqrt(left.var(axis=1) / left.shape[1] + right.var(axis=1) / right.shape[1])
-    size = float(np.linalg.norm(before))
-    if not size > 5.0:
-        return None
-    sure = angle * size / max(float(np.median(error)), 1e-300)
-    if angle < LEAST_IN_HOLE or sure < 2 * CHANGED:
-        return None
-    start, stop = float(time[at]), float(time[at + 1])
-    return Finding(
-        "tilt",
-        tuple(accels),
-        start,
-        stop,
-        {"time": 0.5 * (start + stop), "angles": [float(a) for a in turn]},
-        {"change_over_noise": sure, "change": [float(c) for c in after - before]},
-        f"Within the hole from {seconds(start)} to {seconds(stop)} s the attitude changed by "
-        f"{_angle(angle)}.",
-        MEANS,
-    )
