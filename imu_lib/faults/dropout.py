@@ -21,6 +21,8 @@ from imu_lib.faults.finding import Finding, named, seconds
 FOREIGN = 8.0
 #: log p below which a value that cannot be the sensor's comes again by no chance.
 IMPROBABLE_FOREIGN = -12.0
+#: Levels within the scatter around one that is too common, at the least.
+FINE_GRID = 8
 #: Runs that a value must come in, where it is not 0.
 LEAST_RUNS = 3
 MEANS = (
@@ -107,6 +109,9 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
         )
         # a clipped signal piles up at the end of what it usually does
         clipped = len(usual) > 0 and at in (usual[0], usual[-1])
+        if not foreign[at] and values[at] != 0:  # only a fine grid tells that a level is too common
+            near = np.searchsorted(values, (values[at] - spread, values[at] + spread))
+            standing = standing and near[1] - near[0] >= FINE_GRID
         if standing and foreign[at] and not _leaps(x, levels.index == at, FOREIGN / 2 * spread):
             continue
         if standing and not (clipped and values[at] != 0):
