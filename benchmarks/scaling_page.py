@@ -22,9 +22,11 @@ def line(rows, command):
 
 
 def table(rows, columns, heads):
+    def cell(value):
+        return "-" if value is None else value if isinstance(value, str) else f"{value:g}"
+
     out = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    out += ["| " + " | ".join(f"{r[c]:g}" if c != "command" else r[c] for c in columns) + " |"
-            for r in rows]  # fmt: skip
+    out += ["| " + " | ".join(cell(r[c]) for c in columns) + " |" for r in rows]
     return "\n".join(out)
 
 

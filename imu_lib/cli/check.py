@@ -8,6 +8,8 @@ from imu_lib.cli import common
 from imu_lib.errors import InputError
 
 NAME = "check"
+#: Samples above which a record is looked at part by part: faults are looked for in many copies of it.
+LONG = 1 << 19
 HELP = "Health of a record or drive: rate, duration, gaps, jitter, duplicates, NaN, saturation, frozen samples, units, rest, temperature."
 
 
@@ -45,7 +47,7 @@ def look(args):
         found = health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options))
         return found, readers.read_raw(args.file, columns=args.columns, topic=args.topic).described
     if args.file and not getattr(args, "only", None):
-        if (long := common.open_on_disk(args)) is not None:
+        if (long := common.open_on_disk(args, least=LONG)) is not None:
             bar = common.progress(about="check", total=100)
             done = [0]
 

@@ -143,7 +143,7 @@ def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool =
     return record
 
 
-def open_on_disk(args: argparse.Namespace):
+def open_on_disk(args: argparse.Namespace, *, least: int | None = None):
     """The record of parsed flags where it stays on disk: a long file that is read by pieces, or a
     folder of logs; else None.
     """
@@ -151,7 +151,7 @@ def open_on_disk(args: argparse.Namespace):
 
     options = record_options(args)
     if not Path(args.file).is_dir():
-        return open_long(args.file, **options)
+        return open_long(args.file, least=least, **options)
     if args.start is not None or args.stop is not None:
         return None
     return open_folder(args.file, **options)

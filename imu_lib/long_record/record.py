@@ -152,11 +152,12 @@ class LongRecord:
                 yield x
 
 
-def open_long(path, *, start=None, stop=None, trust_units=False, **options):
+def open_long(path, *, start=None, stop=None, trust_units=False, least=None, **options):
     """The record of a file as a LongRecord where it is long and can be read by pieces, else None.
 
     What columns are, their units and the rate are told by the file's first rows, read as any record
-    is. InputError as `read_record` raises it.
+    is. `least` is the number of samples above which a record counts as long (`stream.LONG`).
+    InputError as `read_record` raises it.
     """
     path = Path(path)
     if not path.is_file() or start is not None or stop is not None:
@@ -166,7 +167,7 @@ def open_long(path, *, start=None, stop=None, trust_units=False, **options):
         return None
     sizes = source.columns()
     rows = max(sizes.values())
-    if rows <= LONG:
+    if rows <= (LONG if least is None else least):
         return None
     head, described = _head(source, path, trust_units=trust_units, **options)
     if head.n != HEAD or slow_kind(head):
