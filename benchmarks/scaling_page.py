@@ -8,102 +8,90 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
-
 HERE = Path(__file__).parent
 SENSORS, HOURS = 1000, 100.0
+TEXT = """# How long it takes, and how much memory
 
-
-def line(rows, command):
-    """(fixed, per hour) processor time of a command, s, by least relative squares."""
-    own = [r for r in rows if r["command"] == command]
-    t, y = (np.array([r[key] for r in own], float) for key in ("hours", "processor"))
-    return np.linalg.lstsq(np.column_stack([1 / y, t / y]), np.ones(y.size), rcond=None)[0]
-
-
-def table(rows, columns, heads):
-    def cell(value):
-        return "-" if value is None else value if isinstance(value, str) else f"{value:g}"
-
-    out = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    out += ["| " + " | ".join(cell(r[c]) for c in columns) + " |" for r in rows]
-    return "\n".join(out)
-
-
-def page(told):
-    rows = told["table"]
-    lengths = [r for r in rows if "hours" in r]
-    fleets = [r for r in rows if "records" in r]
-    busy = max(r["load"] for r in rows)
-    longest = max(r["hours"] for r in lengths)
-    one = next(r for r in lengths if r["command"] == "characterise" and r["hours"] == longest)
-    fixed, hourly = line(lengths, "characterise")
-    total = SENSORS * (fixed + HOURS * hourly) / 3600
-    pairs = [
-        (a, b) for a in fleets for b in fleets
-        if a["records"] == b["records"] and (a["workers"], b["workers"]) == (1, 2)
-    ]  # fmt: skip
-    text = f"""# How long it takes, and how much memory
-
-Measured by `{told["command"]}` on {told["date"]}, {told["processors"]} processors. The machine was
-shared, with a load of up to {busy:g} on them: **wall times are those of a busy machine**, processor
-times are what the work costs. Memory is the peak of all processes of a command together, each with
-the pages that it shares counted (resident) and with them counted once (shared once).
+Measured by `{command}` on {date}, {processors} processors; {note}. The machine was shared, with a
+load of up to {busy:g}: **wall times are those of a busy machine**, processor times are what the work
+costs. Memory is the peak of all processes of a command together: resident, and with the pages that
+they share counted once.
 
 ## Length of a record
 
 Six channels at 200 Hz, simulated into a Parquet file, then checked and characterised from it.
 
-{
-        table(
-            lengths,
-            ("command", "hours", "wall", "processor", "rss", "pss"),
-            ("command", "hours", "wall, s", "processor, s", "resident, MiB", "shared once, MiB"),
-        )
-    }
+{table}
 
-Up to 5.8 hours (4.2 million samples) a record is held in memory; beyond, it stays on disk and each
-channel goes through one pass of some megabytes, so that memory does not grow with length.
+Up to 5.8 hours (4.2 million samples) `characterise` and `simulate` hold a record in memory; beyond,
+it stays on disk and each channel goes through one pass of some megabytes, so that memory does not
+grow with length: the day takes less than the hour. `check` was measured before it looked at records
+of more than half a million samples part by part.
 
 ## What does not scale
 
-Of the processor time of `characterise` about {
-        fixed:.0f} s do not depend on the length: programs that
-are loaded in each process and the fits, whose size is that of some hundred statistics. An hour of
-record adds {hourly:.2f} s.
-
-## Number of records
-
-Records of one minute at 50 Hz, six channels: nearly all of the time is fits.
-
-{
-        table(
-            fleets,
-            ("records", "workers", "wall", "processor", "rss", "pss"),
-            ("records", "workers", "wall, s", "processor, s", "resident, MiB", "shared once, MiB"),
-        )
-    }
-
-The tables are the same bytes for one and for two workers. What does not scale is the start of the
-processes, the table and the summary at the end. """
-    text += "; ".join(
-        f"{a['records']} records: {a['wall'] / b['wall']:.2f} times faster on two workers"
-        for a, b in pairs
-    )
-    text += f""" in wall time, on processors that had other work to do.
+Of the processor time of `characterise` about {fixed:.0f} s do not depend on the length: programs
+that are loaded in each process, and fits to some hundred statistics. Between the shortest and the
+longest record an hour adds {hourly:.1f} s. With workers the loading is paid in each of them, and a
+fleet adds its table and its summary at the end.
 
 ## A thousand sensors
 
-{SENSORS:,} sensors of {HOURS:g} hours at 200 Hz would need, by these figures,
-{total:.0f} hours of processor time: {total / 2:.0f} hours on two processors, {total / 64:.1f} hours on 64.
-Each process takes about {one["rss"] / 2:.0f} MiB, whatever the length. The
-records themselves are {SENSORS * HOURS * 3600 * 200 * 7 * 8 / 1e12:.1f} TB as numbers of eight bytes; reading them is then the larger
-part of the work of the disks, which was not measured here. Longest record measured: {longest:g} hours.
+{sensors:,} sensors of {hours:g} hours at 200 Hz would need, by these figures, {total:.0f} hours of
+processor time: {two:.0f} hours on two processors, {many:.1f} hours on 64, in two processes of about
+{each:.0f} MiB each for a record, whatever its length. The records are {size:.1f} TB as numbers of
+eight bytes; how fast the disks give them was not measured here. The longest record measured had
+{longest:g} hours; two workers against one were not measured on idle processors.
 
 Long records whose stamps jitter, text files and compressed `.npz` are still read into memory as a
 whole, and so is what `gap` and `compare` are given.
 """
-    return text
+
+
+def table(rows):
+    """The measurements as a table."""
+    heads = {
+        "command": "command",
+        "hours": "hours",
+        "wall": "wall, s",
+        "processor": "processor, s",
+        "rss": "resident, MiB",
+        "pss": "shared once, MiB",
+    }
+    out = ["| " + " | ".join(heads.values()) + " |", "|" + "---|" * len(heads)]
+    for row in rows:
+        cells = (row[key] for key in heads)
+        text = ("-" if c is None else c if isinstance(c, str) else f"{c:g}" for c in cells)
+        out.append("| " + " | ".join(text) + " |")
+    return "\n".join(out)
+
+
+def page(told):
+    """The text of the page."""
+    rows = [row for row in told["table"] if "hours" in row]
+    own = sorted((r["hours"], r["processor"], r["rss"]) for r in rows if r["command"] == "characterise")  # fmt: skip
+    (t0, y0, _), (t1, y1, memory) = own[0], own[-1]
+    hourly = (y1 - y0) / (t1 - t0)
+    fixed = y0 - hourly * t0
+    total = SENSORS * (fixed + HOURS * hourly) / 3600
+    return TEXT.format(
+        command=told["command"],
+        date=told["date"],
+        processors=told["processors"],
+        note=told["note"],
+        busy=max(row["load"] for row in rows),
+        table=table(rows),
+        fixed=fixed,
+        hourly=hourly,
+        sensors=SENSORS,
+        hours=HOURS,
+        total=total,
+        two=total / 2,
+        many=total / 64,
+        each=memory / 2,
+        size=SENSORS * HOURS * 3600 * 200 * 7 * 8 / 1e12,
+        longest=t1,
+    )
 
 
 if __name__ == "__main__":
