@@ -26,7 +26,7 @@ Six channels at 200 Hz, simulated into a Parquet file, then checked and characte
 Up to 5.8 hours (4.2 million samples) `characterise` and `simulate` hold a record in memory; beyond,
 it stays on disk and each channel goes through one pass of some megabytes, so that memory does not
 grow with length: the day takes less than the hour. `check` looks at records of more than half a
-million samples part by part; its row of one hour was measured before it did so below 5.8 hours.
+million samples part by part.
 
 ## What does not scale
 
