@@ -102,6 +102,14 @@ def test_what_the_call_says_wins_with_a_word(tmp_path):
     assert opened(tmp_path / "ms.csv", ms, "--time-unit s").record.rate == pytest.approx(0.1)
 
 
+def test_a_stated_unit_that_makes_an_unusual_rate_is_doubted(tmp_path):
+    head = "timestamp [us],gx [rad/s],gy [rad/s],gz [rad/s]"
+    text = strange_logs.table(head, strange_logs.I * 1_000_000, strange_logs.GYRO)
+    found = opened(tmp_path / "a.csv", text, "")
+    assert found.record.rate == 1.0 and any("--time-unit ns" in n for n in found.record.notes)
+    assert not opened(tmp_path / "a.csv", text, "--time-unit us").record.notes
+
+
 def test_a_unit_for_what_is_not_there_is_said(tmp_path):
     text = strange_logs.table("time,gx,gy,gz,foo_x,foo_y,foo_z", strange_logs.T, strange_logs.GYRO, strange_logs.ACCEL)  # fmt: skip
     notes = opened(tmp_path / "a.csv", text, strange_logs.SI).record.notes

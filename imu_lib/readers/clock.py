@@ -204,6 +204,20 @@ def read(
     )
 
 
+def doubt(stamp: np.ndarray, first: float, told: Reading, heading: str) -> tuple[str, ...]:
+    """A sentence where a stated unit makes an unusual rate and another one a usual one."""
+    rate = 1.0 / (mean_step(stamp) * told.factor)
+    other = _likely(stamp, first)
+    if usual_rate(rate) >= 0.1 or other in (None, told.unit) or len(stamp) < 20:
+        return ()
+    better = 1.0 / (mean_step(stamp) * spelling.TIME_UNITS[other])
+    if usual_rate(better) < 0.9:
+        return ()
+    return (
+        f"`{heading}` states {told.unit}, which makes {rate:.4g} Hz: unusual for such a sensor (in {other} it would be {better:.4g} Hz; --time-unit {other}).",
+    )
+
+
 def _likely(stamp, first) -> str | None:
     likely = {u: w for u, w in weights(stamp, first).items() if u in spelling.TIME_UNITS}
     best = max(likely, key=likely.get)

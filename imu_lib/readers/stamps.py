@@ -148,6 +148,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         raw.notes += (
             f"`{raw.headings['time']}` has {told.why}; --time-unit says otherwise where that is wrong.",
         )
+    if told.stated and not time_unit and not raw.contract:
+        raw.notes += clock.doubt(relative, first, told, raw.headings["time"])
     raw.start = first * told.factor
     raw.epoch = raw.start if raw.start > 1e8 else None
     for i, fall in getattr(raw, "set_back", ()):
