@@ -152,7 +152,7 @@ def _stamp(tokens: list[str], joined: str, name: str) -> Meaning | None:
             part = "sub" if unit in ("ns", "us", "ms") else "whole"
         rank = 0 if have & lexicon.OWN else 2 if have & lexicon.ARRIVAL else 1
         if joined == "itow":
-            unit = unit or "ms"
+            unit = "ms"  # u-blox counts the time of week in ms under this name
         if "sampletimefine" in joined:
             return Meaning("time", rank=0, part="ticks", why="the sensor's own sample time")
         if have & lexicon.COUNTER - {"i", "n", "id", "no"} and not have & (
