@@ -114,7 +114,7 @@ def align(
     if heading is None and not straight:
         raise InputError(
             f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s moves faster than "
-            f"{MOVING:g} m/s on a straight; give the initial heading"
+            f"{MOVING:g} m/s on a straight; give the initial heading (--heading DEG)"
         )
     position_sd, velocity_sd = (
         np.sqrt(fixes.variance[index[0], :3]),

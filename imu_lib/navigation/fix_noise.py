@@ -66,7 +66,8 @@ def changed(drive: Drive, gnss: Gnss, least: Gnss, innovations) -> Gnss:
     """How fixes are to be taken for their innovations to be as large as they say."""
     changes = {}
     for name, part in (("position", slice(0, 3)), ("velocity", slice(3, 6))):
-        if getattr(drive, f"gnss_{name}_sd") is None:
+        stated = getattr(drive, f"gnss_{name}_sd")
+        if stated is None or not np.isfinite(stated).any():
             ratio = getattr(gnss, f"{name}_ratio") * guess_ratio(innovations, part)
             changes[f"{name}_ratio"] = max(ratio, GUESSED * getattr(least, f"{name}_ratio"))
         else:
