@@ -11,10 +11,14 @@ import numpy as np
 from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.drifts import retuned
 from imu_lib.gap.effects import COMPETITORS
+from imu_lib.gap.engine import SCREEN
 from imu_lib.gap.state import EVIDENCE, GAIN, TEMPER, State
 
 #: Alternatives within this log evidence of the winner cannot be told from it.
 NEAR = 3.0
+#: A fit gains at the most so many times what its screening promises, and a rival further behind in
+#: log evidence has no weight.
+SLACK, SEEN = 2.0, 6.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second
 #: effect.
 REPLACED, REACH = 3, 150.0
@@ -32,14 +36,20 @@ class Weighed:
     gain: float
 
 
-def weigh(state: State, *, exclude=()) -> list[Weighed]:
-    """All candidates that could be added to `state`, the best first."""
+def weigh(state: State, *, exclude=(), least: float = 0.0) -> list[Weighed]:
+    """All candidates that could be added to `state`, the best first; without those whose screening
+    is far from a gain of `least`.
+    """
     effects = [e for e in COMPETITORS if e.name not in exclude]
     items = [c for e in effects for c in e.candidates(state)]
     # the screening of a changed parameter is a local slope, which promises too much
     best = max((c.screen for c in items if c.at is None), default=0.0)
     simple = max((c.screen for c in items if c.effect.simple), default=0.0)
-    items = [c for c in items if c.effect.worth_fitting(c, state, best, simple)]
+    items = [
+        c
+        for c in items
+        if c.effect.worth_fitting(c, state, best, simple) and SLACK * (c.screen + SCREEN) >= least
+    ]
     shaped = any(c.effect.shape is not None for c in state.drifts)
     out = []
     for item in items:
@@ -140,7 +150,11 @@ def _by_two(weighed, own, item, exclude, reach):
         more = next(
             (
                 v
-                for v in weigh(w.state.settled(), exclude=(*exclude, "telegraph"))
+                for v in weigh(
+                    w.state.settled(),
+                    exclude=(*exclude, "telegraph"),
+                    least=own - w.evidence - SEEN,
+                )
                 if v.gain > GAIN and v.evidence > EVIDENCE
             ),
             None,
