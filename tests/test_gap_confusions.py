@@ -113,12 +113,14 @@ def test_a_frozen_sample_at_the_end_of_the_range_is_no_rail():
     assert Saturation().detect(clipped, 0.1, None).process.low == pytest.approx(clipped.min())
 
 
-def test_a_curved_regression_on_the_temperature_is_left_without_a_name():
+def test_a_curved_regression_on_the_temperature_is_named_with_its_curvature():
     rng = np.random.default_rng(9)
     temperature = 25 + 5 * lfilter([1], [1, -0.9999], rng.standard_normal(N)) / 70
     x = WHITE.simulate(N, FS, rng) + 1e-5 * (temperature - 22) ** 2
     found = analyse("gyro_x", x, FS, Sum((WHITE,)), temperature=temperature)
-    assert "temperature" in found.unexplained and all(s.confidence <= 0.5 for s in found.steps)
+    (step,) = found.steps
+    assert step.effect == "temperature" and found.unexplained is None
+    assert step.parameters["curvature"] == pytest.approx(1e-5, rel=0.1)
     straight = WHITE.simulate(N, FS, rng) + Temperature(slope=1e-4, reference=25.0).mean(
         np.arange(N) / FS, temperature
     )
