@@ -26,7 +26,7 @@ def test_a_sound_record_is_said_to_be_sound_in_at_most_six_sentences():
     assert 3 <= len(said) <= 6
     text = " ".join(said)
     assert "400 s at 50 Hz" not in text  # a duration beyond two minutes is told in minutes
-    assert "6.67 min at 50 Hz" in text and "on all channels" in text
+    assert "6.67 min at 50 Hz, is good from 0 to 400 s" in text and "on all channels" in text
     assert "Nothing is wrong with the data" in text and "Nothing is left" in text
     # N = sd / sqrt(rate), to three per cent of a level read off 20,000 samples
     (number,) = [

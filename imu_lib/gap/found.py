@@ -59,6 +59,8 @@ class Report:
     seconds: float
     given: bool
     notes: tuple[str, ...] = ()
+    #: The stretch of the record that was looked at, s from its first sample; None: all of it.
+    stretch: tuple[float, float] | None = None
 
     def to_json(self) -> dict:
         """The contract's object."""

@@ -163,6 +163,7 @@ def close(
         time.perf_counter() - started,
         model is not None,
         ready.notes,
+        (ready.start, ready.stop),
     )
 
 

@@ -55,7 +55,8 @@ def _good_for(found) -> str:
         if clean
         else "with reserve, since no channel is explained in full"
     )
-    text = f"The record, {_seconds(span)} at {record.rate:.5g} Hz, is good for {what}, {good}"
+    start, stop = found.stretch or (0.0, span)
+    text = f"The record, {_seconds(span)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
     if held:
         text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
     return text + "."
