@@ -121,7 +121,8 @@ def _character(model: Sum, record):
     """(N, B, averaging time in s) of a channel: density near a twentieth of the rate, least Allan
     deviation over 0.664 where the record reaches it; None where there is none.
     """
-    noise = Sum(tuple(t for t in model.terms if not t.deterministic), ())
+    spikes = tuple(s for s in model.stages if s.name == "spikes")  # they are noise to a filter
+    noise = Sum(tuple(t for t in model.terms if not t.deterministic), spikes)
     fs = record.rate
     try:
         density = float(np.sqrt(noise.psd(np.array([min(1.0, 0.05 * fs)]), fs)[0] / 2))

@@ -26,8 +26,8 @@ def recorded(found, channel, *, axes=None):
     x, fs = np.asarray(found.record.channels[channel], float), found.record.rate
     x = np.interp(np.arange(len(x)), np.flatnonzero(~np.isnan(x)), x[~np.isnan(x)])
     noise = Sum(tuple(t for t in found.model[channel].terms if not t.deterministic))
-    low_pass = found.model[channel].low_pass
-    noise = noise if low_pass is None else noise + low_pass
+    for stage in found.model[channel].stages:
+        noise = noise + stage if stage.name in ("low_pass", "spikes") else noise
     felt = [p for p in (v.of(channel) for v in found.model.record if v.name == "vibration") if p]
     _in_time(axes[0], x, fs, felt)
     _spectrum(axes[1], x, fs, noise, felt)

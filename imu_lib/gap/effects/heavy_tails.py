@@ -16,6 +16,8 @@ from .resolution import grid_of
 #: Gain in log-likelihood over a normal distribution, and degrees of freedom beyond which nobody
 #: would tell.
 GAIN, MOST = 14.0, 60.0
+#: Degrees of freedom below which the variance hangs on the few largest samples.
+LEAST = 2.3
 #: Step of a grid, in standard deviations of the noise, beyond which its levels show.
 COARSE = 0.5
 #: log10 p of an unsteady level below which tails may be nothing but that.
@@ -82,6 +84,12 @@ class HeavyTails(ChannelEffect):
             f"where normal noise has {6.3e-5 * len(u):.1f}",
             {"freedom": [freedom * np.exp(-1.96 * sd), freedom * np.exp(1.96 * sd)]},
         )
+        if freedom < LEAST:
+            found.doubt = (
+                "distribution of the innovations: a few large deviations among many small ones, "
+                f"excess kurtosis {np.mean(u**4) - 3:.3g}: two noises that take turns"
+            )
+            return [found]
         left = unsteady(y, view.fs, independent)
         if left is not None and left[0] < STEADY:
             found.doubt = left[1]

@@ -18,6 +18,8 @@ OUTLIER = 5.0
 #: Samples that a spike makes surprising, on the mean, from which on the smallest are not counted
 #: one by one.
 TRACES = 3.0
+#: Share of the samples beyond which what is thrown off is no longer single samples.
+MANY = 0.1
 #: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two
 #: normals does not fill them.
 EDGES, SHAPE = (
@@ -130,6 +132,8 @@ class Spikes(Effect):
             gain < 14 or len(hit) < 2 or scale < 2.5
         ):  # a broader shoulder is another distribution, not spikes
             return None
+        if held is None and not traces and p > MANY:
+            return None  # a second noise, not single samples
         if held is None and not traces and tails.fitted(y)[0] > gain + normal_gain(y, s):
             return None  # heavy tails: there is no height at which spikes begin
         sd = s * np.sqrt(smooth.conditional_variance)
