@@ -142,7 +142,8 @@ def close(
     if result is not None and (result.ratio() or {"low": 0.0})["low"] > 1.0:
         # nothing is taken that does not predict what the search has not seen
         whole, unexplained = original, steps.worse(found, result.ratio()["value"], unexplained)
-    if after.index > UNSURE:
+    strange = state.restarts or any(e.startswith("other: ") for e in state.kept)
+    if after.index > UNSURE or strange:
         for step in found:
             step["confidence"] = min(step["confidence"], 0.8)
     return DriveReport(
