@@ -11,6 +11,9 @@ from imu_lib.faults.finding import BREAKS, Finding, seconds
 from imu_lib.faults.search import find
 from imu_lib.record import Record
 
+#: s left out on each side of a tilt or a restart.
+ASIDE = 1.0
+
 
 def breaks(findings) -> list[tuple[float, float]]:
     """Spans (s) in which no sound stretch may lie."""
@@ -18,8 +21,10 @@ def breaks(findings) -> list[tuple[float, float]]:
     for f in findings:
         if f.kind == "gap" and not clock.long_hole(f.stop - f.start, f.parameters["missing"]):
             continue
+        # the ends of a turn are known to some tenths of a second
+        margin = ASIDE if f.kind == "restart" or f.kind == "tilt" and len(f.rows) else 0.0
         if f.kind in BREAKS:
-            out.append((f.start, f.stop))
+            out.append((max(0.0, f.start - margin), f.stop + margin))
     return sorted(out)
 
 
