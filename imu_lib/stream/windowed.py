@@ -22,7 +22,7 @@ class Windowed:
         Window starts are congruent to it modulo `stride`.
     """
 
-    def __init__(self, span, stride=1, begin=0, phase=0):
+    def __init__(self, span: int, stride: int = 1, begin: int = 0, phase: int = 0) -> None:
         self.span, self.stride = span, stride
         self.begin = self.end = begin
         self.next = begin + (phase - begin) % stride
