@@ -4,6 +4,7 @@ go on.
     found = gap.close(record, model)        # or gap.close(record): the base is fitted first
     found.steps                             # what is missing, by channel, with parameters, intervals, confidence
     found.model                             # the model that holds it
+    found = gap.close(drive, model)         # a drive: what the filter does not know (`gap.drive`)
 
 The order of the work: what the electronics did to single samples, changes of the noise level,
 lines;
@@ -14,10 +15,31 @@ after.
 
 from __future__ import annotations
 
+from imu_lib.drive import Drive
+
 from .effects import CATALOGUE
 from .ensemble import Index
 from .found import ChannelReport, Report
-from .loop import close
+from .loop import close as _of_record
 from .steps import Step
 
 __all__ = ["CATALOGUE", "ChannelReport", "Index", "Report", "Step", "close"]
+
+
+def close(measured, model=None, **options):
+    """What is missing from `model`, held against a record at rest or against a drive.
+
+    Parameters
+    ----------
+    measured : Record or Drive
+    model : Model, optional
+        None: the base is fitted first.
+    **options
+        Of `gap.loop.close` for a record (a `Report` comes back), of `gap.drive.close` for a drive
+        (a `gap.drive.DriveReport`); the `to_json` of either is what `imu-lib gap --json` writes.
+    """
+    if isinstance(measured, Drive):
+        from .drive import close as of_drive  # the navigation filter is not needed for a record
+
+        return of_drive(measured, model, **options)
+    return _of_record(measured, model, **options)

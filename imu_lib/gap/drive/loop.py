@@ -7,12 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect
 from imu_lib.errors import InputError
 from imu_lib.model import Model
 from imu_lib.navigation import gross
+from imu_lib.navigation.held import Held
 from imu_lib.units import DEG
 
 from . import base_model, columns, correct, outage, search, steps, vehicle
@@ -177,12 +179,15 @@ def _start(drive, model, notes):
             f"the error model {model.name or ''} has no channel {missing[0]}; a drive needs all six"
         )
     noise = Noise(model.with_drive(()))
+    angles = Held.of(model.drive).mounting
+    turn = Rotation.identity() if angles is None else Rotation.from_euler("ZYX", angles[::-1])
     for effect in model.drive:
         values = effect.parameters
         part = columns.of(effect.name)
         if effect.name == "lever_arm":
             given = np.zeros(3) if drive.lever_arm is None else drive.lever_arm
-            theta[part] = np.asarray(values["arm"]) - given
+            # of the vehicle's axes into the case's, in which the search runs
+            theta[part] = turn.inv().apply(values["arm"]) - given
         elif effect.name == "gnss_time_offset":
             theta[part] = values["offset"], values.get("velocity_offset", values["offset"])
         elif part:
