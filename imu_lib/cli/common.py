@@ -95,7 +95,9 @@ def add_reading_arguments(group) -> None:
         help="names by position, as in time,gyro_x,gyro_y,gyro_z,-,accel_x; - skips",
     )
     group.add_argument(
-        "--topic", metavar="NAME", help="the IMU topic of a ROS bag that has several"
+        "--topic",
+        metavar="NAME",
+        help="the IMU topic of a ROS bag that has several; COLUMN=VALUE, as in I=0, of a table with rows of several sensors",
     )
     group.add_argument(
         "--trust-units", action="store_true", help="do not refuse units that look impossible"

@@ -179,7 +179,7 @@ def run(args):
         gnss=gnss,
         heading=heading,
         strict=bool(args.windows),
-        progress=sys.stderr.isatty(),
+        progress=lambda models: common.progress(models, about="models"),
         notes=notes,
     )
     if args.out:

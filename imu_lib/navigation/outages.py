@@ -9,7 +9,6 @@ a run of its own gives, for hundreds of windows at the price of one run and thei
 from dataclasses import replace
 
 import numpy as np
-from tqdm import tqdm
 
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
@@ -41,7 +40,7 @@ def compare(
     gnss: Gnss | None = None,
     heading=None,
     strict=True,
-    progress=False,
+    progress=None,
     notes=(),
     **options,
 ) -> OutageStudy:
@@ -55,7 +54,7 @@ def compare(
     gnss, heading, options : passed to `LooselyCoupled`
     strict : refuse a window that a model cannot start; False leaves it out for all models, and
     says so
-    progress : show a bar on standard error; notes : said before the study's own
+    progress : wraps the names of the models to show how far it is, as tqdm does; notes : said before the study's own
 
     Raises
     ------
@@ -78,9 +77,8 @@ def compare(
                 f"the outage from {w.start:g} s for {w.duration:g} s has a hole in the IMU data, or no fix before it; choose another"
             )
     engines, solutions, notes = {}, {}, list(notes)
-    bar = tqdm(models.items(), desc="models", disable=not progress, leave=False)
-    for name, model in bar:
-        bar.set_postfix_str(name)
+    for name in progress(models) if progress else models:
+        model = models[name]
         engines[name] = LooselyCoupled(drive, model, gnss=gnss, heading=heading, **options)
         solutions[name] = engines[name].solve(moments=sorted({w.start for w in windows}))
         about = [

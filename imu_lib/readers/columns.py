@@ -8,17 +8,18 @@ their nanoseconds), then values (`T` that does not rise is a temperature).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, names
+from imu_lib.readers import by_rows, instances, names
 from imu_lib.readers.asking import STAMPS, Heading, by_position, example, suggestion
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
-from imu_lib.readers.time_columns import letter_t, one_time
+from imu_lib.readers.time_columns import add_up, intervals, letter_t, one_time
 
 
 def decide(
@@ -62,7 +63,8 @@ def decide(
     )
     told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
     told = _numbered(raw, told, headings)
-    told = _habits(_alpha(told), headings)
+    told = _body_rates(_habits(_alpha(told), headings), headings)
+    told, interval = intervals(raw, told, headings)
     if not columns:
         if by_rows.sensors(told, headings) is None or signal:
             told = _bare(raw, told, headings, signal, named, load)
@@ -72,8 +74,11 @@ def decide(
             return by_rows.pivoted(raw, long, told, headings, load)
     else:
         by_rows.refuse_mixture(raw, told, headings, load)
+    raw.instances = instances.find(told, headings, load) if named else None
     wanted = [i for i, m in enumerate(told) if m.quantity]
     values = load(wanted)
+    if interval is not None:
+        add_up(raw, told, headings, values, interval)
     told = letter_t(told, headings, values)
     told = one_time(raw, told, headings, values)
     by_call = " (--columns)" if columns else ""
@@ -202,6 +207,29 @@ def _habits(told: list[Meaning], headings) -> list[Meaning]:
         else m
         for m, h in zip(told, headings)
     ]
+
+
+def _body_rates(told: list[Meaning], headings) -> list[Meaning]:
+    """p, q, r are the body rates of aeronautics where no other column is the gyro and none a
+    quaternion.
+    """
+    heads = [re.sub(r"[\[(].*", "", h.name).strip().lower() for h in headings]
+    there = [i for i, m in enumerate(told) if m.quantity is None and m.why == names.UNKNOWN]
+    rates = {heads[i]: i for i in there if heads[i] in ("p", "q", "r")}
+    other = any(m.quantity in ("gyro", "dtheta") for m in told) or {"qw", "q0", "q_w", "q_0"} & set(
+        heads
+    )
+    if len(rates) < 3 or other:
+        return told
+    out = list(told)
+    for axis, i in zip("xyz", (rates["p"], rates["q"], rates["r"])):
+        out[i] = Meaning(
+            "gyro",
+            axis,
+            names.spelled_unit(headings[i].name),
+            why="p, q, r: the body rates of aeronautics",
+        )
+    return out
 
 
 def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:

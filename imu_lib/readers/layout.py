@@ -183,7 +183,21 @@ def sniff(head: bytes, source: str, *, whole: bool = True) -> Layout:
     kinds = _settled(rows[start], rows[start + 1 : start + 200])
     first = kept[start]
     header, unit_row, rate = _header(lines, first, delimiter, len(kinds))
+    if header is None:
+        header = _over_two(lines, first, delimiter, kinds)
     return Layout(delimiter, decimal, header, unit_row, first, kinds, rate, encoding, comment)
+
+
+def _over_two(lines, first, delimiter, kinds) -> tuple[str, ...] | None:
+    """A header in which one name stands over a date and a clock; None where there is none."""
+    pairs = (("date", "clock"), ("clock", "date"))
+    place = next((i for i in range(len(kinds) - 1) if kinds[i : i + 2] in pairs), None)
+    if place is None:
+        return None
+    short = _header(lines, first, delimiter, len(kinds) - 1)[0]
+    if short is None or names.meaning(short[place]).quantity not in ("time", "date", "clock"):
+        return None
+    return (*short[: place + 1], *short[place:])
 
 
 def _alike(row, following) -> bool:

@@ -17,7 +17,7 @@ def words(text: str) -> set[str]:
 
 #: Words that tell what a column is, in the languages in which phone apps and loggers write them.
 GYRO = words(
-    "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop gyrometer"
+    "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop gyrometer pqr"
     " omega w wb wib wibb angvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
     " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus uhlovarychlost szogsebesseg acisalhiz"
     " гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
@@ -118,3 +118,30 @@ REMARKS = words(
     "raw calibrated uncalibrated cal uncal imu utc local gps relative boot body sensor device filtered lp hp axis"
     " unix posix since start system host txt text string hex elapsed"
 )
+
+
+def interval(tokens: list[str]) -> bool:
+    """Whether a heading is that of the time from one sample to the next: dt, delta_t_us, dt_ms."""
+    have = set(tokens) - set(FINE)
+    since = {"since", "last"} <= have or {"since", "previous"} <= have
+    return (
+        have
+        in (
+            {"dt"},
+            {"delta", "t"},
+            {"delta", "time"},
+            {"time", "delta"},
+            {"deltat"},
+            {"deltatime"},
+            {"dtime"},
+            {"sample", "interval"},
+            {"interval"},
+        )
+        or since
+        and bool(have & TIME)
+    )
+
+
+def fine(tokens: list[str]) -> str | None:
+    """The unit of time that the last such word of a heading says."""
+    return next((FINE[t] for t in reversed(tokens) if t in FINE), None)

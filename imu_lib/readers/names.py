@@ -144,9 +144,14 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
                 shorter = read(head, pointed, signal, str(name))
                 if shorter.quantity in SIGNALS and spelled in (*UNITS[shorter.quantity], "counts"):
                     found, unit = shorter, spelled
+    if found.part == "interval":
+        return replace(found, unit=unit or found.unit)
     if found.quantity is None:
         return found
     unit = unit or found.unit
+    if unit and unit != "counts" and "by its direction" in found.why:
+        if unit not in UNITS.get(found.quantity, (unit,)):
+            return Meaning(why=f"in {unit}: no {'rate' if found.quantity == 'gyro' else 'force'}")
     other = {"gyro": "accel", "accel": "gyro"}.get(found.quantity)
     if other and unit in UNITS[other] and re.fullmatch(r"[ga]_?[xyz]", key):
         # a lone letter: what the unit says is what it is (Gx in g, ax in deg/s)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -64,6 +65,7 @@ class Raw:
     received: bool = False  # the rows are in order of receipt, as in a bag
     held_rows: float = 1.0  # rows for which each reading stood, where they were taken once
     subseconds: np.ndarray | None = None  # fraction of the clock's whole seconds, s
+    instances: Any = None  # the column that tells several sensors apart, as `instances.find` has it
     set_back: tuple[tuple[int, float], ...] = ()  # rows at which the clock fell, and by how much
 
     def add(

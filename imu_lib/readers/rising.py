@@ -28,6 +28,9 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
     falls = np.flatnonzero(step < 0) + 1
     if not falls.size:
         return stamp, order
+    if (step <= 0).all() and not raw.contract:
+        newest_first(raw)
+        return stamp[::-1], order[::-1]
     ups = step[step > 0]
     usual = float(np.median(ups)) if ups.size else 0.0
     top = float(stamp.max())
@@ -67,6 +70,13 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
         shift = stamp[i - 1] + usual - stamp[i]
         stamp[i:] += int(round(shift)) if stamp.dtype.kind == "i" else shift
     return stamp, order
+
+
+def newest_first(raw: Raw) -> None:
+    """Say that the rows are read from the last to the first."""
+    line, last = raw.line, raw.rows() - 1
+    raw.line = lambda row: line(max(last - row, 0))
+    raw.notes += ("The newest row stands first; the rows were put in the order of time.",)
 
 
 def _set_back(stamp: np.ndarray, i: int) -> bool:

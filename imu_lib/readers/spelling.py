@@ -166,6 +166,9 @@ def scaled(text: str, kind: str) -> str | None:
     """What a call would say for a unit with a factor before it, as `0.01 deg/s`: counts per deg/s or
     g, ticks per second. None where the text is no such unit.
     """
+    text = re.sub(
+        r"\s*(?:/|\bper\b)?\s*\b(?:ticks?|lsb|counts?|digits?)\s*$", "", text, flags=re.IGNORECASE
+    )
     found = re.match(r"^\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*[*x ]?\s*(\D.*)$", text)
     unit = unit_of(found[2]) if found else None
     if unit is None or unit not in UNITS.get(kind, {}) or float(found[1]) <= 0:

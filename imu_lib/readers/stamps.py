@@ -14,7 +14,10 @@ from imu_lib.errors import InputError
 from imu_lib.readers import calendar, clock
 from imu_lib.readers.grain import grain, lattice_rate, without_grain
 from imu_lib.readers.raw import Raw
-from imu_lib.readers.rising import counted, rising
+from imu_lib.readers.rising import counted, newest_first, rising
+
+LOWEST, HIGHEST = 0.5, 10_100.0  # Hz, of the output of inertial sensors
+BURSTS = 0.1  # of the steps
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,26 @@ def settle(
         found = _calendar(raw, given, lenient)
     else:
         found = _untimed(raw, given, n)
+    if not raw.simulated:
+        _doubt(raw, found)
     return found
+
+
+def _doubt(raw: Raw, found: Timing) -> None:
+    """A word on a rate that no inertial sensor has, and on rows that come in bursts."""
+    if not LOWEST <= found.rate <= HIGHEST and not any("unusual for such" in n for n in raw.notes):
+        raw.notes += (
+            f"The rate is {found.rate:.6g} Hz, unusual for an inertial sensor; --time-unit or --rate says otherwise where that is wrong.",
+        )
+    if found.time is None or len(found.time) < 20:
+        return
+    step = np.diff(found.time)
+    bursts = float((step > 5.0 * np.median(step)).mean())
+    if bursts > BURSTS:
+        raw.notes += (
+            f"The rows come in bursts: {100 * bursts:.0f} % of the steps are more than five times the usual one. "
+            "Either the stamps are those of arrival, or the rows are of several sensors; keep the rows of one.",
+        )
 
 
 def _untimed(raw: Raw, rate, n) -> Timing:
@@ -167,6 +189,15 @@ def _calendar(raw, given, lenient) -> Timing:
     time, raw.epoch, minutes_only = calendar.seconds(raw)
     heading = " and ".join(f"`{raw.headings[c]}`" for c in ("date", "clock") if c in raw.columns)
     raw.start = raw.epoch
+    if (np.diff(time) <= 0).all() and time[-1] < time[0]:
+        newest_first(raw)
+        time = time[::-1]
+        for c in list(raw.columns):
+            raw.columns[c] = raw.columns[c][::-1]
+        if raw.epoch is not None:
+            raw.epoch += float(time[0])
+        raw.start = raw.epoch
+        time = time - time[0]
     falls = np.flatnonzero(np.diff(time) < 0)
     if falls.size:
         raise InputError(

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import arrays, bags, binary, packed, rdata, streams, ulog
+from imu_lib.readers import arrays, bags, binary, instances, packed, rdata, streams, ulog
 from imu_lib.readers.assemble import assemble, check_units
 from imu_lib.readers.raw import Column, Raw
 from imu_lib.readers.text import read_text
@@ -19,7 +19,21 @@ KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat, .ulg, .rda or a ROS bag"
 
 
 def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
-    """The columns of a file in its own units. InputError or OSError where it cannot be read."""
+    """The columns of a file in its own units, of one sensor where rows of several stand in it.
+    InputError or OSError where it cannot be read, or the call does not say which sensor.
+    """
+    raw = _read(path, columns, signal, topic)
+    keep = instances.rows(raw.instances, topic, raw.source)
+    if keep is not None:
+        fewer = raw.rows() - len(keep)
+        raw.notes += (f"{fewer:,} rows of other sensors were left out (--topic {topic}).",)
+        streams.without(raw, keep)
+        if raw.subseconds is not None:
+            raw.subseconds = raw.subseconds[keep]
+    return raw
+
+
+def _read(path, columns, signal, topic) -> Raw:
     path = Path(path)
     options = {"columns": columns, "signal": signal, "topic": topic}
     if bags.is_bag(path):
@@ -96,7 +110,7 @@ def _of_bytes(data: bytes, path: Path, options, name: str | None = None) -> Raw:
         inner = Path(folder) / Path(name).name
         inner.write_bytes(data)
         try:
-            raw = read_raw(inner, **options)
+            raw = _read(inner, **options)
         except InputError as error:
             raise InputError(str(error).replace(str(inner), str(path))) from None
     raw.source = str(path)

@@ -193,3 +193,29 @@ def _put_together(out, headings, values) -> list[Meaning] | None:
             )
     out[place] = replace(out[place], why="hours, minutes and seconds of several columns")
     return out
+
+
+def intervals(raw: Raw, told, headings) -> tuple[list[Meaning], int | None]:
+    """A column of intervals (dt_ms) as the time of a file that has no other and states no rate, and
+    which column it is.
+    """
+    there = [i for i, m in enumerate(told) if m.part == "interval" and headings[i].kind == "number"]
+    if len(there) != 1 or raw.rate or any(m.quantity in ("time", "date", "clock") for m in told):
+        return told, None
+    out = list(told)
+    unit = names.unit_of(headings[there[0]].unit or "") or told[there[0]].unit
+    out[there[0]] = Meaning("time", unit=unit, why="intervals, added up")
+    return out, there[0]
+
+
+def add_up(raw: Raw, told, headings, values, i: int) -> None:
+    """Intervals, each since the sample before, become stamps from 0 on."""
+    step = np.array(values[i])
+    if step.dtype.kind not in "fiu" or not (np.isfinite(step).all() and (step >= 0).all()):
+        told[i] = Meaning(why="an interval between stamps, not one for every row")
+        return
+    step[0] = 0  # since the start of the device, or of nothing
+    values[i] = np.cumsum(step, dtype=np.float64 if step.dtype.kind == "f" else np.int64)
+    raw.notes += (
+        f"`{headings[i].name}` holds the interval since the sample before; the intervals were added up to the time.",
+    )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from imu_lib.readers import lexicon
+from imu_lib.readers import directions, lexicon
 from imu_lib.readers.lexicon import words
 
 UNKNOWN = "its name is not known here"
@@ -46,13 +46,15 @@ def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
     if signal in ("gyro", "accel") and len(tokens) == 1 and re.fullmatch(r"[xyz1-3]", tokens[0]):
         return Meaning(signal, tokens[0], why=f"the file was given as --{signal}")
     joined = "".join(tokens)
+    if lexicon.interval(tokens):
+        return Meaning(unit=lexicon.fine(tokens), part="interval", why="an interval between stamps")
     stamp = _stamp(tokens, joined, name)
     if stamp:
         return stamp
     # the axis, and a word that holds kind and axis in one: gx, accX, xgyro
     words = []
     pointed = axis
-    for token in tokens:
+    for token in directions.without_number(tokens, axis):
         whole, front = lexicon.COMPACT.match(token), lexicon.COMPACT_FRONT.match(token)
         if re.fullmatch(r"[xyz]", token) or re.fullmatch(r"[xyz]axis|axis[xyz]", token):
             pointed = token.replace("axis", "")
@@ -180,6 +182,13 @@ def _stamp(tokens: list[str], joined: str, name: str) -> Meaning | None:
 
 def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     """An inertial reading, a temperature, or why it is none."""
+    directed = directions.axis_of(words) if axis is None else None
+    if directed:
+        found = _signal(*directed, name)
+        if found.quantity in SIGNALS:
+            return replace(
+                found, rank=max(found.rank, 2), why=f"{found.why}, {found.axis} by its direction"
+            )
     have = set(words)
     joined = "".join(words)
     for word in words:

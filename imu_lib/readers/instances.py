@@ -1,0 +1,92 @@
+"""Rows of several sensors of one kind in one table, told apart by a column: `I` 0 and 1 of a flight
+log, `sensor` left and right, the address of a device.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.readers.asking import Heading
+from imu_lib.readers.lexicon import words
+from imu_lib.readers.names import SIGNALS, Meaning
+
+#: Headings of a column that says whose reading a row is.
+NAMED = words(
+    "i instance inst imu imuid imuno imunumber imuindex id sensor sensorid sensorno sensornumber"
+    " sensorindex sensorname device deviceid devicename deviceaddress deviceno dev devid unit unitid node nodeid address addr mac"
+    " macaddress board boardid chip chipid channel source src name tag serial serialnumber sn port"
+    " type canid index idx slave"
+)
+MOST = 12  # sensors; a column of more values is no such column
+FEWEST = 5  # rows of a sensor
+
+
+@dataclass(frozen=True)
+class Instances:
+    """heading: of the column that tells sensors apart; labels (n,): what it says of each row, as text;
+    values: those that stand beside readings of one kind.
+    """
+
+    heading: str
+    labels: np.ndarray
+    values: tuple[str, ...]
+
+
+def find(told: Sequence[Meaning], headings: Sequence[Heading], load: Callable) -> Instances | None:
+    """The column that tells several sensors apart; None where the rows are of one sensor."""
+    signals = [i for i, m in enumerate(told) if m.quantity in SIGNALS and m.axis]
+    named = [
+        i
+        for i, h in enumerate(headings)
+        if told[i].quantity in (None, "counter")
+        and h.kind in ("number", "text")
+        and "".join(c for c in h.name.lower() if c.isalnum()) in NAMED
+    ]
+    if not named or not signals:
+        return None
+    values = load(named)
+    for i in named:
+        labels = _text(values[i])
+        found, place = np.unique(labels, return_inverse=True)
+        if not 2 <= len(found) <= MOST:
+            continue
+        for x in load(signals).values():
+            x = np.asarray(x)
+            there = np.isfinite(x) if x.dtype.kind == "f" else np.ones(len(x), dtype=bool)
+            rows = np.bincount(place[there], minlength=len(found))
+            if (rows >= FEWEST).sum() > 1:
+                return Instances(headings[i].name, labels, tuple(found[rows >= FEWEST].tolist()))
+    return None
+
+
+def _text(x) -> np.ndarray:
+    x = np.asarray(x)
+    if x.dtype.kind == "f" and np.isfinite(x).all() and (x == np.rint(x)).all():
+        x = x.astype(np.int64)
+    return np.char.strip(x.astype(str))
+
+
+def rows(found: Instances | None, topic: str | None, source: str) -> np.ndarray | None:
+    """The rows to keep by `--topic COLUMN=VALUE`, None where all are. InputError where the file
+    holds several sensors and the call does not say which, or says one that is not there.
+    """
+    if found is None:
+        if topic and "=" in topic:
+            raise InputError(
+                f"{source} has no column that tells several sensors apart; leave --topic {topic} out."
+            )
+        return None
+    column, _, value = (topic or "").rpartition("=")
+    if column == found.heading and value == "*":
+        return None
+    if column == found.heading and value in found.values:
+        return np.flatnonzero(found.labels == value)
+    first, *others = (f"--topic '{found.heading}={v}'" for v in found.values)
+    raise InputError(
+        f"{source}: `{found.heading}` tells {len(found.values)} sensors apart ({', '.join(found.values)}), whose rows stand in one table; "
+        f"choose one with {first} or {' or '.join(others[:3])} (--topic '{found.heading}=*' if all rows are of one sensor)."
+    )
