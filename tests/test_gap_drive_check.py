@@ -33,3 +33,10 @@ def test_a_right_drive_says_nothing():
 )  # fmt: skip
 def test_what_is_wrong_is_said(word, changes):
     assert word in said(**changes)
+
+
+@pytest.mark.parametrize("late", [2.0, -1.5])
+def test_the_flag_for_late_fixes_undoes_the_delay(late):
+    """`outages --latency S` takes a fix stamped t at t - S: late stamps ask for a positive S."""
+    words = said(gnss_time=RIGHT["gnss_time"] + late).split("--latency ")[1]
+    assert abs(float(words.split(",")[0]) - late) < 0.2

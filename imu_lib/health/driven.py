@@ -44,7 +44,7 @@ def _time(drive):
         return []
     return [
         f"The fixes are about {abs(late):.1f} s {'late' if late > 0 else 'early'} against the IMU (turns and accelerations agree best there, "
-        f"correlation {likeness:.2f}): give `imu-lib outages` --latency {-late:.1f}, or let `imu-lib gap` find it to the hundredth."
+        f"correlation {likeness:.2f}): give `imu-lib outages` --latency {late:.1f}, or let `imu-lib gap` find it to the hundredth."
     ]
 
 
