@@ -7,6 +7,7 @@ import pytest
 from scipy import signal
 
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.effects.wandering_level import PERIODIC, SPREAD, Level
 from imu_lib.processes import Sum, WhiteNoise
 
 FS, N = 100.0, 60_000
@@ -73,3 +74,40 @@ def test_normal_noise_behind_a_filter_has_neither():
     x = signal.lfilter([0.3], [1, -0.7], SD * rng.standard_normal(N))
     names = {s.effect for s in analyse("gyro_x", x, FS, None).steps}
     assert not names & {"heavy_tails", "wandering_level"}
+
+
+@pytest.mark.parametrize("shape", [np.sin, lambda phase: np.sign(np.sin(phase))])
+def test_a_level_with_a_period_does_not_wander(shape):
+    rng = np.random.default_rng(11)
+    phase = 2 * np.pi * np.arange(N) / (FS * 40.0)
+    x = SD * (1 + 0.3 * shape(phase)) * rng.standard_normal(N)
+    found = analyse("accel_x", x, FS, BASE)
+    assert "period of 40" in found.unexplained
+    assert not [s.effect for s in found.steps if s.confidence >= 0.9]
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_level_that_wanders_smoothly_has_no_period(order):
+    """A chain of Gauss-Markov processes has another spectrum than one of them, and no peak."""
+    rng = np.random.default_rng(order)
+    pole = np.exp(-1 / (FS * 20.0 / order))
+    g = rng.standard_normal(2 * N)
+    for _ in range(order):
+        g = signal.lfilter([1], [1, -pole], g)
+    level = Level(np.exp(0.3 * g[N:] / np.std(g)) * rng.standard_normal(N), FS, 1.0)
+    sd, time, _ = level.fit()
+    assert level.period(sd, time)[0] > PERIODIC
+
+
+def test_bursts_of_a_few_samples_are_not_the_level():
+    """What comes in clusters of a few loud samples says nothing of the rest."""
+    rng = np.random.default_rng(12)
+    often = np.repeat(wandering(rng, 1.0, 30.0, n=N // 100, fs=1.0) * 0.02, 100)
+    y = rng.standard_normal(N)
+    y[rng.random(N) < often] *= 3.0
+    level = Level(y, FS, 1.0)
+    _, foretold = level.smoothed(*level.fit()[:2])
+    assert level.shown(foretold) < SPREAD
+    level = Level(wandering(rng, 0.2, 30.0) * rng.standard_normal(N), FS, 1.0)
+    _, foretold = level.smoothed(*level.fit()[:2])
+    assert level.shown(foretold) == pytest.approx(1.0, abs=0.15)

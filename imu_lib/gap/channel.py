@@ -232,10 +232,13 @@ def _analyse(
     # ----------------------------------------------------------------------------------------
     say("what is left")
 
-    def left(state):
+    def bared(state):
         rest = data.x - state.deterministic
         smooth = Smooth(rest, fs)
-        y = whitened(rest, smooth) / clean.swing
+        return rest, whitened(rest, smooth) / clean.swing, smooth
+
+    def left(state):
+        rest, y, smooth = bared(state)
         for f in of_noise:
             y = f.effect.normal(y, f)
         return verdict.checks(state, rest, y, smooth, coarse_steps=coarse_steps)
@@ -249,10 +252,15 @@ def _analyse(
             state = profiled(state)
             tests = left(state)
     worst = min(tests, key=lambda c: c.log_p)
+    if doubts and np.ptp(state.deterministic) > 0:
+        # the edges of two levels are loud, too, until these are taken out
+        rest, y, smooth = bared(state)
+        doubts = noise_level.settled(replace(view, x=rest, y=y, smooth=smooth))[2]
     doubts += [f.doubt for f in findings if f.doubt]
     unexplained = None
     if worst.log_p < verdict.LIMIT:
-        unexplained = worst.where
+        # what was seen of the level says more than that it changes
+        unexplained = doubts[0] if doubts and worst.domain == "stationarity" else worst.where
     elif doubts:
         unexplained = doubts[0]
     steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals)

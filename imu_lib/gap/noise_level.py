@@ -14,14 +14,14 @@ from imu_lib.gap.engine import measured
 
 
 def settled(view):
-    """(view with everything undone that was found, findings, doubts)."""
+    """(view with everything undone that was found, findings, doubts with the likeliest first)."""
     findings = []
     while True:
         known = {f.effect.name for f in findings}
         trials = [f for e in CHANNEL if e.name not in known for f in e.candidates(view)]
         sound = [f for f in trials if f.doubt is None]
         if not sound:
-            return view, findings, [f.doubt for f in trials]
+            return view, findings, [f.doubt for f in sorted(trials, key=lambda f: -f.gain)]
         best = max(sound, key=lambda f: f.gain)
         findings.append(best)
         if best.scale is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, toeplitz
 from scipy.optimize import minimize
+from scipy.stats import gamma
 
 from imu_lib.processes import WanderingLevel as Stage
 
@@ -18,6 +19,15 @@ BLOCKS, SHORTEST = 600, 24
 GAIN, HANDICAP = 20.0, 8.0
 #: log10 p of an unsteady level beyond which it does more than wander.
 STEADY = -5.0
+#: Blocks that the correlation time has to span: what ends within one is a burst, or the edge of
+#: something in the signal itself.
+RESOLVED = 2.0
+#: Share of a block's largest samples that the level is told without, and how much of it the others
+#: have to show.
+LARGEST, SPREAD = 0.1, 0.6
+#: log10 p of a peak in the spectrum of the level below which it is periodic; ordinates it may fill,
+#: and on either side of it what it is compared with.
+PERIODIC, WIDTHS, BESIDE = -4.0, (1, 3, 9), 12
 
 
 class Level:
@@ -30,6 +40,8 @@ class Level:
         self.k = len(y) // self.m
         part = y[: self.k * self.m].reshape(self.k, self.m)
         self.energy = np.maximum(np.mean(part**2, axis=1), 1e-12)
+        small = np.sort(part**2, axis=1)[:, : self.m - max(1, int(LARGEST * self.m))]
+        self.small = 0.5 * np.log(np.maximum(np.mean(small, axis=1), 1e-12))
         self.log = 0.5 * np.log(self.energy)
         kurtosis = np.mean(part**4) / np.mean(self.energy**2) * (self.m + 2) / self.m
         self.noise = 0.25 * max(kurtosis - 1.0, 1.0) / (self.m * independent)
@@ -83,6 +95,43 @@ class Level:
         own = np.diag(weight)
         return mean + level, mean + (level - own * (self.log - mean)) / (1 - own)
 
+    def shown(self, foretold) -> float:
+        """By how much of what the other blocks foretell the smaller samples of a block are louder:
+        1 where all of the noise is, near 0 where a few samples are.
+        """
+        z = foretold - np.mean(foretold)
+        return float(z @ self.small / max(z @ z, 1e-300))
+
+    def period(self, sd: float, time: float) -> tuple[float, float]:
+        """(log10 of the p-value, period in s) of the most striking peak in the spectrum of the
+        level.
+
+        A peak stands out of the periodogram that a Gauss-Markov level would have, and out of the
+        ordinates on both sides: a level that falls off in another way has none.
+        """
+        k, ordinates = self.k, np.arange(self.k // 2 + 1)
+        window = np.sin(np.pi * (np.arange(k) + 0.5) / k)
+        power = np.abs(np.fft.rfft(window * (self.log - np.mean(self.log)))) ** 2
+        column = self.covariance(sd, time)
+        column[0] += self.noise
+        lags = column * np.correlate(window, window, "full")[k - 1 :]
+        model = 2.0 * np.fft.rfft(lags).real - lags[0]
+        best = (0.0, np.inf)
+        for width in WIDTHS:
+            half = width // 2
+            # neighbours under a sine window have the correlation 1/4
+            free = width / (1.0 + 0.5 * (1.0 - 1.0 / width))
+            for i in ordinates[4 + half : len(ordinates) - half - 1]:
+                low, high = i - half - 2, i + half + 3
+                sides = power[max(1, low - BESIDE) : low], power[high : high + BESIDE]
+                around = [np.median(p) / np.log(2) for p in sides if len(p)]
+                near = slice(i - half, i + half + 1)
+                ratio = np.mean(power[near] / np.maximum(model[near], max(around, default=0.0)))
+                log_p = (gamma.logsf(free * ratio, free) + np.log(len(ordinates))) / np.log(10)
+                if log_p < best[0]:
+                    best = float(log_p), k * self.step / i
+        return best
+
 
 class WanderingLevel(ChannelEffect):
     name = "wandering_level"
@@ -101,6 +150,8 @@ class WanderingLevel(ChannelEffect):
             return []
         sd, time, spread = level.fit()
         known, foretold = level.smoothed(sd, time)
+        if time < RESOLVED * level.step or level.shown(foretold) < SPREAD:
+            return []
         gain = (
             independent
             * level.m
@@ -134,6 +185,12 @@ class WanderingLevel(ChannelEffect):
         after = unsteady(y / scale, view.fs, independent)
         if after is not None and after[0] < STEADY:
             found.doubt = after[1]
+        periodic, period = level.period(sd, time)
+        if periodic < PERIODIC:
+            found.doubt = (
+                "variance of the innovations: the noise rises and falls with a period of "
+                f"{period:.3g} s"
+            )
         return [found]
 
 
