@@ -79,6 +79,24 @@ def test_late_fixes_are_found():
     assert gross.late(drive)[0] == pytest.approx(3.0, abs=0.3)
 
 
+def test_the_match_of_turns_moves_with_the_stamps():
+    # positions and velocities with lags of their own, as receivers have them
+    own = {"offset": -0.19, "velocity_offset": -0.05}
+    drive = made(8, [("gnss_time_offset", own)], position_sd=(0.03,) * 3, velocity_sd=(0.05,) * 3)
+    here = gross.best_match(drive)[0]
+    assert here == pytest.approx(-0.05, abs=0.1)  # that of the velocities
+    for shift in (-0.3, 0.3, 0.7):
+        moved = drive.with_(gnss_time=np.asarray(drive.gnss_time) + shift)
+        assert gross.best_match(moved)[0] - here == pytest.approx(shift, abs=0.02)
+
+
+def test_velocities_of_another_solution_do_not_hide_the_axes():
+    drive = made(9, [("axes", {"permutation": ("+y", "-x", "+z")})], gnss_rate=2.0)
+    velocity = np.array(drive.gnss_velocity)
+    velocity[1::2, :2] = velocity[1::2, 1::-1] * [1.0, -1.0]  # every second one turned
+    assert gross.axes(drive.with_(gnss_velocity=velocity))[0] == ("+y", "-x", "+z")
+
+
 def test_two_effects_are_found_named_and_added(tmp_path):
     drive = made(
         7, [("gnss_time_offset", {"offset": 0.2}), ("accel_scale", {"scale": [0.03, 0.0, 0.0]})],

@@ -21,6 +21,7 @@ FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs
 LATEST = 12.0  # s
 IDENTITY = ("+x", "+y", "+z")
 CLEAR = 6.0  # least gain of other axes, after tempering, nats
+MIRRORED = 3.0  # nats against left-handed axes: no sensor has them, a wrong sign in a file does
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def motion(drive: Drive) -> Motion | None:
     velocity = None
     if drive.gnss_velocity is not None:
         v = np.asarray(drive.gnss_velocity, float)
-        fine = np.isfinite(v).all(axis=1)
+        fine = np.isfinite(v).all(axis=1) & ~_contradicted(drive)
         if fine.sum() > 0.5 * good.sum():
             t = np.asarray(drive.gnss_time)[fine]
             velocity = np.column_stack([np.interp(grid, t, c) for c in v[fine].T])
@@ -77,26 +78,54 @@ def motion(drive: Drive) -> Motion | None:
     return Motion(grid, expected, readings, moving & hole)
 
 
+def _contradicted(drive):
+    """Which velocities (m,) are not those at which the positions move: another solution's, or with
+    axes that change from fix to fix.
+    """
+    time, v = np.asarray(drive.gnss_time), np.asarray(drive.gnss_velocity, float)
+    position = np.asarray(drive.gnss_position, float)
+    out = np.zeros(time.size, bool)
+    before = np.searchsorted(time, time - 0.5 * WIDTH)
+    after = np.minimum(np.searchsorted(time, time + 0.5 * WIDTH), time.size - 1)
+    span = time[after] - time[before]
+    known = np.isfinite(position[before] + position[after]).all(axis=1)
+    k = np.flatnonzero(known & (span > 0.5 * WIDTH) & (span < 2.0 * WIDTH))
+    moved = earth.meters(position[after[k]], position[before[k]])[:, :2] / span[k, None]
+    apart = np.linalg.norm(moved - v[k, :2], axis=1)
+    usual = np.nanmedian(apart) if k.size else 0.0  # noise of the positions, late stamps
+    out[k] = apart > max(4.0, 4.0 * min(usual, 2.0)) + 0.2 * np.linalg.norm(moved, axis=1)
+    return out
+
+
 def late(drive: Drive) -> tuple[float, float]:
     """Time by which the fixes' stamps are late, s, and the correlation there, of turn rates and of
-    accelerations; 0 where the drive does not say.
+    accelerations; 0 where the drive does not say, or agrees nearly as well as it stands.
+    """
+    offset, likeness, here = best_match(drive)
+    return (0.0 if likeness < here + 0.05 else offset), likeness
+
+
+def best_match(drive: Drive) -> tuple[float, float, float]:
+    """Time by which the fixes are late where their turns and accelerations match those felt best,
+    s, the correlation there, and as the stamps stand; 0 where nothing matches. A few hundredths of a second
+    are what smoothing does differently to the two.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 200:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     seen = [k for k, least in ((2, 0.015), (3, 0.15)) if np.std(m.expected[m.moving, k]) > least]
     if not seen:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     steps = int(LATEST / STEP)
     shifts = np.arange(-steps, steps + 1)
     values = np.array([np.mean([_alike(m, c, k) for c in seen]) for k in shifts])
     k = int(np.argmax(values))
-    if values[k] < 0.5 or values[k] < values[steps] + 0.05 or k in (0, values.size - 1):
-        return 0.0, float(values[k])
+    if values[k] < 0.5 or k in (0, values.size - 1):
+        return 0.0, float(values[k]), float(values[steps])
     left, mid, right = values[k - 1 : k + 2]
     curve = left - 2 * mid + right
     peak = shifts[k] + (0.5 * (left - right) / curve if curve < 0 else 0.0)
-    return float(peak * STEP), float(values[k])
+    return float(peak * STEP), float(values[k]), float(values[steps])
 
 
 def _alike(m, column, shift):
@@ -136,11 +165,15 @@ def axes(drive: Drive):
         c = to_body(permutation)
         body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
         costs[permutation] = min(_cost(m, body, k) for k in shifts)
+    # smoothed readings repeat themselves for WIDTH seconds
+    least = min(costs.values())
+    temper = WIDTH / STEP * 5.0 * max(1.0, least / max(m.moving.sum() * 3.0, 1.0))
+    for permutation in costs:
+        if np.linalg.det(to_body(permutation)) < 0.0:
+            costs[permutation] += MIRRORED * temper
     order = sorted(costs, key=costs.get)
     first, second = order[0], order[1]
     here = costs[IDENTITY]
-    # smoothed readings repeat themselves for WIDTH seconds
-    temper = WIDTH / STEP * 5.0 * max(1.0, costs[first] / max(m.moving.sum() * 3.0, 1.0))
     gain = (here - costs[first]) / temper
     if first == IDENTITY or gain < CLEAR:
         return IDENTITY, 0.0, first, gain, ()

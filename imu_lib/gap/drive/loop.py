@@ -23,6 +23,7 @@ from .problem import Noise, turn_on_of, with_constants
 
 SHORTEST = 60.0  # s
 FEWEST = 40  # fixes
+SEEN = 0.1  # s: from this offset of the fixes on, the search starts where the turns match best
 UNSURE = 3.0  # gap index above which innovations are far from white, and no name is sure
 
 
@@ -99,8 +100,8 @@ def close(
     state = search.State(
         right, noise, theta, withhold=tuple((w.start, w.duration) for w in windows)
     )
-    late, likeness = gross.late(correct.corrected(right, theta))
-    if abs(late) > 0.25:
+    late, likeness, _ = gross.best_match(correct.corrected(right, theta))
+    if abs(late) > SEEN:
         theta[columns.of("gnss_time_offset")] += late
         state.kept = ("gnss_time_offset",)
         say(f"fixes are about {late:.1f} s late (turns agree by {likeness:.2f})")
