@@ -136,3 +136,55 @@ def test_a_rate_that_no_sensor_has_is_said(tmp_path, column, flags):
     text = _rows(head, *stamp, strange_logs.GYRO)
     found = opened(tmp_path / "fast.csv", text, f"--gyro-unit rad/s {flags}")
     assert any("unusual for" in note for note in found.record.notes)
+
+
+@pytest.mark.parametrize("names", ["left_{c} right_{c}", "{c}_A {c}_B", "Wrist {c} Thigh {c}"])
+def test_sensors_named_by_their_place_are_asked_for(tmp_path, names):
+    one, two = (n.strip() for n in re.match(r"(.*?\S) ?(right.*|\S+_B|Thigh.*)$", names).groups())
+    pick = [one.format(c=f"g{a}") for a in "xyz"] + [two.format(c=f"g{a}") for a in "xyz"]
+    pick += [one.format(c=f"a{a}") for a in "xyz"]
+    text = _rows(
+        ",".join(["time_s", *pick]),
+        strange_logs.T,
+        strange_logs.GYRO,
+        strange_logs.GYRO + 1,
+        strange_logs.ACCEL,
+    )
+    with pytest.raises(InputError, match="would be gyro_x") as error:
+        opened(tmp_path / "two.csv", text, strange_logs.SI)
+    answer = re.search(r"--columns '[^']+'", str(error.value))[0]
+    record = same(opened(tmp_path / "two.csv", text, f"{strange_logs.SI} {answer}"), 100)
+    assert len(record.channel_names) == 6
+
+
+def test_rows_by_sensor_of_two_devices_are_asked_for(tmp_path):
+    n = strange_logs.N
+    both = np.stack(
+        [strange_logs.ACCEL, strange_logs.GYRO, strange_logs.ACCEL, strange_logs.GYRO + 1], 1
+    )
+    text = _rows(
+        "time_s,dev,type,x,y,z", np.repeat(strange_logs.T, 4), list("aabb") * n, ["acc", "gyr"] * 2 * n,
+        both.reshape(-1, 3),
+    )  # fmt: skip
+    with pytest.raises(InputError, match="--topic 'dev=a'"):
+        opened(tmp_path / "long.csv", text, strange_logs.SI)
+    same(opened(tmp_path / "long.csv", text, f"{strange_logs.SI} --topic dev=a"), 100)
+
+
+@pytest.mark.parametrize("sign", ["-", "neg_", "minus "])
+def test_a_turned_sign_is_asked_for(tmp_path, sign):
+    text = _rows(f"time_s,gx,{sign}gy,gz", strange_logs.T, strange_logs.GYRO)
+    with pytest.raises(InputError, match="sign is turned") as error:
+        opened(tmp_path / "turned.csv", text, "--gyro-unit rad/s")
+    answer = re.search(r"--columns '[^']+'", str(error.value))[0]
+    same(opened(tmp_path / "turned.csv", text, f"--gyro-unit rad/s {answer}"), 100)
+
+
+def test_what_stands_beside_the_readings_is_left_out(tmp_path):
+    """Commands, angular accelerations, an accuracy of a receiver, a counter of three bits."""
+    more = "roll_rate_cmd,pitch_rate_cmd,angular_acc_x,vert_acc,horiz_acc,index"
+    text = _rows(
+        f"time_s,gx,gy,gz,{more}", strange_logs.T, strange_logs.GYRO, *[strange_logs.T * 0 + 5] * 5, strange_logs.I % 8
+    )  # fmt: skip
+    found = same(opened(tmp_path / "beside.csv", text, "--gyro-unit rad/s"), 100)
+    assert found.channel_names == ("gyro_x", "gyro_y", "gyro_z")

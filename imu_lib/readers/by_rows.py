@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names, time_columns
+from imu_lib.readers import instances, names, time_columns
 from imu_lib.readers.asking import Heading
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
@@ -103,6 +103,9 @@ def pivoted(
     use = np.logical_or.reduce(list(rows.values()))
     line = raw.line
     place = np.flatnonzero(use)
+    several = instances.find(told, headings, load, list(rows.values()), long.label)
+    if several:
+        raw.instances = replace(several, labels=several.labels[use])
     raw.line = lambda row: line(int(place[min(row, len(place) - 1)]))
     told = time_columns.one_time(raw, list(told), headings, values)
     for i, (m, h) in enumerate(zip(told, headings)):

@@ -8,14 +8,13 @@ their nanoseconds), then values (`T` that does not rise is a temperature).
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, instances, names
+from imu_lib.readers import by_rows, families, instances, names
 from imu_lib.readers.asking import STAMPS, Heading, by_position, example, suggestion
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
@@ -63,7 +62,10 @@ def decide(
     )
     told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
     told = _numbered(raw, told, headings)
-    told = _body_rates(_habits(_alpha(told), headings), headings)
+    if named and not columns:
+        told = families.families(told, headings)
+        families.turned(raw, told, headings)
+    told = families.body_rates(_habits(_alpha(told), headings), headings)
     told, interval = intervals(raw, told, headings)
     if not columns:
         if by_rows.sensors(told, headings) is None or signal:
@@ -209,34 +211,11 @@ def _habits(told: list[Meaning], headings) -> list[Meaning]:
     ]
 
 
-def _body_rates(told: list[Meaning], headings) -> list[Meaning]:
-    """p, q, r are the body rates of aeronautics where no other column is the gyro and none a
-    quaternion.
-    """
-    heads = [re.sub(r"[\[(].*", "", h.name).strip().lower() for h in headings]
-    there = [i for i, m in enumerate(told) if m.quantity is None and m.why == names.UNKNOWN]
-    rates = {heads[i]: i for i in there if heads[i] in ("p", "q", "r")}
-    other = any(m.quantity in ("gyro", "dtheta") for m in told) or {"qw", "q0", "q_w", "q_0"} & set(
-        heads
-    )
-    if len(rates) < 3 or other:
-        return told
-    out = list(told)
-    for axis, i in zip("xyz", (rates["p"], rates["q"], rates["r"])):
-        out[i] = Meaning(
-            "gyro",
-            axis,
-            names.spelled_unit(headings[i].name),
-            why="p, q, r: the body rates of aeronautics",
-        )
-    return out
-
-
 def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
     """A file whose columns are not named for a sensor: three or four numbers of a file given as
     one sensor's, else it is asked.
     """
-    if any(m.quantity in SIGNALS for m in told):
+    if any(m.quantity in SIGNALS and m.axis for m in told):
         return told
     free = [
         i

@@ -15,6 +15,11 @@ _FORCE = {
 }  # fmt: skip
 _TURN = {"roll": "x", "pitch": "y", "yaw": "z"}
 _BODY = {"fwd": "x", "forward": "x", "right": "y", "down": "z"}
+ALONG = "by its direction"
+TURNED = re.compile(
+    r"^(?:[-\u2212]\s*|(?:neg|minus|inv|inverted|negated)[ _])(?=[A-Za-z])", re.IGNORECASE
+)
+_PLACES = "left|right|l|r|a|b|c|front|rear|upper|lower|top|bottom|wrist|thigh|shank|foot|hip|chest|waist|head|back|primary|secondary"
 _LETTERS = {"g", "w", "a", "f", "t"}
 _WHOLE = {
     **{
@@ -60,3 +65,19 @@ def without_number(tokens: list[str], axis: str | None) -> list[str]:
         return tokens
     out = [re.sub(rf"^({_KINDS})\d{{1,2}}$", r"\1", t) for t in out]
     return [t for t in out if not t.isdigit()] or tokens
+
+
+def place(name: str) -> tuple[str, str] | None:
+    """The place that a heading begins or ends with, and the heading without it; None where there is
+    none.
+    """
+    found = re.match(rf"^({_PLACES})[ _.](.+)$", name.strip(), re.IGNORECASE)
+    if found:
+        return found[1].lower(), found[2]
+    found = re.match(rf"^(.+)[ _.]({_PLACES})$", name.strip(), re.IGNORECASE)
+    return (found[2].lower(), found[1]) if found else None
+
+
+def turn(name: str) -> bool:
+    """Whether a heading names a turn (roll, pitch, yaw), which stands alone in many a log."""
+    return bool(re.search(r"roll|pitch|yaw|gier|nick|wank", name, re.IGNORECASE))

@@ -19,7 +19,7 @@ NAMED = words(
     "i instance inst imu imuid imuno imunumber imuindex id sensor sensorid sensorno sensornumber"
     " sensorindex sensorname device deviceid devicename deviceaddress deviceno dev devid unit unitid node nodeid address addr mac"
     " macaddress board boardid chip chipid channel source src name tag serial serialnumber sn port"
-    " type canid index idx slave"
+    " type canid slave"
 )
 MOST = 12  # sensors; a column of more values is no such column
 FEWEST = 5  # rows of a sensor
@@ -36,13 +36,20 @@ class Instances:
     values: tuple[str, ...]
 
 
-def find(told: Sequence[Meaning], headings: Sequence[Heading], load: Callable) -> Instances | None:
-    """The column that tells several sensors apart; None where the rows are of one sensor."""
-    signals = [i for i, m in enumerate(told) if m.quantity in SIGNALS and m.axis]
+def find(
+    told: Sequence[Meaning], headings: Sequence[Heading], load: Callable, kinds=None, skip: int = -1
+) -> Instances | None:
+    """The column that tells several sensors apart; None where the rows are of one sensor.
+
+    kinds : masks (n,) of the rows of each kind, where those stand in rows of their own; skip : the
+    column that names the kind then.
+    """
+    signals = kinds or [i for i, m in enumerate(told) if m.quantity in SIGNALS and m.axis]
     named = [
         i
         for i, h in enumerate(headings)
         if told[i].quantity in (None, "counter")
+        and i != skip
         and h.kind in ("number", "text")
         and "".join(c for c in h.name.lower() if c.isalnum()) in NAMED
     ]
@@ -54,13 +61,16 @@ def find(told: Sequence[Meaning], headings: Sequence[Heading], load: Callable) -
         found, place = np.unique(labels, return_inverse=True)
         if not 2 <= len(found) <= MOST:
             continue
-        for x in load(signals).values():
-            x = np.asarray(x)
-            there = np.isfinite(x) if x.dtype.kind == "f" else np.ones(len(x), dtype=bool)
+        for there in kinds or map(_there, load(signals).values()):
             rows = np.bincount(place[there], minlength=len(found))
             if (rows >= FEWEST).sum() > 1:
                 return Instances(headings[i].name, labels, tuple(found[rows >= FEWEST].tolist()))
     return None
+
+
+def _there(x) -> np.ndarray:
+    x = np.asarray(x)
+    return np.isfinite(x) if x.dtype.kind == "f" else np.ones(len(x), dtype=bool)
 
 
 def _text(x) -> np.ndarray:

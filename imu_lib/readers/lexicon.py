@@ -67,7 +67,8 @@ NOT = {
     "flag": "a flag", "flags": "a flag", "tflags": "a flag", "status": "a status", "accuracy": "an accuracy",
     "speed": "a speed", "distance": "a distance", "checksum": "a checksum", "crc": "a checksum",
     "dq": "an attitude increment", "oriinc": "an attitude increment", "jerk": "a jerk",
-    "age": "the age of a value",
+    "age": "the age of a value", "cmd": "a command", "command": "a command", "setpoint": "a command",
+    "sp": "a command", "target": "a command", "desired": "a command", "demand": "a command",
 }  # fmt: skip
 FREE = words(
     "linear lineare lineaire linearen user free lin freeacc useracceleration linearacceleration lineal"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from imu_lib.readers import lexicon
+from imu_lib.readers import directions, lexicon
 from imu_lib.readers.spelling import (
     ACCEL_UNITS,
     GYRO_UNITS,
@@ -149,7 +149,7 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
     if found.quantity is None:
         return found
     unit = unit or found.unit
-    if unit and unit != "counts" and "by its direction" in found.why:
+    if unit and unit != "counts" and directions.ALONG in found.why:
         if unit not in UNITS.get(found.quantity, (unit,)):
             return Meaning(why=f"in {unit}: no {'rate' if found.quantity == 'gyro' else 'force'}")
     other = {"gyro": "accel", "accel": "gyro"}.get(found.quantity)

@@ -81,7 +81,7 @@ def settle(
 
 def _doubt(raw: Raw, found: Timing) -> None:
     """A word on a rate that no inertial sensor has, and on rows that come in bursts."""
-    if not LOWEST <= found.rate <= HIGHEST and not any("unusual for such" in n for n in raw.notes):
+    if not LOWEST <= found.rate <= HIGHEST and not any("unusual" in n for n in raw.notes):
         raw.notes += (
             f"The rate is {found.rate:.6g} Hz, unusual for an inertial sensor; --time-unit or --rate says otherwise where that is wrong.",
         )

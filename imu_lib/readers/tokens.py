@@ -187,7 +187,7 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
         found = _signal(*directed, name)
         if found.quantity in SIGNALS:
             return replace(
-                found, rank=max(found.rank, 2), why=f"{found.why}, {found.axis} by its direction"
+                found, rank=max(found.rank, 2), why=f"{found.why}, {found.axis} {directions.ALONG}"
             )
     have = set(words)
     joined = "".join(words)
@@ -196,6 +196,8 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
         if word in lexicon.NOT and not (word in ("roll", "pitch", "yaw") and turning):
             if not (word == "speed" and have & {"angular", "ang", "rotation", "winkel"}):
                 return Meaning(why=lexicon.NOT[word])
+    if have & {"angular", "rotational"} and have & (lexicon.ACCEL - {"a", "f"}):
+        return Meaning(why="an angular acceleration")
     if have & lexicon.TEMPERATURE or any(t in joined for t in ("temperature", "temperatur")):
         return Meaning("temperature", why="named a temperature")
     kind = None

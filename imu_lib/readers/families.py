@@ -1,0 +1,77 @@
+"""What a heading is by those beside it: sensors named by their place, turned signs, p, q and r."""
+
+from __future__ import annotations
+
+import re
+
+from imu_lib.errors import InputError
+from imu_lib.readers import directions, names
+from imu_lib.readers.asking import suggestion
+from imu_lib.readers.names import SIGNALS, Meaning
+from imu_lib.readers.raw import Raw
+
+
+def families(told: list[Meaning], headings) -> list[Meaning]:
+    """Sensors that are named by their place (left_gx, right_gx; gx_A, gx_B), where several places are
+    named; and directions that no second one stands beside, which are none (vert_acc of a receiver).
+    """
+    out = list(told)
+    places = [directions.place(h.name) for h in headings]
+    if len({p[0] for p in places if p}) > 1:
+        for i, found in enumerate(places):
+            if found and told[i].quantity is None and told[i].why == names.UNKNOWN:
+                out[i] = names.meaning(found[1])
+    for kind in ("gyro", "accel"):
+        said = {
+            i: m
+            for i, m in enumerate(out)
+            if m.quantity == kind and directions.ALONG in m.why and not m.unit
+        }
+        if len({m.axis for m in said.values()}) == 1:
+            for i in said:
+                if not directions.turn(headings[i].name):
+                    out[i] = Meaning(why=names.UNKNOWN)
+    return out
+
+
+def turned(raw: Raw, told: list[Meaning], headings) -> None:
+    """InputError where a heading says that the sign of a reading was turned."""
+    heads = [h.name.strip() for h in headings]
+    plain = [names.meaning(directions.TURNED.sub("", n, count=1)) for n in heads]
+    turned = [
+        i
+        for i, n in enumerate(heads)
+        if directions.TURNED.match(n) and plain[i].quantity in SIGNALS and plain[i].axis
+    ]
+    if turned:
+        all_told = [plain[i] if i in turned else m for i, m in enumerate(told)]
+        raise InputError(
+            f"{raw.source}: `{heads[turned[0]]}` says that its sign is turned; turn it in the file and rename the column, or have the values "
+            f"as they stand: {suggestion(all_told, headings)}."
+        )
+
+
+def body_rates(told: list[Meaning], headings) -> list[Meaning]:
+    """p, q, r are the body rates of aeronautics where no other column is the gyro and none a
+    quaternion.
+    """
+    heads = [re.sub(r"[\[(].*", "", h.name).strip().lower() for h in headings]
+    there = [i for i, m in enumerate(told) if m.quantity is None and m.why == names.UNKNOWN]
+    rates = {heads[i]: i for i in there if heads[i] in ("p", "q", "r")}
+    other = any(m.quantity in ("gyro", "dtheta") and m.axis for m in told) or {
+        "qw",
+        "q0",
+        "q_w",
+        "q_0",
+    } & set(heads)
+    if len(rates) < 3 or other:
+        return told
+    out = list(told)
+    for axis, i in zip("xyz", (rates["p"], rates["q"], rates["r"])):
+        out[i] = Meaning(
+            "gyro",
+            axis,
+            names.spelled_unit(headings[i].name),
+            why="p, q, r: the body rates of aeronautics",
+        )
+    return out
