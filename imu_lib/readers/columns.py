@@ -268,7 +268,7 @@ def _preferred(raw: Raw, told, headings) -> list[Meaning]:
     are equal. Increments give way to rates.
     """
     out = list(told)
-    for canonical in {m.canonical for m in told if m.quantity in SIGNALS and m.axis}:
+    for canonical in sorted({m.canonical for m in told if m.quantity in SIGNALS and m.axis}):
         there = [i for i, m in enumerate(told) if m.canonical == canonical]
         best = min(told[i].rank for i in there)
         first = [i for i in there if told[i].rank == best]

@@ -141,6 +141,10 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         step = clock.mean_step(relative)
         if step > 5.0 and not rate:
             likely = clock._likely(relative, first)
+            if step > 3600.0 and likely not in (None, "s"):
+                raise InputError(
+                    f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like {likely}; give --time-unit {likely}, or --time-unit s if it is right."
+                )
             raw.notes += (
                 f"`time` steps by {step:.6g} s, unusually slow for such a sensor; the time of such a "
                 f"file is in seconds"
