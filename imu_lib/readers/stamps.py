@@ -143,7 +143,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
             likely = clock._likely(relative, first)
             if step > 3600.0 and likely not in (None, "s"):
                 raise InputError(
-                    f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like {likely}; give --time-unit {likely}, or --time-unit s if it is right."
+                    f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like {likely}; "
+                    f"give --time-unit {likely}, or --time-unit s if it is right."
                 )
             raw.notes += (
                 f"`time` steps by {step:.6g} s, unusually slow for such a sensor; the time of such a "
