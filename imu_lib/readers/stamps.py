@@ -85,7 +85,7 @@ def _doubt(raw: Raw, found: Timing) -> None:
         raw.notes += (
             f"The rate is {found.rate:.6g} Hz, unusual for an inertial sensor; --time-unit or --rate says otherwise where that is wrong.",
         )
-    if found.time is None or len(found.time) < 20:
+    if raw.contract or found.time is None or len(found.time) < 20:
         return
     step = np.diff(found.time)
     bursts = float((step > 5.0 * np.median(step)).mean())
