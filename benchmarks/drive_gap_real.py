@@ -43,6 +43,7 @@ def searched(drive, **options):
     theta = found.state.theta
     result["held"] = {
         "offset": float(theta[columns.of("gnss_time_offset")[0]]),
+        "velocity offset": float(theta[columns.of("gnss_time_offset")[1]]),
         "scale x": float(theta[columns.of("accel_scale")[0]]),
     }
     return result, found.model
@@ -69,6 +70,10 @@ def injected(drive, model):
             "found": held["held"][key] - base[key],
             "effects": sorted(steps),
         }
+        if key == "offset" and drive.gnss_velocity is not None:
+            out[name]["found in velocities"] = (
+                held["held"]["velocity offset"] - base["velocity offset"]
+            )
     return out
 
 

@@ -93,7 +93,7 @@ def test_the_match_of_turns_moves_with_the_stamps():
 def test_velocities_of_another_solution_do_not_hide_the_axes():
     drive = made(9, [("axes", {"permutation": ("+y", "-x", "+z")})], gnss_rate=2.0)
     velocity = np.array(drive.gnss_velocity)
-    velocity[1::2, :2] = velocity[1::2, 1::-1] * [1.0, -1.0]  # every second one turned
+    velocity[1::2, :2] *= -1.0  # as of a receiver that gives two solutions in turn
     assert gross.axes(drive.with_(gnss_velocity=velocity))[0] == ("+y", "-x", "+z")
 
 
