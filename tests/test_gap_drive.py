@@ -8,7 +8,7 @@ import pytest
 
 from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
-from imu_lib.gap.drive import columns, path, problem, select
+from imu_lib.gap.drive import columns, loop, path, problem, select
 from imu_lib.model import Model
 from imu_lib.navigation import earth, gross, strapdown
 
@@ -94,7 +94,12 @@ def test_velocities_of_another_solution_do_not_hide_the_axes():
     drive = made(9, [("axes", {"permutation": ("+y", "-x", "+z")})], gnss_rate=2.0)
     velocity = np.array(drive.gnss_velocity)
     velocity[1::2, :2] *= -1.0  # as of a receiver that gives two solutions in turn
-    assert gross.axes(drive.with_(gnss_velocity=velocity))[0] == ("+y", "-x", "+z")
+    mixed = drive.with_(gnss_velocity=velocity)
+    assert gross.axes(mixed)[0] == ("+y", "-x", "+z")
+    notes = []
+    assert loop._without_other_solutions(drive, notes) is drive and not notes
+    assert loop._without_other_solutions(mixed, notes).gnss_velocity is None
+    assert "velocities" in notes[0]
 
 
 def test_two_effects_are_found_named_and_added(tmp_path):

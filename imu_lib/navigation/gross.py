@@ -49,7 +49,7 @@ def motion(drive: Drive) -> Motion | None:
     velocity = None
     if drive.gnss_velocity is not None:
         v = np.asarray(drive.gnss_velocity, float)
-        fine = np.isfinite(v).all(axis=1) & ~_contradicted(drive)
+        fine = np.isfinite(v).all(axis=1) & ~contradicted(drive)
         if fine.sum() > 0.5 * good.sum():
             t = np.asarray(drive.gnss_time)[fine]
             velocity = np.column_stack([np.interp(grid, t, c) for c in v[fine].T])
@@ -78,7 +78,7 @@ def motion(drive: Drive) -> Motion | None:
     return Motion(grid, expected, readings, moving & hole)
 
 
-def _contradicted(drive):
+def contradicted(drive: Drive):
     """Which velocities (m,) are not those at which the positions move: another solution's, or with
     axes that change from fix to fix.
     """

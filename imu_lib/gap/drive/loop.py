@@ -24,6 +24,7 @@ from .problem import Noise, turn_on_of, with_constants
 SHORTEST = 60.0  # s
 FEWEST = 40  # fixes
 SEEN = 0.1  # s: from this offset of the fixes on, the search starts where the turns match best
+CONTRADICTED = 0.1  # share of velocities
 UNSURE = 3.0  # gap index above which innovations are far from white, and no name is sure
 
 
@@ -92,6 +93,7 @@ def close(
     rng = np.random.default_rng(seed)
     _enough(drive)
     notes = []
+    drive = _without_other_solutions(drive, notes)
     permutation, sure, runner, gain, alike = gross.axes(drive)
     say(f"axes {' '.join(permutation)}")
     right = correct.axes_put_right(drive, permutation)
@@ -166,6 +168,21 @@ def _enough(drive):
         raise InputError(
             f"{name}: {drive.duration:.0f} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
         )
+
+
+def _without_other_solutions(drive, notes):
+    """The drive with its positions alone where many of its velocities are not those at which the
+    positions move.
+    """
+    if drive.gnss_velocity is None:
+        return drive
+    share = float(np.mean(gross.contradicted(drive)))
+    if share < CONTRADICTED:
+        return drive
+    notes.append(
+        f"{100 * share:.0f} % of the velocities are not those at which the positions move: positions alone are used."
+    )
+    return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
 
 
 def _start(drive, model, notes):
