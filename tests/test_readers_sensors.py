@@ -96,7 +96,10 @@ def test_intervals_are_added_up(tmp_path):
         text = _rows(f"{head},gx,gy,gz", strange_logs.T * 0 + step, strange_logs.GYRO)
         record = same(opened(tmp_path / "dt.csv", text, "--gyro-unit rad/s"), 100)
         assert any("added up" in note for note in record.notes)
+    none = _rows("dt_ms,gx,gy,gz", strange_logs.T * 0, strange_logs.GYRO)
+    same(opened(tmp_path / "dt.csv", none, "--gyro-unit rad/s --rate 100"), 100)
     hole = strange_logs.T * 0 + 10.0
+    hole[0] = -1.0
     hole[50] = 60.0
     text = _rows("dt_ms,gx,gy,gz", hole, strange_logs.GYRO)
     gaps = opened(tmp_path / "dt.csv", text, "--gyro-unit rad/s").record.gaps()

@@ -211,7 +211,9 @@ def intervals(raw: Raw, told, headings) -> tuple[list[Meaning], int | None]:
 def add_up(raw: Raw, told, headings, values, i: int) -> None:
     """Intervals, each since the sample before, become stamps from 0 on."""
     step = np.array(values[i])
-    if step.dtype.kind not in "fiu" or not (np.isfinite(step).all() and (step >= 0).all()):
+    if step.dtype.kind not in "fiu" or not (
+        np.isfinite(step[1:]).all() and (step[1:] >= 0).all() and step[1:].any()
+    ):
         told[i] = Meaning(why="an interval between stamps, not one for every row")
         return
     step[0] = 0  # since the start of the device, or of nothing
