@@ -28,6 +28,8 @@ def files(tmp_path_factory):
     accel = rng.normal(0, 2e-2, (n, 3)) - [0, 0, 9.81]
     np.savez(folder / "record.npz", time=t, gyro=gyro, accel=accel)
     np.savez(folder / "one.npz", time=t[:400], gyro_x=gyro[:400, 0])
+    (folder / "units").mkdir()
+    np.savez(folder / "units" / "a.npz", time=t[:400], gyro_x=gyro[:400, 0])
     (folder / "model.json").write_text(
         json.dumps({"gyro_x": [{"process": "white_noise", "N": 2e-4}], "rate": 100.0})
     )
@@ -50,6 +52,7 @@ CALLS = {
     "calibrate": "calibrate {0}/poses.npz",
     "compare": "compare {0}/model.json preset:3dm-gx3-25",
     "data": "data list",
+    "fleet": "fleet {0}/units --out {0}/fleet --workers 1",
 }
 
 

@@ -59,6 +59,7 @@ def test_table(table):
     assert Model.load(table[1] / "model.json")["gyro_x"].find("white_noise")
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 def test_killed_at_any_moment_nothing_is_lost_and_nothing_twice(folder, table, tmp_path):
     """kill -9 of the command, then of a worker, then to the end: the table of one quiet run."""
     out = tmp_path / "out"
@@ -112,6 +113,7 @@ def _dies(task, folder):
     return task
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no kill -9")
 def test_a_task_that_ends_its_workers_is_told_apart(tmp_path):
     tasks = [(n, str(tmp_path)) for n in range(5)]
     found = dict(scheduler.run(_dies, tasks, workers=2))
