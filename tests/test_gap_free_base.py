@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import signal
 
 from imu_lib.gap.channel import analyse
 
@@ -30,3 +31,21 @@ def test_a_drift_that_stands_far_out_is_named_beside_a_free_base(kind, walk):
     assert found.unexplained is None
     if not walk:  # nothing but white noise is in the base
         assert [p.name for p in found.base.terms] == ["white_noise"]
+
+
+@pytest.mark.parametrize("cutoff", [10.0, 20.0])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_white_noise_behind_a_one_pole_filter_is_no_gauss_markov_process(cutoff, seed):
+    """The two have one spectrum; the second has a sensor without white noise."""
+    pole = np.exp(-2 * np.pi * cutoff / 100.0)
+    x = signal.lfilter([1 - pole], [1, -pole], np.random.default_rng(seed).standard_normal(N))
+    (step,) = analyse("gyro_x", x, 100.0, None).steps
+    assert step.effect == "low_pass"
+
+
+def test_a_quick_gauss_markov_process_over_white_noise_is_no_filter():
+    pole = np.exp(-1 / (100.0 * 0.016))
+    rng = np.random.default_rng(5)
+    x = signal.lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(N))
+    (step,) = analyse("gyro_x", x + 0.5 * rng.standard_normal(N), 100.0, None).steps
+    assert step.effect == "gauss_markov"
