@@ -43,7 +43,9 @@ def searched(drive, **options):
     theta = found.state.theta
     result["held"] = {
         "offset": float(theta[columns.of("gnss_time_offset")[0]]),
-        "velocity offset": float(theta[columns.of("gnss_time_offset")[1]]),
+        "velocity offset": float(theta[columns.of("gnss_time_offset")[1]])
+        if found.state.use[:, 3].any()
+        else None,
         "scale x": float(theta[columns.of("accel_scale")[0]]),
     }
     return result, found.model
@@ -70,7 +72,7 @@ def injected(drive, model):
             "found": held["held"][key] - base[key],
             "effects": sorted(steps),
         }
-        if key == "offset" and drive.gnss_velocity is not None:
+        if key == "offset" and base["velocity offset"] is not None:
             out[name]["found in velocities"] = (
                 held["held"]["velocity offset"] - base["velocity offset"]
             )
