@@ -22,22 +22,11 @@ def asked(args) -> bool:
 
 def run(args, model) -> int:
     """The workflow on a drive, its result printed and written."""
-    from imu_lib.cli import common
+    from imu_lib.cli import common, drives
     from imu_lib.gap import drive as gap_drive
-    from imu_lib.readers import read_drive
     from imu_lib.units import DEG
 
-    options = common.reading_options(args)
-    drive = read_drive(
-        args.file,
-        gnss=args.gnss,
-        gnss_offset=args.gnss_offset,
-        start=args.start,
-        stop=args.stop,
-        **options,
-    )
-    for note in drive.notes:
-        print(f"note: {note}", file=sys.stderr)
+    drive = drives.opened(args.file, args)
     heading = None if args.heading is None else args.heading * DEG
     found = gap_drive.close(drive, model, seed=args.seed, heading=heading, say=_say)
     if args.json:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from imu_lib.cli import common, outages_models, outages_report
+from imu_lib.cli import common, drives, outages_models, outages_report
 from imu_lib.errors import InputError
 
 NAME = "outages"
@@ -165,7 +165,7 @@ def run(args):
         variants.split(name)
     windows = outages.windows_from(args.windows) if args.windows else None
     arm = outages_models.arm(args.lever_arm)
-    drive = _drive(args)
+    drive = drives.opened(args.drive, args)
     if windows is None:
         duration = args.duration or 30.0
         windows = outages.regular_windows(drive, duration=duration, every=args.every or duration)
@@ -188,22 +188,6 @@ def run(args):
     common.write_json(study, args.json)
     if args.json != "-":
         print(outages_report.text(study, drive))
-
-
-def _drive(args):
-    from imu_lib.readers import read_drive
-
-    drive = read_drive(
-        args.drive,
-        gnss=args.gnss,
-        gnss_offset=args.gnss_offset,
-        start=args.start,
-        stop=args.stop,
-        **common.reading_options(args),
-    )
-    for note in drive.notes:
-        print(f"note: {note}", file=sys.stderr)
-    return drive
 
 
 def _codes(text):

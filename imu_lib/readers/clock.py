@@ -161,7 +161,7 @@ def read(
         )
     if unit is not None:
         if usual_rate(hz(unit)) < 1e-3 and not insisted and len(stamp) > 10:
-            likely = _likely(stamp, first)
+            likely = likely_unit(stamp, first)
             raise InputError(
                 f"{where} states {unit}, which makes {hz(unit):.4g} Hz"
                 + (f" (in {likely} it would be {hz(likely):.4g} Hz)" if likely else "")
@@ -207,7 +207,7 @@ def read(
 def doubt(stamp: np.ndarray, first: float, told: Reading, heading: str) -> tuple[str, ...]:
     """A sentence where a stated unit makes an unusual rate and another one a usual one."""
     rate = 1.0 / (mean_step(stamp) * told.factor)
-    other = _likely(stamp, first)
+    other = likely_unit(stamp, first)
     if usual_rate(rate) >= 0.1 or other in (None, told.unit) or len(stamp) < 20:
         return ()
     better = 1.0 / (mean_step(stamp) * spelling.TIME_UNITS[other])
@@ -218,7 +218,8 @@ def doubt(stamp: np.ndarray, first: float, told: Reading, heading: str) -> tuple
     )
 
 
-def _likely(stamp, first) -> str | None:
+def likely_unit(stamp, first) -> str | None:
+    """The unit of time that the stamps look like, None where no unit does."""
     likely = {u: w for u, w in weights(stamp, first).items() if u in spelling.TIME_UNITS}
     best = max(likely, key=likely.get)
     return best if likely[best] > 1e-3 else None

@@ -140,7 +140,7 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         unit = "s"
         step = clock.mean_step(relative)
         if step > 5.0 and not rate:
-            likely = clock._likely(relative, first)
+            likely = clock.likely_unit(relative, first)
             if step > 3600.0 and likely not in (None, "s"):
                 raise InputError(
                     f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like {likely}; "

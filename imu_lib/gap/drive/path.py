@@ -94,7 +94,7 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
             node, pos, vel, quat, stretch.dt, stretch.dtheta, stretch.dvel, bias,
             stretch.extra_noise, warmth, late, sub, len(columns.IMU),
         )  # fmt: skip
-        at = _at_fixes(stretch, fix_epoch[mine], bias, quat_of=log)
+        at = _at_fixes(stretch, fix_epoch[mine], bias)
         _fill(
             mine, fixes, stretch, fix_epoch[mine], at, log, lever, y, arm_rows, use,
             d, extra, warmth, drive,
@@ -202,7 +202,7 @@ def _bias(engine, solution):
     )
 
 
-def _at_fixes(stretch, epochs, bias, quat_of):
+def _at_fixes(stretch, epochs, bias):
     """Angular rate (body), specific force and acceleration (NED) about epochs, over 0.09 s."""
     rates = stretch.dtheta / stretch.dt[:, None] - bias[:3]
     force = stretch.dvel / stretch.dt[:, None] - bias[3:]

@@ -85,7 +85,7 @@ class State:
         return self.problem.evaluate(noise, sens=sens, use=self.use, held=self.other)
 
 
-def candidates(problem: Problem, given_arm=True):
+def candidates(problem: Problem):
     """Groups of columns that can be asked for on this drive."""
     out = list(select.GROUPS)
     if problem.drive.temperature is None:

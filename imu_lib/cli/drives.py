@@ -1,0 +1,26 @@
+"""A drive as the flags of a command tell how to read it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from imu_lib.cli import common
+
+
+def opened(path: str | os.PathLike[str], args: argparse.Namespace):
+    """The `Drive` at `path` by the parsed flags; what reading did to it is told on standard error."""
+    from imu_lib.readers import read_drive
+
+    drive = read_drive(
+        path,
+        gnss=args.gnss,
+        gnss_offset=args.gnss_offset,
+        start=args.start,
+        stop=args.stop,
+        **common.reading_options(args),
+    )
+    for note in drive.notes:
+        print(f"note: {note}", file=sys.stderr)
+    return drive
