@@ -3,11 +3,13 @@
     python benchmarks/gap_injected.py --cases 2 --log injected.jsonl     # every effect; resumes
     python benchmarks/gap_injected.py --effects ramp,spikes --cases 1 --print
 
-A stretch of a real record is run as it is and with one effect put into it, rounded to the digits of
-its file again. The effect counts as named where it is a step of that channel (or of the record with
-that channel) that was not there before; `new` counts steps of high confidence on other channels that
-were not there before. What is put in is made here, by code that the package does not share. Needs
-the folder of recorded data, IMU_LIB_DATA. The table goes to benchmarks/results/gap_injected.json.
+A stretch of a real record is run as it is and with one effect put into it (`gap_put`, which shares
+nothing with the package), rounded to the digits of its file again. The effect counts as named where
+it is a step of that channel (or of the record with that channel) that was not there before; `new`
+counts steps of high confidence on other channels that were not there before. Cases whose effect
+gains less than 20 in log-likelihood over the spectrum of the stretch are counted apart, and so are
+those that the stretch has already or that the fitted base says that it may have absorbed. Needs the folder of recorded data, IMU_LIB_DATA. The table goes
+to benchmarks/results/gap_injected.json.
 """
 
 from __future__ import annotations
@@ -16,15 +18,16 @@ import argparse
 import json
 import os
 import sys
+import time
 from datetime import date
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT)]
+sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 
+import gap_put  # noqa: E402
 import numpy as np  # noqa: E402
-from scipy.signal import lfilter  # noqa: E402
 from statsmodels.stats.proportion import proportion_confint  # noqa: E402
 
 from imu_lib.gap import close  # noqa: E402
@@ -37,34 +40,24 @@ RECORDS = (
     ("adis16405_1", 100.0, 30_000),
     ("hipnuc_ch104", 100.0, 30_000),
     ("mpu6050_10min", None, 30_000),
-    ("mtig_gyro_x", 100.0, 40_000),
     ("vn100_still", 40.0, 12_000),
     ("sbg_ig500n", None, 15_000),
     ("memsense_gyros", 250.0, 13_000),
     ("xsens_dot", 120.0, 14_000),
+    ("mtig_gyro_x", 100.0, 40_000),
+    ("adis16405_3", 100.0, 20_000),
+    ("xsens_mtx", 200.0, 6_400),
 )
-#: Names by which each effect may come back: what no record can tell apart.
-EFFECTS = {
-    "sinusoid": ("sinusoid",),
-    "vibration": ("vibration",),
-    "step": ("step",),
-    "ramp": ("ramp",),
-    "warm_up": ("warm_up",),
-    "random_walk": ("random_walk", "gauss_markov", "flicker"),
-    "gauss_markov": ("gauss_markov", "gauss_markov_2", "flicker"),
-    "spikes": ("spikes",),
-    "stuck": ("stuck", "held"),
-    "saturation": ("saturation",),
-    "noise_level_change": ("noise_level_change", "wandering_level"),
-    "wandering_level": ("wandering_level",),
-    "heavy_tails": ("heavy_tails",),
-    "dropout": ("dropout",),
-}
+#: Cases in a row that share a stretch.
+SHARED = 4
 
 
-def stretch(data: Path, which, rng):
-    """(name, rate, channels {name: (n,)}) of a part of a recorded signal; two or three channels."""
-    file, rate, n = which
+def stretch(data: Path, number: int, whole_sensor: bool):
+    """(name, rate, start, channels {name: (n,)}) of part `number` of the recorded signals; three
+    channels at the most, or all.
+    """
+    rng = np.random.default_rng([number, 11])
+    file, rate, n = RECORDS[number % len(RECORDS)]
     content = np.load(data / "static" / f"{file}.npz")
     channels = {}
     for kind in ("gyro", "accel"):
@@ -81,119 +74,92 @@ def stretch(data: Path, which, rng):
     start = int(rng.integers(0, whole - n + 1))
     names = list(channels)
     keep = sorted(rng.choice(len(names), min(3, len(names)), replace=False))
-    return file, rate, {names[k]: channels[names[k]][start : start + n] for k in keep}
+    if whole_sensor:
+        keep = range(len(names))
+    return file, rate, start, {names[k]: channels[names[k]][start : start + n] for k in keep}
 
 
-def put(effect, channels, fs, target, rng):
-    """The channels with the effect, and the channels that it is on."""
-    x = np.array(channels[target])
-    n, t = len(x), np.arange(len(x)) / fs
-    fast = np.median(np.abs(np.diff(x))) / 0.954 or np.std(np.diff(x)) / np.sqrt(2)
-    slow = fast / np.sqrt(n)  # of the mean of all samples
-    unit, on = _digits(x), [target]
-    out = dict(channels)
-    size = rng.uniform(12, 40)
-    sign = rng.choice([-1, 1])
-    if effect == "sinusoid":
-        x = x + 1.5 * size * slow * np.sin(2 * np.pi * rng.uniform(0.12, 0.4) * fs * t)
-    elif effect == "vibration":
-        line = np.sin(2 * np.pi * (rng.uniform(0.15, 0.4) * fs * t + 0.3 * np.sin(t / 17)))
-        line *= (t > 0.2 * t[-1]) & (t < rng.uniform(0.5, 0.8) * t[-1])
-        on = list(channels)[:2] if len(channels) > 1 else [target]
-        for c in on:
-            own = np.std(np.diff(channels[c])) / np.sqrt(2)
-            out[c] = _rounded(
-                channels[c] + 3 * size * own / np.sqrt(n) * line, _digits(channels[c])
-            )
-        return out, on
-    elif effect == "step":
-        x = x + sign * 6 * size * slow * (t > rng.uniform(0.3, 0.7) * t[-1])
-    elif effect == "ramp":
-        x = x + sign * 12 * size * slow * t / t[-1]
-    elif effect == "warm_up":
-        x = x + sign * 14 * size * slow * np.exp(-t / (rng.uniform(0.04, 0.12) * t[-1]))
-    elif effect == "random_walk":
-        x = x + 8 * size * slow * np.cumsum(rng.standard_normal(n)) / np.sqrt(n)
-    elif effect == "gauss_markov":
-        pole = np.exp(-60 / n)
-        x = x + 5 * size * slow * lfilter(
-            [np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(n)
-        )
-    elif effect == "spikes":
-        hit = rng.random(n) < 40 / n
-        x[hit] += 14 * fast * rng.standard_normal(hit.sum())
-    elif effect == "stuck":
-        for k in rng.integers(0, n - 60, 12):
-            x[k : k + 40] = x[k]
-    elif effect == "saturation":
-        x = np.minimum(x, np.quantile(x, 0.985))
-    elif effect == "noise_level_change":
-        k = int(rng.uniform(0.3, 0.7) * n)
-        smooth = lfilter(np.ones(200) / 200, [1], x - x[0]) + x[0]
-        x[k:] = smooth[k:] + 1.5 * (x[k:] - smooth[k:])
-    elif effect == "wandering_level":
-        pole = np.exp(-40 / n)
-        g = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(2 * n))[n:]
-        x = np.mean(x) + (x - np.mean(x)) * np.exp(0.35 * g)
-    elif effect == "heavy_tails":
-        x = np.mean(x) + (x - np.mean(x)) * np.sqrt(2.0 / rng.chisquare(4, n))
-    elif effect == "dropout":
-        hit = rng.random(n) < 0.01
-        on = list(channels)
-        return {c: np.where(hit, 0.0, v) for c, v in channels.items()}, on
-    out[target] = _rounded(x, unit)
-    return out, on
-
-
-def _digits(x):
-    u = np.unique(x)
-    gap = np.diff(u)
-    return float(gap.min()) if len(u) < len(x) / 2 else None
-
-
-def _rounded(x, unit):
-    return x if unit is None else np.rint(x / unit) * unit
+def _warmth(n, fs, rng):
+    """A temperature that rises and swings, shape (n,)."""
+    t = np.arange(n) / (n - 1)
+    rise = rng.uniform(2, 8) * (1 - np.exp(-t / rng.uniform(0.1, 0.4)))
+    return 25 + rise + rng.uniform(0.3, 1) * np.sin(2 * np.pi * t * rng.uniform(1.5, 4))
 
 
 def named(found):
-    """{channel: set of effects} of a report; what is on the record is on each of its channels."""
-    out = {}
+    """{channel: {effect: confidence}} of a report; what is on the record is on its channels."""
+    out = {c: {} for c in found.channels}
     for where, s in found.steps:
         on = s.parameters.get("channels") or (
             list(found.channels) if where == "record" else [where]
         )
         for c in on:
-            out.setdefault(c, {})[s.effect] = s.confidence
+            out.setdefault(c, {})[s.effect] = round(float(s.confidence), 4)
     return out
 
 
-def run(case, data):
-    """One case: names before and after."""
-    rng = np.random.default_rng([case["seed"], 11])
-    which = RECORDS[case["seed"] % len(RECORDS)]
-    file, fs, channels = stretch(data, which, rng)
+def _looked_at(channels, fs, temperature=None, time=None):
+    found = close(Record(channels, fs, time=time, temperature=temperature), simulations=0, jobs=1)
+    left = {c: r.result.unexplained for c, r in found.channels.items() if r.result.unexplained}
+    absorbed = {c: list(r.result.absorbed) for c, r in found.channels.items()}
+    return {
+        "names": named(found),
+        "absorbed": absorbed,
+        "unexplained": left,
+        "verdict": found.to_json()["verdict"],
+    }
+
+
+def run(case, data, before):
+    """One case; `before` holds what was found in stretches as they are."""
+    rng = np.random.default_rng([case["seed"], 13])
+    effect = case["effect"]
+    file, fs, start, channels = stretch(data, case["stretch"], effect == "tilt")
+    if effect == "tilt" and len(channels) < 6 or effect == "vibration" and len(channels) < 2:
+        return {**case, "record": file, "skipped": "too few channels"}
+    temperature = None
+    n = len(next(iter(channels.values())))
+    if effect == "temperature":
+        temperature = _warmth(n, fs, rng)
     target = list(channels)[int(rng.integers(len(channels)))]
-    changed, on = put(case["effect"], channels, fs, target, rng)
-    before = named(close(Record(channels, fs), simulations=0, jobs=1))
-    after = named(close(Record(changed, fs), simulations=0, jobs=1))
-    hit, other = False, []
-    for c in channels:
-        fresh = {e: s for e, s in after.get(c, {}).items() if e not in before.get(c, {})}
-        if c in on:
-            hit |= any(e in EFFECTS[case["effect"]] for e in after.get(c, {})) and (
-                bool(set(fresh) & set(EFFECTS[case["effect"]]))
-                or case["effect"] in before.get(c, {})
-            )
-        else:
-            other += [f"{c} {e}" for e, s in fresh.items() if s >= SURE]
+    changed, on, gain, told = gap_put.put(effect, channels, fs, target, rng, temperature)
+    clock = changed.pop("time", None)
+    if effect == "common_mode" and len(on) < 2:
+        return {**case, "record": file, "skipped": "one channel of a kind"}
+    key = f"{case['stretch']} {effect if effect in ('tilt', 'temperature') else ''}"
+    if key not in before:
+        before[key] = _looked_at(channels, fs, temperature)
+    old, new = before[key], _looked_at(changed, fs, temperature, clock)
+    names = gap_put.NAMES.get(effect, (effect,))
+    fresh = {
+        c: {e: s for e, s in found.items() if e not in old["names"].get(c, {})}
+        for c, found in new["names"].items()
+    }
+    had = any(e in old["names"].get(c, {}) for c in on for e in (effect,))
+    other = [
+        f"{c} {e}"
+        for c, found in fresh.items()
+        for e, sure in found.items()
+        if c not in on and sure >= SURE
+    ]
+    hit = any(e in names for c in on for e in fresh.get(c, {}))
     return {
         **case,
         "record": file,
+        "start": start,
+        "target": target,
         "on": on,
-        "before": before,
-        "after": after,
-        "already": case["effect"] in before.get(target, {}),
-        "named": bool(hit),
+        "gain": round(float(gain), 1),
+        "put_in": told,
+        "key": key,
+        "before": old,
+        "after": new,
+        "already": had,
+        "absorbed": not hit and effect in new["absorbed"].get(target, ()),
+        "named": hit,
+        "named_sure": any(
+            e in names and sure >= SURE for c in on for e, sure in fresh.get(c, {}).items()
+        ),
         "new": other,
         "untouched": len([c for c in channels if c not in on]),
     }
@@ -202,20 +168,26 @@ def run(case, data):
 def summary(rows):
     """The table: by effect and all in all."""
     table = []
-    for effect in [*EFFECTS, "all"]:
-        some = [r for r in rows if effect in ("all", r["effect"]) and not r["already"]]
-        if not some:
+    rows = [r for r in rows if "skipped" not in r]
+    for effect in [*gap_put.EFFECTS, "all"]:
+        every = [r for r in rows if effect in ("all", r["effect"])]
+        some = [r for r in every if _counts(r)]
+        if not every:
             continue
         right = sum(r["named"] for r in some)
-        clean = sum(r["untouched"] for r in some)
-        new = sum(len({n.split()[0] for n in r["new"]}) for r in some)
-        low, high = proportion_confint(right, len(some), method="wilson")
+        clean = sum(r["untouched"] for r in every)
+        new = sum(len({n.split()[0] for n in r["new"]}) for r in every)
+        low, high = proportion_confint(right, len(some), method="wilson") if some else (0, 1)
         table.append(
             {
                 "effect": effect,
                 "cases": len(some),
                 "named": right,
+                "named_sure": sum(r["named_sure"] for r in some),
                 "interval": [round(low, 3), round(high, 3)],
+                "already": sum(r["already"] for r in every),
+                "absorbed": sum(r["absorbed"] for r in every),
+                "undetectable": sum(r["gain"] < gap_put.DETECTABLE for r in every),
                 "untouched_channels": clean,
                 "new_elsewhere": new,
             }
@@ -223,39 +195,51 @@ def summary(rows):
     return table
 
 
+def _counts(row):
+    """Whether a case is one that has to be named."""
+    return row["gain"] >= gap_put.DETECTABLE and not (row["already"] or row["absorbed"])
+
+
+def _plan(effects, cases, first):
+    """Effects take turns; `SHARED` cases in a row look at one stretch."""
+    return [
+        {
+            "effect": e,
+            "seed": first + i * len(effects) + k,
+            "stretch": first + (i * len(effects) + k) // SHARED,
+        }
+        for i in range(cases)
+        for k, e in enumerate(effects)
+    ]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=2, help="of each effect")
     parser.add_argument("--first", type=int, default=500)
-    parser.add_argument("--effects", default=",".join(EFFECTS))
+    parser.add_argument("--effects", default=",".join(gap_put.EFFECTS))
     parser.add_argument("--log", help="JSON lines; what is there already is not run again")
+    parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
     parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
     data = Path(os.environ["IMU_LIB_DATA"])
     log = Path(args.log) if args.log else None
     rows = [json.loads(r) for r in log.read_text().splitlines()] if log and log.exists() else []
     have = {(r["effect"], r["seed"]) for r in rows}
-    cases = [
-        {"effect": e, "seed": args.first + 17 * k + i}
-        for i in range(args.cases)
-        for k, e in enumerate(args.effects.split(","))
-    ]
-    for case in cases:
+    before = {r["key"]: r["before"] for r in rows if "key" in r}
+    started = time.time()
+    for case in _plan(args.effects.split(","), args.cases, args.first):
         if (case["effect"], case["seed"]) in have:
             continue
-        row = run(case, data)
+        if time.time() - started > 60 * args.minutes:
+            break
+        row = run(case, data, before)
         rows.append(row)
         if log:
             with log.open("a") as handle:
                 handle.write(json.dumps(row) + "\n")
-        print(
-            row["effect"],
-            row["record"],
-            row["on"],
-            "named" if row["named"] else row["after"],
-            row["new"],
-            flush=True,
-        )
+        if "skipped" not in row:
+            _tell(row)
     table = summary(rows)
     for line in table:
         print(line)
@@ -264,9 +248,23 @@ def main():
             "command": "python " + " ".join(["benchmarks/gap_injected.py", *sys.argv[1:]]),
             "date": date.today().isoformat(),
             "table": table,
-            "cases": [{k: v for k, v in r.items() if k not in ("before", "after")} for r in rows],
+            "cases": [
+                {k: v for k, v in r.items() if k not in ("before", "after", "key")}
+                for r in rows
+                if "skipped" not in r
+            ],
         }
         (RESULTS / "gap_injected.json").write_text(json.dumps(content, indent=1) + "\n")
+
+
+def _tell(row):
+    verdict = "named" if row["named"] else "MISSED" if _counts(row) else "apart"
+    print(verdict, row["effect"], row["seed"], row["record"], row["on"], f"gain {row['gain']:.0f}")
+    if verdict == "MISSED" or row["new"]:
+        print("   ", row["put_in"])
+        for when in ("before", "after"):
+            print("   ", when, row[when]["names"], row[when]["unexplained"])
+        print("    absorbed", row["after"]["absorbed"], "new elsewhere", row["new"], flush=True)
 
 
 if __name__ == "__main__":

@@ -32,8 +32,9 @@ SAMPLES = ("saturation", "stuck", "spikes", "noise_level_change")
 #: Log evidence by which spikes too small to be seen, white noise to a free quantization, may
 #: mislead the choice between grids.
 UNSEEN = 15.0
-#: log10 p of the stationarity tests below which only one round is run.
+#: log10 p of the stationarity tests below which only one round is run for the noises.
 VETO = -9.0
+NO_DRIFT = tuple(e.name for e in effects.COMPETITORS if e not in effects.DRIFTS)
 
 
 @dataclass(frozen=True)
@@ -221,6 +222,8 @@ def _analyse(
     )
     wild = unsteady is not None and unsteady.log_p < VETO
     state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
+    if wild:  # what drifts is seen in the means, whatever the spectrum does
+        state, _ = rounds.grow(state, progress=say, exclude=NO_DRIFT)
     rivals = [{} for _ in state.items]
     if state.items:
         state, rivals = rounds.swap(rounds.prune(state), passes=1 if wild else 2)

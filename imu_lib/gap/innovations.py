@@ -9,6 +9,9 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from imu_lib.gap import fast, slow
 
+#: Degrees of freedom of a spectrum at the least: the reciprocal of what has one or two is now and
+#: then a hundred times too large, and whitening amplifies what little there is.
+FREEDOM = 24.0
 #: Share of the mean spectrum below which a stop band is not followed where samples are drawn.
 DEPTH = 1e-5
 
@@ -49,6 +52,7 @@ class Smooth:
             _shifted(self.layout),
         )
         k = self.layout.slow
+        mean[k:] = _pooled(mean[k:], self.layout.nu[k:])
         quiet = np.median(mean[k : k + 10]) if len(mean) > k + 10 else mean[k:].mean()
         self.level = np.concatenate([np.full(k, quiet), mean[k:]]) + floor
         # with the slow end as it is, falling with frequency, for filling gaps in
@@ -120,6 +124,24 @@ class Smooth:
     def conditional_variance(self) -> float:
         """Variance of a sample when all others are known."""
         return float(self.fs / 2 / np.mean(1.0 / self.on(2048)))
+
+
+def _pooled(mean, nu):
+    """The bins' means (k,), those of less than `FREEDOM` degrees of freedom `nu` with as many
+    neighbours on either side as it takes.
+    """
+    total, freedom = (np.concatenate([[0.0], np.cumsum(v)]) for v in (nu * mean, nu))
+    out, i = np.array(mean), np.arange(len(mean))
+    left = np.flatnonzero(nu < FREEDOM)
+    for half in range(1, len(mean)):
+        if len(left) == 0:
+            break
+        a, b = np.maximum(i[left] - half, 0), np.minimum(i[left] + half + 1, len(mean))
+        enough = (freedom[b] - freedom[a] >= FREEDOM) | (half == len(mean) - 1)
+        here = left[enough]
+        out[here] = ((total[b] - total[a]) / (freedom[b] - freedom[a]))[enough]
+        left = left[~enough]
+    return out
 
 
 def _neighbours(mean):
