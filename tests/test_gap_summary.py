@@ -1,5 +1,7 @@
 """The verdict in a few sentences."""
 
+import re
+
 import numpy as np
 
 from imu_lib import gap
@@ -47,3 +49,10 @@ def test_what_shakes_is_the_environments_and_where_to_go_from_there():
     text = " ".join(sentences(found))
     assert "it shook at 7 Hz from 1" in text and "gyro_x and accel_z" in text
     assert "away from what shakes it" in text
+    shown = table(found)
+    # in the unit of the samples, 1e-3 rad/s and 1e-2 m/s^2 to the hundredth that the fit has
+    felt = re.search(r"gyro_x (\S+) deg/s, accel_z (\S+) m/s\^2", shown)
+    assert abs(float(felt[1]) / np.rad2deg(1e-3) - 1) < 0.1 and abs(float(felt[2]) / 1e-2 - 1) < 0.1
+    rows = {line.split()[0]: line for line in shown.splitlines() if line.strip()}
+    assert rows["gyro_x"].endswith("on the record: vibration")
+    assert rows["gyro_y"].endswith("nothing: simulation and measurement agree")

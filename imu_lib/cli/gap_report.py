@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imu_lib import report
 from imu_lib.gap.summary import sentences
-from imu_lib.gap.table import describe
+from imu_lib.gap.table import describe, on_channel
 from imu_lib.plots import gap as plots
 
 
@@ -35,7 +35,7 @@ def write(found, path) -> None:
                 "found",
                 "unexplained",
             ],
-            [_row(name, found.channels[name]) for name in names],
+            [_row(found, name) for name in names],
         ),
     ]
     if found.record_steps or found.record_unexplained:
@@ -78,11 +78,7 @@ def write(found, path) -> None:
                     "Gap index by domain; 1 is a measurement like any simulation.",
                 )
             )
-    clean = [
-        n
-        for n in names
-        if not found.channels[n].result.steps and not found.channels[n].result.unexplained
-    ]
+    clean = [n for n in names if on_channel(found, n).startswith("nothing")]
     if clean:
         parts.append(
             report.paragraph(
@@ -93,7 +89,8 @@ def write(found, path) -> None:
         handle.write(report.page("Where simulation and measurement disagree", *parts))
 
 
-def _row(name, c):
+def _row(found, name):
+    c = found.channels[name]
     number = lambda v: "" if v is None else f"{v:.2f}"  # noqa: E731
     held = c.held_out or {}
     return [
@@ -102,7 +99,7 @@ def _row(name, c):
         number(c.after and c.after.value),
         number(held.get("before")),
         number(held.get("after")),
-        ", ".join(s.effect for s in c.result.steps) or "nothing",
+        on_channel(found, name),
         c.result.unexplained or "",
     ]
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from textwrap import wrap
 
+import numpy as np
+
 from imu_lib import units
 from imu_lib.gap import faulty
 from imu_lib.gap.summary import sentences
@@ -14,6 +16,8 @@ KINDS, SAMPLED = (
     {"rounded": "by rounding of the integral", "smoothing": "exponential smoothing"},
     ("low_pass", "autoregressive"),
 )
+#: Parameters that are read off single samples: in the unit of these, not of a bias.
+OF_SAMPLES = ("amplitude", "limit", "low", "lsb", "scale")
 #: Columns of a terminal, or of a page of the book.
 WIDTH = 110
 
@@ -34,6 +38,9 @@ def value(symbol: str, x, channel: str) -> str:
         return f"[{', '.join(v if isinstance(v, str) else format(v, '.4g') for v in x)}]"
     if isinstance(x, str) or x is None:
         return str(x)
+    if symbol in OF_SAMPLES and channel.split("_")[0] in ("gyro", "accel"):
+        gyro = channel.startswith("gyro")
+        return f"{np.rad2deg(x):.4g} deg/s" if gyro else f"{x:.4g} m/s^2"
     try:
         factor, unit = units.datasheet(symbol, channel)
         return f"{x / factor:.4g} {unit}"
@@ -118,7 +125,7 @@ def table(found) -> str:
         after = "" if c.after is None else f"{c.after.value:.2f}"
         held = "" if not c.held_out else f"{c.held_out['before']:.2f} -> {c.held_out['after']:.2f}"
         lines.append(
-            f"{name:<9}{before:>11}{after:>7}{held:>15}  {'' if r.steps or r.unexplained else 'nothing: simulation and measurement agree'}"
+            f"{name:<9}{before:>11}{after:>7}{held:>15}  {'' if r.steps else on_channel(found, name)}"
         )
         lines += _steps(r.steps, name)
         if r.absorbed:
@@ -137,6 +144,25 @@ def table(found) -> str:
         f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from simulations as they do among themselves."
     )
     return "\n".join(lines)
+
+
+def on_channel(found, name: str) -> str:
+    """What was found on a channel, in a line: its own effects, then those that stand on the record
+    and that it feels.
+    """
+    r = found.channels[name].result
+    own = [s.effect for s in r.steps]
+    felt = dict.fromkeys(
+        s.effect
+        for s in found.record_steps
+        if name in s.parameters.get("channels", ()) and s.effect not in own
+    )
+    parts = [", ".join(own)] if own else []
+    if felt:
+        parts.append(f"on the record: {', '.join(felt)}")
+    if not parts:
+        return "left unexplained" if r.unexplained else "nothing: simulation and measurement agree"
+    return "; ".join(parts)
 
 
 def _steps(steps, name):
