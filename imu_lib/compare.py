@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from joblib import Parallel, delayed
 
-from imu_lib import allan
+from imu_lib import allan, passes, scheduler
 from imu_lib.estimate import Z95, Estimate
+from imu_lib.long_record import LongRecord
 from imu_lib.model import Model
 from imu_lib.record import Record
 
@@ -71,9 +71,21 @@ class Comparison:
         return {"a": self.a, "b": self.b, "only": self.only, "channels": dict(self.channels)}
 
 
+@dataclass(frozen=True)
+class Side:
+    """What one of the two says of a channel: its curve at the common averaging times, its
+    coefficients, mean and standard deviation of a record.
+    """
+
+    curve: Curve
+    coefficients: Mapping[str, object]
+    mean: float | None = None
+    sd: float | None = None
+
+
 def compare(
-    a: Record | Model,
-    b: Record | Model,
+    a: Record | LongRecord | Model,
+    b: Record | LongRecord | Model,
     *,
     rate: float | None = None,
     per_decade: int = 2,
@@ -81,12 +93,27 @@ def compare(
 ) -> Comparison:
     """Lay two side by side.
 
-    a, b: records at rest or error models. rate: Hz at which two models are sampled (their own,
-    else the continuous limit).
     Records contribute their overlapped Allan deviation and its joint fit, models their closed form
-    and parameters.
-    tell: wraps the running fits, to show progress. ValueError where they have no channel in
-    common, InputError where a record is too short.
+    and parameters. A record on disk is read by pieces, of its longest part without a gap, and is
+    never held.
+
+    Parameters
+    ----------
+    a, b : Record, LongRecord or Model
+        Records at rest, or error models.
+    rate : float, optional
+        Hz at which two models are sampled; their own, else the continuous limit.
+    per_decade : int
+        Averaging times.
+    tell : callable
+        Wraps the running fits, to show progress.
+
+    Raises
+    ------
+    ValueError
+        Where they have no channel in common.
+    InputError
+        Where a record is too short.
     """
     common = [c for c in a.channel_names if c in b.channel_names]
     if not common:
@@ -95,37 +122,76 @@ def compare(
         )
     rates = [x.rate for x in (a, b) if x.rate] or [rate]
     fs = max((r for r in rates if r), default=None)
-    span = min([x.duration for x in (a, b) if isinstance(x, Record)], default=1e5)
+    span = min([_span(x) for x in (a, b) if not isinstance(x, Model)], default=1e5)
     first = 1.0 / min(r for r in rates if r) if fs else 1e-2
     decades = np.log10(max(span / 6, 2 * first) / first)
     tau = first * 10.0 ** (np.arange(int(decades * per_decade) + 1) / per_decade)
     parts = [x.enough().uniform() if isinstance(x, Record) else x for x in (a, b)]
-    jobs = [(x, c) for c in common for x in parts if isinstance(x, Record)]
-    workers = min(len(jobs), os.cpu_count() or 1) if sum(x.n for x, _ in jobs) > 100_000 else 1
-    fits = Parallel(n_jobs=workers, return_as="generator")(
-        delayed(_fit)(x[c], x.rate) for x, c in jobs
-    )
-    fitted = {(id(x), c): found for (x, c), found in zip(jobs, tell(fits, total=len(jobs)))}
-    channels = {c: _channel(c, *parts, tau, rate or fs, fitted) for c in common}
+    jobs = [(i, c) for c in common for i, x in enumerate(parts) if not isinstance(x, Model)]
+    tasks = [(_task(parts[i], c), c, tau, i) for i, c in jobs]
+    many = sum(parts[i].n for i, _ in jobs) > 100_000
+    workers = min(len(jobs), os.cpu_count() or 1) if many else 1
+    sides = {}
+    for i, c, side in tell(scheduler.shared(_side, tasks, workers), total=len(jobs)):
+        sides[i, c] = side
+    for i, x in enumerate(parts):
+        if isinstance(x, Model):
+            sides |= {(i, c): _of_model(x[c], tau, rate or fs) for c in common}
+    channels = {c: _channel(tau, sides[0, c], sides[1, c]) for c in common}
     only = tuple(
         c for x, y in ((a, b), (b, a)) for c in x.channel_names if c not in y.channel_names
     )
     return Comparison(a.name or a.source, b.name or b.source, channels, only)
 
 
-def _fit(x, fs) -> dict:
+def _span(x) -> float:
+    """Seconds of a record that its averaging times may come from."""
+    return x.longest / x.rate if isinstance(x, LongRecord) else x.duration
+
+
+def _task(x, channel):
+    """What a process needs of a record for one channel."""
+    return x if isinstance(x, LongRecord) else Record({channel: x[channel]}, x.rate)
+
+
+def _side(x, channel, tau, place) -> tuple[int, str, Side]:
+    """One channel of a record."""
+    if isinstance(x, LongRecord):
+        whole = passes.over(x.pieces(channel, x.continuous()), x.longest, x.rate)
+        curve, mean, sd = whole.allan(), whole.mean, float(np.sqrt(max(whole.variance, 0.0)))
+        coefficients = _asked(allan.from_curve, curve)
+    else:
+        y = x[channel]
+        curve = allan.deviation(y, x.rate, taus=tau)
+        mean, sd = float(np.nanmean(y)), float(np.nanstd(y))
+        coefficients = _asked(allan.characterise, y, x.rate)
+    return place, channel, Side(_at(curve, tau), coefficients, mean, sd)
+
+
+def _asked(method, *args) -> dict:
     """The coefficients of a channel; none where it is too short for a fit, or never changes: the
     curves stand alone then.
     """
     try:
-        return allan.characterise(x, fs)
+        return {k: v for k, v in method(*args).items() if isinstance(v, Estimate)}
     except ValueError:
         return {}
 
 
-def _channel(name, a, b, tau, fs, fitted) -> Channel:
-    measured = [_curve(x, name, tau, fs, fitted) for x in (a, b)]
-    ca, cb = (m[0] for m in measured)
+def _at(curve, tau) -> Curve:
+    """The nearest averaging times of a record's own, which have to be whole samples."""
+    out = np.full((3, len(tau)), np.nan)
+    for i, t in enumerate(tau):
+        j = curve.at(t)
+        if abs(curve.tau[j] / t - 1) < 0.26:
+            # slid along a slope of at most one per octave the value changes less than its
+            # interval at these few-sample clusters
+            out[:, i] = curve.adev[j], curve.low[j], curve.high[j]
+    return Curve(*out)
+
+
+def _channel(tau, a: Side, b: Side) -> Channel:
+    ca, cb = a.curve, b.curve
     good = np.isfinite(ca.adev) & np.isfinite(cb.adev) & (ca.adev > 0) & (cb.adev > 0)
     tau = tau[good]
     ca, cb = (Curve(c.adev[good], c.low[good], c.high[good]) for c in (ca, cb))
@@ -138,7 +204,6 @@ def _channel(name, a, b, tau, fs, fitted) -> Channel:
     # as many questions as averaging times: Bonferroni's correction keeps the false alarms of a
     # channel at 5 %
     wider = norm.ppf(1 - 0.025 / max(1, len(tau))) / Z95
-    differs = (log - wider * down > 1e-9) | (log + wider * up < -1e-9)
     return Channel(
         tau,
         ca,
@@ -146,40 +211,25 @@ def _channel(name, a, b, tau, fs, fitted) -> Channel:
         np.exp(log),
         np.exp(log - down),
         np.exp(log + up),
-        differs,
-        _coefficients(*(m[1] for m in measured)),
-        *(
-            tuple(float(f(x[name])) if isinstance(x, Record) else None for x in (a, b))
-            for f in (np.nanmean, np.nanstd)
-        ),
+        (log - wider * down > 1e-9) | (log + wider * up < -1e-9),
+        _coefficients(a.coefficients, b.coefficients),
+        (a.mean, b.mean),
+        (a.sd, b.sd),
     )
 
 
-def _curve(x, name, tau, fs, fitted):
-    """(Curve at tau, coefficients) of a record or a model."""
-    if isinstance(x, Record):
-        # a step has to be whole samples: the nearest averaging times of the record's own
-        curve = allan.deviation(x[name], x.rate, taus=tau)
-        out = np.full((3, len(tau)), np.nan)
-        for i, t in enumerate(tau):
-            j = curve.at(t)
-            if abs(curve.tau[j] / t - 1) < 0.26:
-                # slid along a slope of at most one per octave the value changes less than its
-                # interval at these few-sample clusters
-                out[:, i] = curve.adev[j], curve.low[j], curve.high[j]
-        return Curve(*out), {
-            k: v for k, v in fitted[id(x), name].items() if isinstance(v, Estimate)
-        }
-    adev = np.sqrt(np.asarray(x[name].avar(tau, fs), dtype=float))
+def _of_model(entry, tau, fs) -> Side:
+    """One channel of a model."""
+    adev = np.sqrt(np.asarray(entry.avar(tau, fs), dtype=float))
     parameters, seen = {}, {}
-    for process in (*x[name].terms, *x[name].stages):
+    for process in (*entry.terms, *entry.stages):
         for key, value in process.to_json().items():
             if key == "process" or not isinstance(value, (int, float)):
                 continue
             label = key if key in ("N", "Q", "B", "K", "R") else f"{process.name}.{key}"
             seen[label] = seen.get(label, 0) + 1
             parameters[label if seen[label] == 1 else f"{label}_{seen[label]}"] = float(value)
-    return Curve(adev, adev, adev), parameters
+    return Side(Curve(adev, adev, adev), parameters)
 
 
 def _coefficients(a: dict, b: dict) -> dict:

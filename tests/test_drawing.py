@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from imu_lib import drawing
+from imu_lib import drawing, stream
 from imu_lib.drawing import terms
 from imu_lib.model import Model
 from imu_lib.processes import Flicker
@@ -87,6 +87,68 @@ def test_the_pieces_make_the_record(size, tmp_path):
         else:
             np.testing.assert_array_equal(got[name], x, err_msg=name)
     assert not list(tmp_path.iterdir())  # scratch files have no name
+
+
+#: What acts on the whole record, in an order that shows who asks the generator first.
+ON_RECORD = {
+    "gyro_x": [
+        {"process": "white_noise", "N": 1e-3},
+        {"process": "random_walk", "K": 1e-4},
+        {"process": "heavy_tails", "freedom": 4.0},
+        {"process": "wandering_level", "sd": 0.3, "correlation_time": 20.0},
+        {"process": "spikes", "rate": 0.5, "scale": 0.1},
+    ],
+    "accel_x": [
+        {"process": "autoregressive", "phi": [0.5], "sigma": 1e-3, "rate": 2 * FS},
+        {"process": "noise_level_change", "ratio": 2.0, "time": 50.0},
+        {"process": "wandering_level", "sd": 0.2, "correlation_time": 9.0},
+        {"process": "low_pass", "order": 2, "cutoff": 20.0, "rate": 2 * FS},
+        {"process": "stuck", "fraction": 0.2, "length": 70},
+    ],
+    "accel_z": [{"process": "white_noise", "N": 1e-3}],
+    "record": [
+        {
+            "process": "vibration",
+            "frequency": 7.0,
+            "bandwidth": 0.01,
+            "harmonics": 2,
+            "amplitude": [0.1, 0.2],
+            "channels": ["gyro_x", "accel_x"],
+            "from": 20.0,
+            "to": 90.0,
+        },
+        {"process": "common_mode", "N": 1e-3, "channels": ["gyro_x", "accel_z"]},
+        {"process": "disturbance", "start": 99.9, "duration": 3.0, "peak": [1.0, 2.0],
+         "channels": ["accel_z", "gyro_y"]},
+        {"process": "tilt", "time": 120.0, "angles": [0.01, -0.02, 0.0]},
+        {"process": "common_mode", "N": 1e-3, "channels": ["accel_x", "accel_z"], "filtered": 1},
+        {"process": "vibration", "frequency": 30.0, "bandwidth": 8.0, "harmonics": 2,
+         "amplitude": [0.1, 0.2], "channels": ["accel_z", "gyro_x"], "ratios": [1.0, 0.4]},
+        {"process": "rate_error", "ratio": 1.02},
+        {"process": "dropout", "fraction": 0.01, "held": True, "channels": ["gyro_x", "accel_x"]},
+        {"process": "dropout", "fraction": 0.01, "value": [0.0, 1.0], "period": 50,
+         "channels": ["gyro_x", "accel_z"]},
+        {"process": "time_gaps", "fraction": 0.01},
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [64, 997])
+def test_what_acts_on_the_record_is_drawn_by_pieces(size, tmp_path, monkeypatch):
+    """Vibrations, knocks, tilts, drop-outs, noise in common and a wrong rate: the same samples."""
+    for module in (drawing.on_record, drawing.stages):
+        monkeypatch.setattr(module, "CHUNK", size)
+        monkeypatch.setattr(module, "bounds", lambda n, size=size: stream.bounds(n, size))
+    model = Model.from_json(ON_RECORD)
+    assert drawing.by_pieces(model)
+    whole = model.simulate_record(N, FS, np.random.default_rng(5))
+    drawn = drawing.draw(model, N, FS, np.random.default_rng(5), size=size, folder=tmp_path)
+    pieces = list(drawn.pieces(1234))
+    got = {key: np.concatenate([p[key] for p in pieces]) for key in pieces[0]}
+    np.testing.assert_array_equal(got["time"], whole.times())
+    for name, x in whole.channels.items():
+        # the band of vibration comes out of another transform
+        np.testing.assert_allclose(got[name], x, rtol=0, atol=1e-12, err_msg=name)
 
 
 def test_long_flicker_is_the_flicker_drawn_at_once(monkeypatch):

@@ -47,7 +47,7 @@ def _open(args, path):
     if path.startswith("preset:") or Path(path).suffix.lower() == ".json":
         return Model.load(path)
     args.file = path
-    return common.open_record(args)
+    return common.open_either(args)
 
 
 def report(result, a: str, b: str) -> str:

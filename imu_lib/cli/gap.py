@@ -78,7 +78,7 @@ def run(args) -> int:
 
     if gap_drive.asked(args):
         return gap_drive.run(args, model)
-    record = common.open_record(args)
+    record = common.open_either(args)
     if model is not None:
         absent = [c for c in record.channel_names if c not in model]
         if len(absent) == len(record.channel_names):

@@ -60,24 +60,10 @@ def write(found, path) -> None:
                     f"Unexplained, no effect of the catalogue accounts for it: {result.unexplained}."
                 )
             )
-        if channel.before is not None:
-            n, rate = found.record.n, found.record.rate
-            for domain, caption in (
-                (
-                    "psd",
-                    "Spectrum: measurement against the bands that hold 95 % of the simulations.",
-                ),
-                ("allan", "Allan deviation, in the same way."),
-            ):
-                parts.append(
-                    report.figure_html(plots.band(channel, domain=domain, rate=rate, n=n), caption)
-                )
-            parts.append(
-                report.figure_html(
-                    plots.domains(channel),
-                    "Gap index by domain; 1 is a measurement like any simulation.",
-                )
-            )
+        for view in getattr(found, "views", None) or (found,):
+            seen = view.channels.get(name)
+            if seen is not None and seen.before is not None:
+                parts += _figures(seen, view.record)
     clean = [n for n in names if on_channel(found, n).startswith("nothing")]
     if clean:
         parts.append(
@@ -120,3 +106,18 @@ def _steps(steps, name):
             lines.append(f"Gap index {s.gap_before:.2f} before it, {s.gap_after:.2f} with it.")
         out += [report.heading(describe(s, name), 3), report.bullets(lines)]
     return out
+
+
+def _figures(channel, record):
+    """A channel against its ensemble, of the record or of one view of it."""
+    n, rate = record.n, record.rate
+    at = f" {record.duration / 3600:.3g} h at {rate:.4g} Hz."
+    out = []
+    for domain, caption in (
+        ("psd", "Spectrum: measurement against the bands that hold 95 % of the simulations."),
+        ("allan", "Allan deviation, in the same way."),
+    ):
+        figure = plots.band(channel, domain=domain, rate=rate, n=n)
+        out.append(report.figure_html(figure, caption + at))
+    caption = "Gap index by domain; 1 is a measurement like any simulation."
+    return [*out, report.figure_html(plots.domains(channel), caption)]

@@ -8,16 +8,28 @@ from functools import partial
 import numpy as np
 from scipy.signal import lfilter, sosfilt
 
+from imu_lib.drawing.on_record import LOST, SHARED, lost, shared, wandering
 from imu_lib.drawing.stages import level, passed, rounded
 from imu_lib.drawing.terms import chunks
 from imu_lib.model import Model
-from imu_lib.processes import CommonMode, Jitter, LowPass, NoiseLevelChange, Sum, TimeGaps
+from imu_lib.processes import (
+    HeavyTails,
+    Jitter,
+    LowPass,
+    NoiseLevelChange,
+    RateError,
+    Sum,
+    TimeGaps,
+    WanderingLevel,
+    WhiteNoise,
+)
 from imu_lib.processes.stages import Resolution, Saturation, Spikes, Stuck
 from imu_lib.record import CHANNELS
 from imu_lib.stream import CHUNK, Scratch, bounds
 
-_STAGES = (LowPass, NoiseLevelChange, Spikes, Saturation, Resolution, Stuck)
-_ON_RECORD = (CommonMode, Jitter, TimeGaps)
+_ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
+_STAGES = (*_ON_NOISE, Spikes, Saturation, Resolution, Stuck)
+_ON_RECORD = (*SHARED, *LOST, RateError, Jitter, TimeGaps)
 
 
 @dataclass(frozen=True)
@@ -71,8 +83,8 @@ def draw(
 ) -> Drawn:
     """The record that `model.simulate_record(n, fs, rng)` draws, on disk.
 
-    Equal to it to the last digit but for flicker noise and moving averages, whose sums are made in
-    another order (1e-9 of the noise).
+    Equal to it to the last digit but for flicker noise, bands of vibration and moving averages,
+    whose sums are made in another order (1e-9 of the noise).
 
     Parameters
     ----------
@@ -88,33 +100,27 @@ def draw(
         Called with the name of each channel that is done.
     """
     generators = dict(zip((*CHANNELS, "record"), rng.spawn(len(CHANNELS) + 1)))
-    common = {}
-    for process in model.record:
-        if isinstance(process, CommonMode):
-            filters = {c: model[c].low_pass for c in process.channels if c in model.channels}
-            parts = process.on(filters, n, fs, generators["record"])
-            for channel in list(parts):
-                _add(common, channel, parts.pop(channel), folder)
+    pace = next((p for p in model.record if isinstance(p, RateError)), RateError(1.0))
+    true = model.with_channels({c: pace.paced(entry) for c, entry in model.channels.items()})
+    rate = fs * pace.ratio
+    common = shared(true, n, rate, generators["record"], folder)
     channels = {}
     for name in model.channel_names:
         channels[name] = Scratch(n, folder=folder)
         at = 0
         more = {"temperature": temperature, "common": common.pop(name, None)}
         for x in draw_channel(
-            model[name], n, fs, generators[name], size=size, folder=folder, **more
+            true[name], n, rate, generators[name], size=size, folder=folder, **more
         ):
             channels[name].write(at, x)
             at += x.size
         if progress is not None:
             progress(name)
+    for process in model.record:
+        if isinstance(process, LOST):
+            lost(process, channels, n, generators["record"])
     time, keep = _clock(model, n, fs, rng)
     return Drawn(channels, float(fs), n, time, keep, temperature)
-
-
-def _add(common, channel, values, folder):
-    known = common.setdefault(channel, Scratch(values.size, folder=folder))
-    for low, high in bounds(values.size):
-        known.write(low, known.read(low, high) + values[low:high])
 
 
 def _clock(model, n, fs, rng):
@@ -154,15 +160,28 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
         part, first = parts.get(term.fast), term.fast not in parts
         if first:
             part = parts[term.fast] = Scratch(total, folder=folder)
-        at = 0
         options = {"size": size, "temperature": temperature, "start": start, "folder": folder}
-        for x in chunks(term, total, rate, rng, **options):
+        drawn = chunks(term, total, rate, rng, **options)
+        if sum_.tails is not None and isinstance(term, WhiteNoise):
+            drawn = _scaled(sum_.tails, drawn, total, rng, folder)
+        at = 0
+        for x in drawn:
             part.write(at, x if first else part.read(at, at + x.size) + x)
             at += x.size
-    return _behind(sum_, parts, n, total, fs, rng, size, common)
+    return _behind(sum_, parts, n, total, fs, rng, size, common, folder)
 
 
-def _behind(sum_, parts, n, total, fs, rng, size, common):
+def _scaled(tails, pieces, total, rng, folder):
+    """White noise with heavy tails: its samples are all drawn before their scales."""
+    held, at = Scratch(total, folder=folder), 0
+    for x in pieces:
+        held.write(at, x)
+        at += x.size
+    for low, high in bounds(total):
+        yield held.read(low, high) * tails.scales(high - low, rng)
+
+
+def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
     def read(fast):
         part = parts.get(fast)
         for low, high in bounds(total, size):
@@ -171,12 +190,13 @@ def _behind(sum_, parts, n, total, fs, rng, size, common):
     slow, quick = read(False), read(True)
     if sum_.low_pass is not None:
         slow, quick = (_filtered(sum_.low_pass, x, fs, n, size) for x in (slow, quick))
-    x = _joined(sum_, slow, quick, fs, common)
-    chain = [
-        (s.place, partial(passed, s))
+    levels = [
+        wandering(s, n, fs, rng, size, folder) if isinstance(s, WanderingLevel) else s
         for s in sum_.stages
-        if not isinstance(s, (LowPass, NoiseLevelChange))
+        if isinstance(s, (NoiseLevelChange, WanderingLevel))
     ]
+    x = _joined(levels, slow, quick, fs, common)
+    chain = [(s.place, partial(passed, s)) for s in sum_.stages if not isinstance(s, _ON_NOISE)]
     if sum_.rounding is not None:
         rounding = sum_.rounding
         chain.append((Resolution.place - 0.5, lambda x, fs, rng, n: rounded(rounding, x, fs, rng)))
@@ -185,12 +205,13 @@ def _behind(sum_, parts, n, total, fs, rng, size, common):
     return x
 
 
-def _joined(sum_, slow, quick, fs, common):
-    change = next((s for s in sum_.stages if isinstance(s, NoiseLevelChange)), None)
+def _joined(levels, slow, quick, fs, common):
+    """The sum in pieces; `levels` act on the quick noise: stages, or factors on disk."""
     at = 0
     for a, b in zip(slow, quick, strict=True):
-        if change is not None:
-            b = b * level(change, b.size, fs, at)
+        for change in levels:
+            drawn = isinstance(change, Scratch)
+            b = b * (change.read(at, at + b.size) if drawn else level(change, b.size, fs, at))
         x = a + b
         if common is not None:
             x = x + common.read(at, at + x.size)

@@ -9,7 +9,7 @@ from functools import singledispatch
 
 import numpy as np
 
-from imu_lib.processes.stages import Resolution, Saturation, Spikes
+from imu_lib.processes.stages import Resolution, Saturation, Spikes, Stuck
 from imu_lib.stream import CHUNK, bounds
 
 
@@ -45,6 +45,26 @@ def _(stage, pieces, fs, rng, n):
             yield x
 
     return thrown()
+
+
+@passed.register(Stuck)
+def _(stage, pieces, fs, rng, n):
+    begin, length = stage.runs(n, rng), max(int(stage.length), 1)
+
+    def held():
+        at, frozen = 0, 0.0
+        for x in pieces:
+            x = np.array(x, dtype=float)
+            first = int(np.searchsorted(begin, at - length))
+            last = int(np.searchsorted(begin, at + x.size))
+            for start in begin[first:last] - at:
+                if start >= 0:
+                    frozen = x[start]
+                x[max(start + 1, 0) : max(start + 1 + length, 0)] = frozen
+            at += x.size
+            yield x
+
+    return held()
 
 
 def rounded(process, pieces, fs, rng):

@@ -18,6 +18,7 @@ from imu_lib.processes import (
     Constant,
     Flicker,
     GaussMarkov,
+    GaussMarkov2,
     Quantization,
     Ramp,
     RandomWalk,
@@ -80,6 +81,26 @@ def _(process, n, fs, rng, *, size, **_):
         w[0 if low else 1 :] *= np.sqrt(-np.expm1(-2.0 * b))  # the first sample is stationary
         x, state = lfilter([1.0], [1.0, -np.exp(-b)], w, zi=state)
         yield process.sigma * x
+
+
+@chunks.register(GaussMarkov2)
+def _(process, n, fs, rng, *, size, **_):
+    space = process.state_space()
+    transition, step = space.discrete(1.0 / fs)
+    again = copy.deepcopy(rng)  # the start is drawn last: the noise is drawn twice
+    for low, high in bounds(n, size):
+        again.multivariate_normal(np.zeros(2), step, size=high - low, method="eigh")
+    first = again.multivariate_normal(np.zeros(2), space.P0, method="eigh")
+    denominator = np.array([1.0, -np.trace(transition), np.linalg.det(transition)])
+    own, other = np.zeros(2), np.zeros(2)
+    for low, high in bounds(n, size):
+        w = rng.multivariate_normal(np.zeros(2), step, size=high - low, method="eigh")
+        if low == 0:
+            w[0] = first
+        x, own = lfilter([1.0, -transition[1, 1]], denominator, w[:, 0], zi=own)
+        y, other = lfilter([0.0, transition[0, 1]], denominator, w[:, 1], zi=other)
+        yield x + y
+    rng.bit_generator.state = again.bit_generator.state
 
 
 @chunks.register(Autoregressive)

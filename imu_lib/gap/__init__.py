@@ -16,6 +16,7 @@ after.
 from __future__ import annotations
 
 from imu_lib.drive import Drive
+from imu_lib.long_record import LongRecord
 
 from .effects import CATALOGUE
 from .ensemble import Index
@@ -31,7 +32,8 @@ def close(measured, model=None, **options):
 
     Parameters
     ----------
-    measured : Record or Drive
+    measured : Record, LongRecord or Drive
+        A record on disk is looked at by `gap.long`, in bounded memory.
     model : Model, optional
         None: the base is fitted first.
     **options
@@ -42,4 +44,8 @@ def close(measured, model=None, **options):
         from .drive import close as of_drive  # the navigation filter is not needed for a record
 
         return of_drive(measured, model, **options)
+    if isinstance(measured, LongRecord):
+        from .long import close as of_long
+
+        return of_long(measured, model, **options)
     return _of_record(measured, model, **options)

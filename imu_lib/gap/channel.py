@@ -155,14 +155,14 @@ def _analyse(
     given = base
     drift = np.zeros(len(raw))
     if given is not None and given.drifts.terms:
-        known = Sum(
+        moving = Sum(
             tuple(
                 t
                 for t in given.drifts.terms
                 if t.name != "constant" and not (t.name == "sinusoid" and t.phase is None)
             )
         )
-        drift = known.mean(np.arange(len(raw)) / fs, temperature)
+        drift = moving.mean(np.arange(len(raw)) / fs, temperature)
     say("electronics")
     clean = electronics.undo(raw, fs, given, rng, integral=integral, known=known)
     x = clean.x - drift

@@ -52,6 +52,8 @@ class LongRecord:
         Row after each gap of the stamps, and samples missing before it.
     described : tuple
         What the readers say of the columns.
+    temperature : Column or None
+        Where the temperature lies, degC.
     """
 
     columns: dict = field(repr=False)
@@ -64,6 +66,7 @@ class LongRecord:
     rows: int = 0
     steps: np.ndarray = field(repr=False, default_factory=lambda: np.zeros((0, 2), np.int64))
     described: tuple = ()
+    temperature: Column | None = None
 
     def __contains__(self, channel):
         return channel in self.columns
@@ -72,6 +75,15 @@ class LongRecord:
         """Number of a row on the even grid; an array for an array."""
         lost = np.concatenate([[0], np.cumsum(self.steps[:, 1])])
         return row + lost[np.searchsorted(self.steps[:, 0], row, side="right")]
+
+    def row(self, slot):
+        """The row at a number of the even grid, the next one where a gap is there."""
+        lost = np.concatenate([[0], np.cumsum(self.steps[:, 1])])
+        before = int(np.searchsorted(self.steps[:, 0] + lost[1:], slot, side="right"))
+        at = int(slot - lost[before])
+        if before < len(self.steps):
+            at = min(at, int(self.steps[before, 0]))
+        return min(at, self.rows)
 
     def second(self, row):
         """Moment of a row, s from the first."""
@@ -85,14 +97,12 @@ class LongRecord:
 
     def part(self, low, high) -> Record:
         """The rows low .. high - 1 as a record in memory, missing numbers as NaN."""
-        channels = {}
-        for name, column in self.columns.items():
-            x = np.concatenate([y for y in column.source.pieces(column.name, low, high)])
-            channels[name] = column.factor * x.astype(float) + column.zero
+        channels = {name: _values(column, low, high) for name, column in self.columns.items()}
+        temperature = self.temperature and _values(self.temperature, low, high)
         slots = self.slot(np.arange(low, high))
         even = slots[-1] - slots[0] == high - low - 1
         time = None if even else (slots - slots[0]) / self.rate
-        return Record(channels, self.rate, time, None, self.name, self.source)
+        return Record(channels, self.rate, time, temperature, self.name, self.source)
 
     def in_memory(self) -> Record:
         """All of it as a record in memory."""
@@ -138,8 +148,10 @@ class LongRecord:
         return int(runs[-1, 2] + runs[-1, 1] - runs[-1, 0] - runs[0, 2])
 
     def pieces(self, channel, runs):
-        """The samples of these runs in order, SI, gaps between them bridged by straight lines."""
-        column = self.columns[channel]
+        """The samples of these runs in order, SI, gaps between them bridged by straight lines;
+        `channel` may be temperature.
+        """
+        column = self.temperature if channel == "temperature" else self.columns[channel]
         last = None
         for start, stop, slot in runs:
             for x in column.source.pieces(column.name, int(start), int(stop)):
@@ -150,6 +162,12 @@ class LongRecord:
                 slot += x.size
                 last = slot, float(x[-1])
                 yield x
+
+
+def _values(column, low, high):
+    """The rows low .. high - 1 of a column, SI."""
+    x = np.concatenate([y for y in column.source.pieces(column.name, low, high)])
+    return column.factor * x.astype(float) + column.zero
 
 
 def open_long(path, *, start=None, stop=None, trust_units=False, least=None, **options):
@@ -194,6 +212,7 @@ def open_long(path, *, start=None, stop=None, trust_units=False, least=None, **o
         rows,
         laid.steps,
         described,
+        _temperature(source, {k for k, n in sizes.items() if n == rows}, head),
     )
 
 
@@ -230,6 +249,19 @@ def _matched(source, known, head):
         else:
             return None
     return out
+
+
+def _temperature(source, known, head):
+    """The column of the temperature, or None."""
+    if head.temperature is None:
+        return None
+    for name in known:
+        if (names.parse(name)[0] or "") == "temperature":
+            y = np.concatenate([x for x in source.pieces(name, 0, HEAD)]).astype(float)
+            line = _line(y, head.temperature)
+            if line:
+                return Column(source, name, *line)
+    return None
 
 
 def _line(y, x):

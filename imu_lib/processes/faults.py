@@ -215,14 +215,14 @@ class Tilt(Process):
             entry["force"] = list(self.force)
         return entry
 
-    def on(self, n: int, fs: float) -> dict[str, Array]:
-        """What the six channels get, name -> ndarray, shape (n,)."""
+    def on(self, n: int, fs: float, *, first: int = 0) -> dict[str, Array]:
+        """What the six channels get from sample `first` on, name -> ndarray, shape (n,)."""
         from scipy.spatial.transform import Rotation
 
         self._require()
         angles = np.array(self.angles)
         force = np.array((0.0, 0.0, -9.80665) if self.force is None else self.force)
-        t = np.arange(n) / fs
+        t = np.arange(first, first + n) / fs
         length = max(1.0 if self.duration is None else self.duration, 1.0 / fs)
         part = np.clip((t - self.time) / length, 0.0, 1.0)
         done = 0.5 - 0.5 * np.cos(np.pi * part)

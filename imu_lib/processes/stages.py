@@ -149,21 +149,25 @@ class Stuck(Stage):
         Parameter("length", "count", "of a run, samples"),
     )
 
-    def apply(self, x: Array, fs: float, rng: np.random.Generator) -> Array:
+    def runs(self, n: int, rng: np.random.Generator) -> Array:
+        """One draw of the samples whose values are frozen, in order, of `n` samples."""
         self._require()
-        x = np.array(x, dtype=float)
-        n, length = len(x), max(int(self.length), 1)
+        length = max(int(self.length), 1)
         slots = n // (length + 1)
         runs = min(slots, int(round(self.fraction * n / length)))
         if runs == 0:
-            return x
+            return np.zeros(0, dtype=int)
         # runs never overlap: choose slots of the record, then a place inside the slack
         begin = (
             np.sort(rng.choice(n - runs * length - 1, size=runs, replace=False))
             if n > runs * (length + 1)
             else np.arange(runs)
         )
-        begin = begin + np.arange(runs) * length
-        for start in begin:
+        return np.asarray(begin + np.arange(runs) * length)
+
+    def apply(self, x: Array, fs: float, rng: np.random.Generator) -> Array:
+        x = np.array(x, dtype=float)
+        length = max(int(self.length or 1), 1)
+        for start in self.runs(len(x), rng):
             x[start + 1 : start + 1 + length] = x[start]
         return x
