@@ -49,3 +49,17 @@ def test_a_quick_gauss_markov_process_over_white_noise_is_no_filter():
     x = signal.lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal(N))
     (step,) = analyse("gyro_x", x + 0.5 * rng.standard_normal(N), 100.0, None).steps
     assert step.effect == "gauss_markov"
+
+
+@pytest.mark.parametrize("taps", [1, 2])
+def test_two_levels_are_not_taken_for_a_red_noise_of_the_base(taps):
+    """A level lasts 12 s on average, and the mean over it has a thirtieth of the distance."""
+    rng = np.random.default_rng([8, taps])
+    flips = np.cumsum(rng.random(20_000) < 0.08 / FS) % 2
+    x = rng.standard_normal(20_000) + 0.8 * flips
+    x = np.convolve(x, np.full(taps, 1 / taps), "same") if taps > 1 else x
+    found = analyse("gyro_x", x, FS, None, seed=1)
+    sure = {s.effect for s in found.steps if s.confidence >= 0.9}
+    assert sure == {"telegraph"} | ({"low_pass"} if taps > 1 else set())
+    (step,) = (s for s in found.steps if s.effect == "telegraph")
+    assert abs(step.parameters["amplitude"] / 0.8 - 1) < 0.1  # three standard deviations

@@ -82,7 +82,8 @@ def free_base(data: Data, held=()) -> tuple[State, list[State]]:
     that stand far out of it; and all families.
 
     A drift competes with the families, each by itself: fitted first, a random walk would imitate a
-    ramp that is plain to see. A filter in the sensor is tried beside a base fitted to the low part
+    ramp that is plain to see; so do two levels, whose spectrum is that of a Gauss-Markov process. A
+    filter in the sensor is tried beside a base fitted to the low part
     of the band, up to each of `BELOW`: fitted to all of it, flicker or a quick Gauss-Markov process
     would imitate the roll-off.
     """
@@ -95,28 +96,58 @@ def free_base(data: Data, held=()) -> tuple[State, list[State]]:
             break
         best = top
         families = [s.plus(best.items[-1]) for s in families]
+    best = _two_levels(best, families)
+    filtered = _filtered(data, held, best)
+    if filtered is not best:  # beside the filter another family may be likelier
+        families = _families(data, held, filtered.settled().items)
+        best = _two_levels(max([filtered, *families], key=_worth), families)
+    return best.settled(), [s.settled() for s in families]
+
+
+def _filtered(data: Data, held, best: State) -> State:
+    """The best state, or the likeliest base behind a filter in the sensor, where there is one."""
+    levels = [c for c in best.items if c.signal is not None]
     for share in BELOW:
-        low = copy(data)
+        low = copy(best.cleaned)
         low.layout = replace(
             data.layout, nu=np.where(data.layout.f < share * data.fs, data.layout.nu, 0.0)
         )
         below = max(_families(low, held, best.drifts), key=_worth).settled()
-        for item in CATALOGUE["low_pass"].candidates(State(data, below.base, below.items)):
-            trial = State(data, below.base, [*below.items, item], base_slots=below.base_slots)
+        items = [*below.items, *levels]
+        for item in CATALOGUE["low_pass"].candidates(State(data, below.base, items)):
+            trial = State(data, below.base, [*items, item], base_slots=below.base_slots)
             if trial.evidence > best.evidence + FILTER:
                 best = trial
-    return best.settled(), [s.settled() for s in families]
+    return best
+
+
+def _two_levels(best: State, families) -> State:
+    """The best state, or a family beside a bias that jumps between two levels, where that says
+    more.
+    """
+    if all(t.fast for t in best.base):  # nothing that they could have been taken for
+        return best
+    alone = families[:2]  # white noise, and a walk beside it
+    bases = [*alone, *(s for s in families[2:] if _names(s) == _names(best))]
+    bases = [s for s in bases if not any(c.signal is not None for c in s.items)]
+    trials = [s.plus(c) for s in bases for c in CATALOGUE["telegraph"].beside_base(s)]
+    top = max(trials, key=_worth, default=best)
+    return top if _worth(top) > _worth(best) + EVIDENCE else best
+
+
+def _names(state: State) -> list[str]:
+    return [t.name for t in state.base]
 
 
 def alternatives(state: State, families) -> list[tuple[State, float]]:
     """The state, and with its items each other family that the record does not rule out, with their
     shares of the evidence.
     """
-    names = [t.name for t in state.base]
+    names = _names(state)
     others = [
         State(state.data, f.base, state.items, base_slots=f.base_slots)
         for f in families
-        if [t.name for t in f.base] != names
+        if _names(f) != names
     ]
     states = [state, *others]
     evidence = np.array([s.evidence for s in states])

@@ -82,7 +82,7 @@ def sharpen(x, fs, time: float, block: float, amplitude: float, density: float):
     inside = (k + lo >= i - reach) & (k + lo <= i + reach)
     gain = np.where(inside, gain, -np.inf)
     j = int(np.argmax(gain))
-    near = k[gain > gain[j] - 3.0] + lo
+    near = k[gain >= gain[j] - 3.0] + lo
     return float((k[j] + lo) / fs), float((near.min() - 1) / fs), float((near.max() + 1) / fs)
 
 

@@ -20,6 +20,8 @@ MIN_DWELL_SAMPLES = 50
 #: Gain of the noises in whose place two levels are tried, starts that are tried, and flips from
 #: which on there are two levels.
 MIN_GAIN, MAX_STARTS, MIN_FLIPS = 8.0, 6, 2.5
+#: Flips in the record from which two levels beside a fitted base are started.
+FLIPS = (10, 40)
 #: Noises that are no drift beside two levels.
 QUICK = ("white_noise", "quantization", "autoregressive", "common_mode")
 
@@ -169,7 +171,14 @@ class Telegraph(Competitor):
 
     def candidates_beside(self, state, weighed):
         """Two levels instead of the noises that would otherwise explain a red spectrum."""
-        starts = self._starts(state, weighed)
+        return self._decoded(state, self._starts(state, weighed))
+
+    def beside_base(self, state):
+        """Two levels beside a fitted base, which may have taken them for a red noise of its own."""
+        duration, sd = state.data.duration, np.std(state.cleaned.means)
+        return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
+
+    def _decoded(self, state, starts):
         if not starts:
             return []
         data, fit = state.cleaned, state.fit
