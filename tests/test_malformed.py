@@ -245,7 +245,7 @@ def test_no_memory(tmp_path, capsys, monkeypatch):
     def none(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("imu_lib.readers.static.read_text", none)
+    monkeypatch.setattr("imu_lib.readers.opening.read_text", none)
     refused(capsys, "check", path, says="memory")
 
 

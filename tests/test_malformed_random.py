@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from imu_lib import units
 from imu_lib.errors import InputError
-from imu_lib.readers import layout, names, read_record
+from imu_lib.readers import fields, names, read_record
 
 
 def values(n=300):
@@ -81,7 +81,7 @@ def test_no_damage_breaks_the_archive(tmp_path, data):
 def test_names_take_any_text(text):
     canonical, _ = names.parse(text)
     assert canonical is None or isinstance(canonical, str)
-    assert layout.kind(text) in ("number", "date", "clock", "moment", "empty", "text")
+    assert fields.kind(text) in ("number", "date", "clock", "moment", "empty", "text")
 
 
 @SLOW

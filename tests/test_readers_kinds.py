@@ -13,7 +13,7 @@ from imu_lib import readers
 from imu_lib.cli import common
 from imu_lib.cli.main import joined, parser
 from imu_lib.errors import InputError
-from imu_lib.readers import plausibility
+from imu_lib.readers import gravity, plausibility
 
 LOGS, ASKING = strange_logs.logs(), strange_logs.asking()
 
@@ -179,12 +179,12 @@ def test_a_moving_car_passes_in_its_unit():
     assert plausibility.gyro_unit(w, a, fs, "rad/s", strict=True) is None
     assert plausibility.gyro_unit(w, a, fs, "deg/s", strict=True) is None
     assert plausibility.gyro_unit(w / (np.pi / 180), a, fs, "rad/s", strict=True).likely == "deg/s"
-    assert plausibility.accel_unit(a, "m/s^2", 1.0) is None
+    assert gravity.accel_unit(a, "m/s^2", 1.0) is None
 
 
 def test_gravity_that_is_off_is_said():
     a = np.random.default_rng(1).normal(0, 0.02, (3000, 3)) - [0, 0, 9.05]
-    told = plausibility.accel_unit(a, "m/s^2", 1.0)
+    told = gravity.accel_unit(a, "m/s^2", 1.0)
     assert not told.refused and "7.7 % below gravity" in told.why
 
 

@@ -81,7 +81,7 @@ def add_reading_arguments(group) -> None:
     group.add_argument(
         "--time-unit",
         metavar="UNIT",
-        help="of the time stamps: s, ms, us, ns, min or ticks:HZ (HZ ticks per second)",
+        help="of the time stamps: s, ms, us, ns, min or ticks:HZ (HZ ticks per second); none leaves them out, with --rate",
     )
     group.add_argument(
         "--gyro-unit", metavar="UNIT", help="rad/s, deg/s, deg/h or counts:C (C counts per deg/s)"

@@ -22,7 +22,7 @@ from imu_lib.long_record import grid
 from imu_lib.long_record.record import FILL, Column, LongRecord
 from imu_lib.readers import bags
 from imu_lib.readers.assemble import assemble
-from imu_lib.readers.static import _pair, read_raw
+from imu_lib.readers.opening import pair, read_raw
 from imu_lib.stream import bounds
 
 SUFFIXES = (".npz", ".npy", ".parquet", ".csv", ".txt", ".tsv", ".log", ".mat")
@@ -51,7 +51,7 @@ def open_folder(path, *, rate=None, progress=None, **options):
     other channels, or rates that differ by more than a per cent.
     """
     path = Path(path)
-    if not path.is_dir() or bags.is_bag(path) or _pair(path):
+    if not path.is_dir() or bags.is_bag(path) or pair(path):
         return None
     files = sorted(p for p in path.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
     kinds = {re.sub(r"\d+", "#", p.name) for p in files}

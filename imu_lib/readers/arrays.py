@@ -164,7 +164,10 @@ def _contract(raw: Raw, arrays, exact, signal) -> Raw:
         elif value.size > 1:
             told = names.meaning(key, signal=signal)
             taken = {k.partition("_")[0] for k in exact}
-            if told.quantity in names.SIGNALS and told.quantity not in taken and value.ndim <= 2:
+            if told.quantity == "time" and "time" not in arrays and value.ndim == 1:
+                raw.add("time", value, told.unit, key, told.why)
+                raw.contract = False  # another name for the time: its unit is open
+            elif told.quantity in names.SIGNALS and told.quantity not in taken and value.ndim <= 2:
                 more = Raw(raw.source)  # a signal beside the contract's own, under another name
                 flat = _expanded(raw.source, {key: value}, None, signal)
                 decide(

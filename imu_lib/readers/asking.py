@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,6 +13,10 @@ from imu_lib.readers import names
 from imu_lib.readers.names import SIGNALS, Meaning
 
 STAMPS = ("date", "clock", "moment")
+
+
+class Unnamed(InputError):
+    """The columns of a file name no sensor: x, y, z, or nothing at all."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
     ]
     rising = None
     if values:
-        numbers = [i for i in numbers if _moves(values[i])] or numbers
+        numbers = [i for i in numbers if i in values and _moves(values[i])] or numbers
         rising = next((i for i in numbers if _rises(values[i])), None)
         if rising is not None and len(numbers) != 6:
             numbers = [rising, *(i for i in numbers if i != rising)]
@@ -59,9 +64,16 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
             "gyro_z",
         ]
     fill = dict(zip(numbers, order + ["-"] * len(numbers)))
+    stamps: list[str] = []
+    fill.update(_lettered(headings, numbers, order))
     for i, (m, h) in enumerate(zip(told, headings)):
-        if i in fill:
-            out.append(fill[i])
+        name = fill.get(i)
+        if m.quantity in ("time", "date", "clock"):
+            enough = m.quantity in stamps or "time" in stamps or m.quantity == "time" and stamps
+            out.append("-" if enough else m.quantity)  # one time is enough
+            stamps.append(m.quantity)
+        elif name:
+            out.append(name)
         elif h.kind in STAMPS:
             out.append("clock" if h.kind == "clock" else "date")
         else:
@@ -69,6 +81,23 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
                 m.canonical if m.canonical in ("time", "temperature", "date", "clock") else "-"
             )
     return ",".join(out)
+
+
+def _lettered(headings, numbers, order) -> dict[int, str]:
+    """Names for columns that are called x, y, z in whatever order: three, or twice three."""
+    letter = {i: headings[i].name.strip().lower()[:1] for i in numbers}
+    bare = [
+        i for i in numbers if re.fullmatch(r"[xyz](?:[._ ]?\d)?", headings[i].name.strip().lower())
+    ]
+    out = {i: "-" for i in numbers if i not in bare}
+    if len(bare) not in (3, 6):
+        return {}
+    sensors = [o[:-2] for o in order if o.endswith("_x")]
+    for k in range(0, len(bare), 3):
+        if sorted(letter[i] for i in bare[k : k + 3]) != ["x", "y", "z"]:
+            return {}
+        out.update({i: f"{sensors[k // 3]}_{letter[i]}" for i in bare[k : k + 3]})
+    return out
 
 
 def _moves(x) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names, plausibility, spelling, stamps
+from imu_lib.readers import gravity, names, plausibility, spelling, stamps
 from imu_lib.readers.raw import Raw
 from imu_lib.record import Record
 
@@ -94,10 +94,14 @@ def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, st
     said, and with it the columns that may be meant.
     """
     out = {}
+    asked: list[str] = []
     _ask_for_both(raw, gyro_unit, accel_unit)
     for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
         if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds():
-            out[kind] = _scale(raw, kind, flag)
+            try:
+                out[kind] = _scale(raw, kind, flag)
+            except InputError as error:
+                asked.append(str(error))
         elif flag:
             spelling.stated(flag, kind)  # a wrong unit is wrong all the same
             word = "gyro" if kind == "gyro" else "accelerometer"
@@ -114,6 +118,8 @@ def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, st
                     else "."
                 ),
             )
+    if asked:  # two questions at once
+        raise InputError("; ".join(a.rstrip(".") for a in dict.fromkeys(asked)) + ".")
     return out
 
 
@@ -121,7 +127,7 @@ def _ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
     """InputError where both units are missing: asked for at once."""
     for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
         family = kind if kind in raw.kinds() else _INCREMENT[kind]
-        if family not in raw.kinds() or flag or raw.unit(family) not in (None, "counts"):
+        if family not in raw.kinds() or flag or raw.unit(family) is not None:
             return
     raise InputError(
         f"{raw.source} does not state the unit of its gyro columns; give --gyro-unit {_OTHER['gyro']}; nor that of its accelerometer columns;"
@@ -231,9 +237,9 @@ def check_units(
     accel = [record.channels[f"accel_{a}"] for a in "xyz" if f"accel_{a}" in record]
     whole = record["accel"] if len(accel) == 3 else None
     if accel and "accel" in unit:
-        told = plausibility.accel_unit(np.column_stack(accel), unit["accel"], factor["accel"])
+        told = gravity.accel_unit(np.column_stack(accel), unit["accel"], factor["accel"])
         record = _told(record, told, "accel")
-        if strict and whole is not None and plausibility.gravity(whole) is None:
+        if strict and whole is not None and gravity.without_gravity(whole):
             record = record.with_note(
                 "The accelerometer shows no gravity (its vector averages to nothing): it was taken out before the file was written."
             )

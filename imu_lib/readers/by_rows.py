@@ -33,7 +33,14 @@ def sensors(told: Sequence[Meaning], headings: Sequence[Heading]) -> Sensors | N
     texts = [i for i, h in enumerate(headings) if h.kind == "text"]
     bare = {}
     for i, h in enumerate(headings):
-        word = h.name.strip().lower().replace("value", "").replace("axis", "").strip("_ []().")
+        word = (
+            h.name.strip()
+            .lower()
+            .replace("value", "")
+            .replace("measurement", "")
+            .replace("axis", "")
+            .strip("_ []().")
+        )
         axis = {
             "x": 0,
             "y": 1,

@@ -21,6 +21,33 @@ _NAMED = re.compile(r"^\s*(\d{1,2})[-/ ]([A-Za-z]{3})[a-z]*[-/ ](\d{4})")
 _MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec".split()
 
 
+#: Moments in other orders, and how they are written in the usual one.
+ODD = (
+    (re.compile(r"^(\d{4})(\d{2})(\d{2})[T_ -](\d{2})(\d{2})(\d{2})(?:[.,](\d+))?(Z?)$"), r"\1-\2-\3T\4:\5:\6.\g<7>\8"),
+    (re.compile(r"^[A-Z][a-z]{2},? ([A-Z][a-z]{2}) +(\d{1,2}) (\d{2}:\d{2}:\d{2}(?:\.\d+)?) (\d{4})$"), r"\2-\1-\4 \3"),
+    (re.compile(r"^[A-Z][a-z]{2}, (\d{1,2}) ([A-Z][a-z]{2}) (\d{4}) (\d{2}:\d{2}:\d{2}(?:\.\d+)?)(?: (?:GMT|UTC|[+-]\d{4}))?$"), r"\1-\2-\3 \4"),
+    (re.compile(r"^(\d{1,2})/([A-Z][a-z]{2})/(\d{4}):(\d{2}:\d{2}:\d{2}(?:\.\d+)?)$"), r"\1-\2-\3 \4"),
+    (re.compile(r"^(\d{4}-\d{2}-\d{2})[T_ -](\d{2})[.-](\d{2})[.-](\d{2})(?:[._,-](\d+))?$"), r"\1T\2:\3:\4.\g<5>"),
+    (re.compile(r"^(?:(\d+) days?,? )(\d{2}:\d{2}:\d{2}(?:\.\d+)?)$"), None),
+    (re.compile(r"^(\d{4})[-:](\d{3})[T: -](\d{2}:\d{2}:\d{2}(?:\.\d+)?)Z?$"), None),
+)  # fmt: skip
+
+
+def usual(text: str) -> str | None:
+    """A moment in an unusual order in the usual one, None where it is none: `20240517T105955.12`,
+    `Fri May 17 10:59:55 2024`, `2024-138T10:59:55`, `0 days 00:00:01.5`.
+    """
+    for shape, order in ODD:
+        if found := shape.match(text):
+            if order:
+                return found.expand(order).rstrip(".").replace(".Z", "Z")
+            if found.re is ODD[-1][0]:
+                day = np.datetime64(f"{found[1]}-01-01") + (int(found[2]) - 1)
+                return f"{day}T{found[3]}"
+            return f"{np.datetime64('2000-01-01') + int(found[1])}T{found[2]}"
+    return None
+
+
 def seconds(raw: Raw) -> tuple[np.ndarray, float | None, bool]:
     """Seconds from the first sample out of the columns of dates and clocks, the first moment as an
     epoch (None without a date), and whether the stamps are minutes and seconds only.
@@ -74,7 +101,7 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
                 continue
             raise InputError(
                 f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is not readable as a clock; write it as 15:10:13.25, "
-                "or leave the column out with --columns and give --rate."
+                "or leave the stamps out with --time-unit none --rate HZ."
             )
         a, b, c, _, fraction, half, zone = found.groups()
         if c is None and fraction is not None:  # mm:ss.f
@@ -154,7 +181,7 @@ def _days(raw, date, heading) -> tuple[np.ndarray, bool, str | None]:
         return good[name][index], True, f"dates with the {name}: so the days follow each other"
     raise InputError(
         f"{raw.source}, {heading}: {', '.join(list(which)[:2])} may have the day or the month first; write the dates as 2018-04-25, "
-        "or leave the column out with --columns and give --rate."
+        "or leave the stamps out with --time-unit none --rate HZ."
     )
 
 

@@ -30,6 +30,9 @@ USUAL = np.array(
 ODDS = 15.0  # the best reading must be this much likelier than the next one
 EPOCH = (9.0e8, 2.3e9)  # s since 1970: 1998 to 2042
 IMPOSSIBLE = 1e-6
+UPTIME = 3.2e8  # s, ten years: no device is on for longer, and no record is from before 1980
+#: Clocks of a tenth of a microsecond: seconds from their zero to 1970.
+TENTHS = {"Windows (since 1601)": 11_644_473_600.0, ".NET (since the year 1)": 62_135_596_800.0}
 #: Stamps that a maker's field names: Xsens counts 0.1 ms in its MTi and us in its DOT.
 MAKERS = {"sampletimefine": {"ticks:10000": 0.4, "us": 0.4}}
 
@@ -76,6 +79,20 @@ def _odd_in_seconds(step: float) -> bool:
     return abs(scaled - round(scaled)) > 1e-3 * max(1.0, scaled * 1e-3)
 
 
+def _other_date(seconds: float) -> bool:
+    """Whether seconds are of 1998 to 2042, from GPS's zero (1980), a Mac's (1904 or 2001) or a sheet's."""
+    return any(
+        EPOCH[0] < seconds + zero < EPOCH[1] for zero in (315_964_800, -2_082_844_800, 978_307_200)
+    )
+
+
+def tenths(stamp: np.ndarray, first: float) -> str | None:
+    """The clock of a tenth of a microsecond that whole stamps are of, None where they are of none."""
+    if first < 1e17:
+        return None
+    return next((n for n, z in TENTHS.items() if EPOCH[0] < first * 1e-7 - z < EPOCH[1]), None)
+
+
 def weights(
     stamp: np.ndarray, first: float, known: dict[str, float] | None = None
 ) -> dict[str, float]:
@@ -95,6 +112,8 @@ def weights(
         if unit == "day":
             date = 36_000 < first < 56_000 or 729_000 < first < 748_000
         out[unit] = prior * usual_rate(rate) * (20.0 if date else 1.0) * (0.3 if odd else 1.0)
+        if whole and not date and first * seconds > UPTIME and not _other_date(first * seconds):
+            out[unit] *= 1e-3  # neither a date nor a time since a device was switched on
     if known:
         return out
     if "min" in out and regular and _odd_in_seconds(step):
@@ -155,6 +174,14 @@ def read(
             else f", though the file states {unit}"
         )
         return Reading(flag, factor, f"--time-unit says {flag}{said}", True)
+    of = tenths(stamp, first) if unit in (None, "ticks") and not rate else None
+    if of and usual_rate(1e7 / step) > 0.1:
+        return Reading(
+            "ticks:1e7",
+            1e-7,
+            f"a date as {of} counts it, in tenths of a microsecond: {1e7 / step:.5g} Hz",
+            False,
+        )
     if unit == "ticks":
         raise InputError(
             f"{where} counts ticks; give how many there are in a second with --time-unit ticks:HZ (they step by {step:.6g})."
@@ -184,7 +211,7 @@ def read(
         if rate_given:
             raise InputError(
                 f"{where} steps by {step:.6g}, which makes {rate:g} Hz in no usual unit; give --time-unit ticks:{step * rate:.6g} if it counts ticks, "
-                "or leave the column out with --columns."
+                "or leave the stamps out with --time-unit none --rate HZ."
             )
     order = sorted(likely, key=likely.get, reverse=True)
     best = order[0]

@@ -14,8 +14,16 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, families, instances, names
-from imu_lib.readers.asking import STAMPS, Heading, by_position, example, suggestion
+from imu_lib.readers import by_rows, families, instances, names, twins
+from imu_lib.readers.asking import (
+    STAMPS,
+    Heading,
+    Unnamed,
+    by_position,
+    example,
+    suggestion,
+)
+from imu_lib.readers.habits import alpha, habits, numbered
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.time_columns import add_up, intervals, letter_t, one_time
@@ -61,16 +69,16 @@ def decide(
         ]
     )
     told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
-    told = _numbered(raw, told, headings)
+    told = numbered(raw, told, headings)
     if named and not columns:
         told = families.families(told, headings)
         families.turned(raw, told, headings)
-    told = families.body_rates(_habits(_alpha(told), headings), headings)
+    told = families.body_rates(habits(alpha(told), headings), headings)
     told, interval = intervals(raw, told, headings)
     if not columns:
         if by_rows.sensors(told, headings) is None or signal:
             told = _bare(raw, told, headings, signal, named, load)
-        told = _preferred(raw, told, headings)
+        told = _preferred(raw, twins.with_gravity(told, headings, load), headings)
         long = by_rows.sensors(told, headings)
         if long is not None and not signal:
             return by_rows.pivoted(raw, long, told, headings, load)
@@ -112,6 +120,17 @@ def _say_unused(raw: Raw, told: list[Meaning], headings) -> None:
             raw.notes += (
                 f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not read; {suggestion(told, headings)} if they are.",
             )
+            continue
+        unknown = [
+            h.name
+            for m, h in zip(told, headings)
+            if m.quantity is None and m.why == names.UNKNOWN and h.kind == "number"
+        ]
+        if len(unknown) >= 3:
+            raw.notes += (
+                f"No column was read as the {word}; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are not known here "
+                "(--columns names columns by position).",
+            )
 
 
 def _by_name(heading: Heading, signal: str | None) -> Meaning:
@@ -147,68 +166,6 @@ def _by_kind(told: Meaning, heading: Heading, by_call: bool) -> Meaning:
     if heading.kind == "empty" and told.quantity is None:
         return Meaning(why="it is empty" if told.why.startswith("its name") else told.why)
     return told
-
-
-def _numbered(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
-    """Axes that are numbers: 0, 1, 2 or 1, 2, 3 by what the file holds."""
-    out = list(told)
-    for kind in (*SIGNALS, "alpha"):
-        there = [
-            i for i, m in enumerate(told) if m.quantity == kind and m.axis and m.axis.isdigit()
-        ]
-        if not there:
-            continue
-        digits = {told[i].axis for i in there}
-        if "0" in digits and "3" in digits:
-            # four numbers in a row are no three axes
-            for i in there:
-                out[i] = Meaning(
-                    why="four numbered columns are no three axes; name them with --columns"
-                )
-            continue
-        base = 0 if "0" in digits else 1 if "3" in digits else None
-        if base is None:
-            raise InputError(
-                f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be counted from 0 or from 1; "
-                f"{suggestion(told, headings)}."
-            )
-        for i in there:
-            axis = "xyz"[int(told[i].axis) - base]
-            out[i] = replace(told[i], axis=axis, why=f"{told[i].why}, axes counted from {base}")
-    return out
-
-
-def _alpha(told: list[Meaning]) -> list[Meaning]:
-    """alpha is the accelerometer where omega is the gyro and nothing else is the accelerometer."""
-    is_accel = any(m.quantity == "gyro" for m in told) and not any(
-        m.quantity == "accel" for m in told
-    )
-    return [
-        m
-        if m.quantity != "alpha"
-        else replace(
-            m, quantity="accel", why="alpha beside omega: the accelerometer, as Kalibr names it"
-        )
-        if is_accel
-        else Meaning(
-            why="alpha is an angular acceleration, or the accelerometer where omega is the gyro"
-        )
-        for m in told
-    ]
-
-
-def _habits(told: list[Meaning], headings) -> list[Meaning]:
-    """Units that an application writes always and names never: Physics Toolbox has its g-force (gFx)
-    in g and its rates (wx) in rad/s.
-    """
-    if not any(h.name.strip().lower() == "gfx" for h in headings):
-        return told
-    return [
-        replace(m, unit="rad/s", why="wx beside gFx: Physics Toolbox writes rad/s")
-        if m.quantity == "gyro" and m.unit is None and h.name.strip().lower() in ("wx", "wy", "wz")
-        else m
-        for m, h in zip(told, headings)
-    ]
 
 
 def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
@@ -257,7 +214,7 @@ def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
         values = load([i for i, h in enumerate(headings) if h.kind == "number"])
     except InputError:
         values = None  # a damaged line is told when the columns are known
-    raise InputError(
+    raise Unnamed(
         f"{raw.source} has {width} column{'s' * (width > 1)} and {header}; name them by position with --columns, as in "
         f"{example(told, headings, values)}{one}."
     )
@@ -268,6 +225,7 @@ def _preferred(raw: Raw, told, headings) -> list[Meaning]:
     are equal. Increments give way to rates.
     """
     out = list(told)
+    second: dict[str, tuple[int, int]] = {}
     for canonical in sorted({m.canonical for m in told if m.quantity in SIGNALS and m.axis}):
         there = [i for i, m in enumerate(told) if m.canonical == canonical]
         best = min(told[i].rank for i in there)
@@ -280,6 +238,8 @@ def _preferred(raw: Raw, told, headings) -> list[Meaning]:
         for i in there:
             if i not in first:
                 out[i] = Meaning(why=f"`{headings[first[0]].name}` is {canonical}")
+                second.setdefault(canonical.rpartition("_")[0], (first[0], i))
+    twins.say(raw, second, headings)
     for increment, rate in (("dtheta", "gyro"), ("dv", "accel")):
         if any(m.quantity == rate and m.axis for m in out):
             out = [

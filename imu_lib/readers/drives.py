@@ -13,7 +13,8 @@ from imu_lib.drive import Drive, from_arrays
 from imu_lib.errors import InputError
 from imu_lib.readers import drive_units, names
 from imu_lib.readers import gnss as gnss_files
-from imu_lib.readers.static import of_one, read_raw
+from imu_lib.readers.opening import read_raw
+from imu_lib.readers.static import of_one
 from imu_lib.readers.streams import slow_kind
 
 

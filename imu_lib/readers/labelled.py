@@ -9,43 +9,28 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass
 
 from imu_lib.readers import names
-
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_PREFIX = re.compile(
-    r"^\s*[\[(]?\s*((?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}[T ]\s*)?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:\s*[AP]M)?)\s*[\])]?\s*(->|=>|>|\||:)?\s*",
-    re.IGNORECASE,
+from imu_lib.readers.lines import (
+    LOGGERS,
+    NUMBER,
+    PREFIX,
+    Table,
+    as_table,
+    share,
+    stamp_head,
+    without_stamp,
 )
+from imu_lib.readers.sentences import is_sentences, sentences
+
 _LABEL = re.compile(r'"?([^\W\d_][^=:,;|\t\n"]*?)"?\s*[=:]\s*')
-_VALUE = re.compile(rf"\s*[\[({{]?\s*({_NUMBER})(?![\w:])")
-_SENTENCE = re.compile(r"^\s*([$!@#]?[A-Za-z][A-Za-z0-9_]{1,11})\s*[,;:\t ]\s*[+-]?[\d.]")
-#: Fields after the tag of sentences whose makers fix them (VectorNav's ASCII output).
-SENTENCES = {
-    "VNIMU": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s] temperature[degC] pressure",
-    "VNYMR": "yaw pitch roll mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
-    "VNQMR": "quat_x quat_y quat_z quat_w mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
-    "VNMAR": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
-    "VNGYR": "gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
-    "VNACC": "accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2]",
-}
+_VALUE = re.compile(rf"\s*[\[({{\"']?\s*({NUMBER})(?![\w:])[\"']?")
 #: Labels that name several readings at once.
 _GROUPS = {
     "a/g": "accel_x accel_y accel_z gyro_x gyro_y gyro_z",
     "g/a": "gyro_x gyro_y gyro_z accel_x accel_y accel_z",
     "a/g/m": "accel_x accel_y accel_z gyro_x gyro_y gyro_z mag_x mag_y mag_z",
 }
-
-
-@dataclass(frozen=True)
-class Table:
-    """text: a plain table with its header, tab-separated. lines: the line of the file, from 1, of
-    each row. notes: what was left out."""
-
-    text: str
-    lines: list[int]
-    notes: tuple[str, ...] = ()
 
 
 def unfold(text: str) -> Table | None:
@@ -57,7 +42,7 @@ def unfold(text: str) -> Table | None:
     if sum(line.strip() == "---" for line in some) >= 2:
         return _documents(lines)
     middle = some[len(some) // 4 :]
-    for test, make in ((_is_sentences, _sentences), (_is_pairs, _pairs), (_is_prefixed, _prefixed)):
+    for test, make in ((is_sentences, sentences), (_is_pairs, _pairs), (_is_prefixed, _prefixed)):
         if test(middle):
             table = make(lines)
             if table is not None:
@@ -85,42 +70,33 @@ def _documents(lines) -> Table | None:
         above = [a for a in above if a[0] < depth]
         if found[3] == "":
             above.append((depth, found[2]))
-        elif re.fullmatch(_NUMBER, found[3]):
+        elif re.fullmatch(NUMBER, found[3]):
             row[".".join([*(k for _, k in above), found[2]])] = found[3]
     if len(rows) < 2:
         return None
     keys = Counter(tuple(r) for r, _ in rows).most_common(1)[0][0]
     kept = [([r[k] for k in keys], p) for r, p in rows if set(keys) <= set(r)]
-    return _table(list(keys), kept, len(rows) - len(kept))
-
-
-def _share(lines, test) -> float:
-    return sum(1 for line in lines if test(line)) / len(lines)
+    return as_table(list(keys), kept, len(rows) - len(kept))
 
 
 def _is_prefixed(lines) -> bool:
     def arrow(line):
-        m = _PREFIX.match(line)
+        if any(shape.match(line) for shape in LOGGERS.values()):
+            return True
+        m = PREFIX.match(line)
         return bool(m and (m[2] in ("->", "=>", ">") or line.lstrip()[0] in "[("))
 
-    return _share(lines, arrow) > 0.6
+    return share(lines, arrow) > 0.6
 
 
 def _is_pairs(lines) -> bool:
-    return _share(lines, lambda line: len(_scan(_without_stamp(line)[1])) >= 1) > 0.8
+    def labelled(line):
+        rest = without_stamp(line)[1]
+        found = len(_scan(rest))
+        numbers = len(re.findall(rf"(?<![\w.+-]){NUMBER}(?![\w.])", rest))
+        return found >= 1 and found >= 0.5 * numbers
 
-
-def _is_sentences(lines) -> bool:
-    def sentence(line):
-        m = _SENTENCE.match(_without_stamp(line)[1])
-        return bool(m) and (m[1][0] in "$!@" or line.rstrip()[-3:-2] == "*")
-
-    return _share(lines, sentence) > 0.6
-
-
-def _without_stamp(line: str) -> tuple[str, str]:
-    m = _PREFIX.match(line)
-    return (m[1].strip(), line[m.end() :]) if m else ("", line)
+    return share(lines, labelled) > 0.8
 
 
 def _prefixed(lines) -> Table | None:
@@ -128,8 +104,8 @@ def _prefixed(lines) -> Table | None:
     rows, places = [], []
     tokens = None
     for number, line in enumerate(lines, 1):
-        stamp, rest = _without_stamp(line)
-        found = re.findall(rf"(?<![\w.])({_NUMBER})(?![\w.:])", rest)
+        stamp, rest = without_stamp(line)
+        found = re.findall(rf"(?<![\w.])({NUMBER})(?![\w.:])", rest)
         if not stamp or not found:
             continue
         rows.append([stamp, *found])
@@ -141,10 +117,10 @@ def _prefixed(lines) -> Table | None:
     lost = len(rows) - len(kept)
     header = None
     for line in lines[: kept[0][1] - 1]:
-        words = [w.strip() for w in re.split(r"[,;\t]", _without_stamp(line)[1].strip())]
+        words = [w.strip() for w in re.split(r"[,;\t]", without_stamp(line)[1].strip())]
         if len(words) == tokens - 1 and all(re.match(r"[^\W\d]", w) for w in words):
-            header = ["clock", *words]
-    return _table(header, kept, lost)
+            header = [stamp_head(lines[kept[0][1] - 1]), *words]
+    return as_table(header, kept, lost)
 
 
 def _scan(line: str) -> list[tuple[str, str]]:
@@ -159,6 +135,8 @@ def _scan(line: str) -> list[tuple[str, str]]:
         if not label:
             break
         name = " ".join(label[1].split()).strip("{}[]()<>,;| ")
+        if line.lstrip().startswith("<"):
+            name = name.split()[-1]  # an attribute of an element
         at = label.end()
         values = []
         while value := _VALUE.match(line, at):
@@ -207,7 +185,7 @@ def _pairs(lines) -> Table | None:
     block: dict[str, str] = {}
     place, unstamped = 0, True
     for number, line in enumerate(lines, 1):
-        stamp, rest = _without_stamp(line)
+        stamp, rest = without_stamp(line)
         found = _scan(rest)
         if not found:
             continue
@@ -217,7 +195,7 @@ def _pairs(lines) -> Table | None:
         if not block:
             place = number
             if stamp:
-                block["clock"] = stamp
+                block[stamp_head(line)] = stamp
                 unstamped = False
         block.update(found)
     if block:
@@ -230,76 +208,4 @@ def _pairs(lines) -> Table | None:
         return None
     kept = [([b[k] for k in keys], p) for b, p in blocks if set(keys) <= set(b)]
     del unstamped
-    return _table(list(keys), kept, len(blocks) - len(kept))
-
-
-def _sentences(lines) -> Table | None:
-    """Sentences of one tag; others (positions, remarks) are left out, and so are damaged ones."""
-    found: dict[str, list[tuple[list[str], int]]] = {}
-    damaged = 0
-    # a sum that hardly ever fits is another kind of sum
-    starred = [line.strip().partition("*") for line in lines[:400] if "*" in line]
-    checked = not starred or sum(
-        _sum_fits(_without_stamp(b)[1], c) for b, _, c in starred
-    ) > 0.3 * len(starred)
-    for number, line in enumerate(lines, 1):
-        stamp, rest = _without_stamp(line)
-        m = _SENTENCE.match(rest)
-        if not m:
-            continue
-        body, star, checksum = rest.strip().partition("*")
-        if star and checked and not _sum_fits(body, checksum.strip()):
-            damaged += 1
-            continue
-        values = [v.strip() for v in re.split(r"[,;\t]", body)[1:]]
-        found.setdefault(m[1].lstrip("$!@#"), []).append(
-            ([stamp, *values] if stamp else values, number)
-        )
-    known = [t for t in found if t in SENTENCES]
-    tags = known or [
-        t
-        for t in found
-        if sum(bool(re.fullmatch(_NUMBER, v)) for v in found[t][0][0]) >= 3
-        and not re.match(r"G[PNLAB][A-Z]{3}$|P[A-Z]{3,}", t)
-    ]
-    if not tags:
-        return None
-    tag = max(tags, key=lambda t: len(found[t]))
-    rows = found[tag]
-    width = Counter(len(r) for r, _ in rows).most_common(1)[0][0]
-    kept = [(r, p) for r, p in rows if len(r) == width]
-    stamped = _PREFIX.match(lines[kept[0][1] - 1]) is not None
-    heads = SENTENCES.get(tag, "").split()
-    if heads:
-        heads = heads[: width - stamped]
-        heads += [f"field {i + 1}" for i in range(len(heads), width - stamped)]
-        header = ["clock"] * stamped + heads
-    else:
-        header = None
-    table = _table(header, kept, len(rows) - len(kept) + damaged)
-    others = sum(len(v) for t, v in found.items() if t != tag)
-    if table and others:
-        note = f"Sentences of other kinds than {tag} ({others:,}) were left out."
-        table = Table(table.text, table.lines, (*table.notes, note))
-    return table
-
-
-def _sum_fits(body: str, checksum: str) -> bool:
-    """Whether the two hexadecimal digits after the star are the exclusive or of the characters; a
-    longer one (CRC) is not asked."""
-    if not re.fullmatch(r"[0-9A-Fa-f]{2}", checksum):
-        return True
-    total = 0
-    for c in body.lstrip("$!@#").encode():
-        total ^= c
-    return total == int(checksum, 16)
-
-
-def _table(header, kept, lost) -> Table | None:
-    if len(kept) < 2:
-        return None
-    text = "\n".join("\t".join(r) for r, _ in kept) + "\n"
-    if header:
-        text = "\t".join(h.replace("\t", " ") for h in header) + "\n" + text
-    notes = (f"{lost:,} lines of another shape were left out.",) if lost else ()
-    return Table(text, [p for _, p in kept], notes)
+    return as_table(list(keys), kept, len(blocks) - len(kept))

@@ -32,7 +32,7 @@ ACCEL = words(
 )
 TIME = words(
     "time times timestamp timestamps stamp t zeit zeitstempel temps tiempo tempo tijd czas cas zaman"
-    " время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos datetime"
+    " время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos datetime datenum serialdate filetime"
     " seconds secs sec second nsecs nsec nanosec nanosecs nanoseconds usec usecs microseconds"
     " milliseconds msec msecs ms us ns s minutes timestampstart ticks tick sampletimefine"
 )
@@ -62,6 +62,8 @@ NOT = {
     "voltage": "a voltage", "absolute": "the length of a vector", "abs": "the length of a vector",
     "absolut": "the length of a vector", "absolue": "the length of a vector", "betrag": "the length of a vector",
     "norm": "the length of a vector", "magnitude": "the length of a vector", "total": "the length of a vector",
+    "composite": "the length of a vector", "resultant": "the length of a vector",
+    "mod": "the length of a vector", "len": "the length of a vector",
     "modulus": "the length of a vector", "tgf": "the length of a vector", "bias": "an estimated bias",
     "offset": "an estimated bias", "drift": "an estimated bias", "week": "a week number: the second of the week is the time",
     "flag": "a flag", "flags": "a flag", "tflags": "a flag", "status": "a status", "accuracy": "an accuracy",
@@ -92,7 +94,8 @@ FINE = {
     "us": "us", "msec": "ms", "msecs": "ms", "millis": "ms", "milliseconds": "ms", "ms": "ms",
     "millisecond": "ms", "microsecond": "us", "nanosecond": "ns",
     "sec": "s", "secs": "s", "seconds": "s", "second": "s", "s": "s", "tow": "s", "sod": "s", "sow": "s",
-    "minutes": "min",
+    "minutes": "min", "datenum": "day", "serialdate": "day",
+    "centiseconds": "cs", "centisecond": "cs", "hundredths": "cs", "csec": "cs",
 }  # fmt: skip
 COMPACT = re.compile(
     r"^(gyroscope|gyro|gyr|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|a|f|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
@@ -108,16 +111,22 @@ KIND_OF = {
     "dt": "dtheta", "da": "dtheta", "dang": "dtheta", "dv": "dv", "dvel": "dv",
 }  # fmt: skip
 SUFFIX = re.compile(
-    r"_(rad_per_s|rad_s|rads|radps|rad_sec|deg_per_s|deg_s|degps|deg_sec|dps|mdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
+    r"_(rad_per_sec|rad_per_s|rad_s|rads|radps|rad_sec|deg_per_sec|deg_per_s|degs|deg_s|degps|deg_sec|dps|mdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
     r"|mss|mg|ug|g|counts?|lsb|raw|adc|sec|secs|msec|usec|nsec|ms|us|ns|s|min|degc|degf|deg_c|deg_f|celsius|fahrenheit|kelvin|c|f|k)$"
 )
 SUFFIX_UNIT = {
-    "rad_sec": "rad/s", "deg_sec": "deg/s", "m_s_2": "m/s^2", "m_s^2": "m/s^2", "ms_2": "m/s^2",
+    "rad_sec": "rad/s", "deg_sec": "deg/s", "rad_per_sec": "rad/s", "deg_per_sec": "deg/s", "degs": "deg/s", "m_s_2": "m/s^2", "m_s^2": "m/s^2", "ms_2": "m/s^2",
     "mss": "m/s^2", "m_per_s2": "m/s^2", "rad_per_s": "rad/s", "deg_per_s": "deg/s",
 }  # fmt: skip
 REMARKS = words(
     "raw calibrated uncalibrated cal uncal imu utc local gps relative boot body sensor device filtered lp hp axis"
     " unix posix since start system host txt text string hex elapsed"
+)
+
+
+#: A sensor's own name in a heading, which says nothing of what is under it.
+CHIP = re.compile(
+    r"(?:imu|sensor|dev|device)\d*|(?:mpu|icm|iim|lsm|lis|l3g|ism|asm|bmi|bno|bma|bmg|adis|adxl|mma|mma|itg|fxas|fxos|max|scc|sch|qmi|sh)\d[0-9a-z]*|mpu|icm|lsm|bmi|bno|adis"
 )
 
 

@@ -88,6 +88,7 @@ def _key(text: str) -> str:
     text = re.sub(
         r"(?<=[a-z])(?=[A-Z]{2,})|(?<=[a-z]{2})(?=[A-Z](?![A-Za-z0-9]))", "_", text
     )  # gyroADC, gyroX
+    text = re.sub(r"(?<=_[XYZ])(?=[A-Z][a-z])", "_", text)  # Gyro_XRadPerSec
     text = re.sub(
         r"(?<=[\u0400-\uffff])(?=[A-Za-z0-9])|(?<=[A-Za-z0-9])(?=[\u0400-\uffff])", "_", text
     )

@@ -7,17 +7,13 @@ is converted on suspicion.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from imu_lib import units
 from imu_lib.readers import names
+from imu_lib.readers.gravity import Told, gravity, some
 from imu_lib.readers.turning import MOST, turning
 
-GRAVITY = (7.0, 13.0)  # m/s^2; a poor accelerometer is 10 % off, a bumpy ride averages out
-NEAR_ONE = 0.03  # of 1 (g): a length that close to one in m/s^2 is gravity in g
-OFF_GRAVITY = 0.04  # share by which the specific force at rest may be off gravity without a word
 GYRO_FAST = 17.0  # rad/s, 1000 deg/s, for one per cent of the time: not in a vehicle
 EARTH = 7.292e-5  # rad/s
 #: Noise density of gyros on the market, rad/s/sqrt(Hz): median and spread of its logarithm, from
@@ -32,105 +28,6 @@ OPTICAL = (
 )
 REFUSED = 7.0  # log-odds for another unit from which a stated one is refused
 DOUBTED = 2.5  # and from which a word is said
-
-
-class Told(NamedTuple):
-    """why: a sentence. refused: the unit cannot be; otherwise it is unusual. likely: the unit it more
-    likely is, None where none fits."""
-
-    why: str
-    refused: bool
-    likely: str | None
-
-
-def gravity(accel: np.ndarray) -> float | None:
-    """Median length of the specific force (n, 3) where it is the length of one vector, None where
-    gravity was taken out.
-    """
-    accel = _some(accel)
-    if len(accel) < 2:
-        return None
-    size = np.linalg.norm(accel, axis=1)
-    middle = float(np.median(size))
-    if middle == 0.0:
-        return None
-    spread = float(np.quantile(size, 0.75) - np.quantile(size, 0.25)) / middle
-    # zero-mean noise has a spread of about 0.6 and a mean vector near 0; a vector that only turns
-    # has a small spread
-    return middle if np.linalg.norm(accel.mean(axis=0)) > 0.5 * middle or spread < 0.3 else None
-
-
-def accel_unit(accel: np.ndarray, unit: str, factor: float) -> Told | None:
-    """What is wrong with `accel` (n, k) m/s^2, stated in `unit`; None where nothing is.
-
-    With fewer than three axes the length is a lower bound of gravity: above it nothing can be, and a
-    length of one, to a few per cent, is gravity in g.
-    """
-    axes = accel.shape[1]
-    size = gravity(accel) if axes == 3 else _length(accel)
-    if size is None:
-        return None
-    if axes == 3 and GRAVITY[0] < size < GRAVITY[1]:
-        off = size / units.G - 1.0
-        if abs(off) > OFF_GRAVITY and _steady(accel):
-            return Told(
-                f"the specific force at rest is {size:.4g} m/s^2, {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} gravity: a scale factor, or offsets",
-                False,
-                None,
-            )
-        return None
-    read = size / factor
-    if axes < 3 and size < GRAVITY[1]:
-        near = [
-            u
-            for u in ("g", "mg")
-            if u != unit and abs(read * names.ACCEL_UNITS[u] / units.G - 1.0) < NEAR_ONE
-        ]
-        if near and unit == "m/s^2":
-            return Told(
-                f"the specific force stated in {unit} has a length of {read:.4g} in its {axes} {'axes' if axes > 1 else 'axis'}, "
-                f"which is gravity in {near[0]}; its unit is likely {near[0]}",
-                True,
-                near[0],
-            )
-        return None
-    for other in ("m/s^2", "g", "mg", "cm/s^2", "ft/s^2", "ug", "mm/s^2"):
-        scale = names.ACCEL_UNITS[other]
-        fits = (
-            GRAVITY[0] < read * scale < GRAVITY[1] if axes == 3 else 0.5 < read * scale < GRAVITY[1]
-        )
-        if fits and other != unit:
-            return Told(
-                f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; its unit is likely {other}",
-                True,
-                other,
-            )
-    if size < 0.5:
-        return None  # what is left when gravity was taken out
-    return Told(
-        f"the specific force stated in {unit} has a median length of {read:.4g}, {size / units.G:.3g} times gravity; "
-        + (
-            f"if these are counts, counts:{read:.5g} (per g) is near"
-            if read > 50
-            else "check its unit and scale"
-        ),
-        True,
-        None,
-    )
-
-
-def _length(accel: np.ndarray) -> float | None:
-    """Length of the mean vector of fewer than three axes."""
-    x = _some(accel)
-    return float(np.linalg.norm(np.median(x, axis=0))) if len(x) > 1 else None
-
-
-def _steady(accel: np.ndarray) -> bool:
-    """Whether the specific force keeps its direction and length: the sensor is at rest."""
-    x = _some(accel)
-    parts = np.array_split(x, 20) if len(x) > 200 else [x]
-    means = np.array([p.mean(axis=0) for p in parts])
-    return bool(np.ptp(means, axis=0).max() < 0.3 and np.median(x.std(axis=0)) < 1.0)
 
 
 def gyro_unit(
@@ -177,10 +74,10 @@ def gyro_unit(
             True,
             None,
         )
-    fast = float(np.quantile(np.abs(_some(gyro)).max(axis=1), 0.99)) if len(gyro) > 200 else 0.0
+    fast = float(np.quantile(np.abs(some(gyro)).max(axis=1), 0.99)) if len(gyro) > 200 else 0.0
     noise = None
     if strict and quiet and accel is not None and gravity(accel) is not None:
-        noise = _noise_density(_some(accel), rate)
+        noise = _noise_density(some(accel), rate)
     if factor and fast > GYRO_FAST:
         smaller = [u for u in ("deg/s", "deg/h") if names.GYRO_UNITS[u] < factor]
         other = max(
@@ -241,7 +138,7 @@ def gyro_unit(
 
 
 def _mean_rate(gyro: np.ndarray) -> float:
-    x = _some(gyro)
+    x = some(gyro)
     return float(np.linalg.norm(x.mean(axis=0))) if len(x) else 0.0
 
 
@@ -272,14 +169,8 @@ def _score(still: float, bias: float, noise: float | None, rate: float) -> float
     return out
 
 
-def _some(x: np.ndarray) -> np.ndarray:
-    """At most MOST rows without NaN, neighbours kept together."""
-    x = x[: 2 * MOST]
-    return x[~np.isnan(x).any(axis=1)][:MOST]
-
-
 def _whole(x: np.ndarray) -> bool:
-    x = _some(x)
+    x = some(x)
     return (
         bool(len(x))
         and bool((np.abs(x - np.rint(x)) < 1e-6 * np.maximum(1.0, np.abs(x))).all())
@@ -305,7 +196,7 @@ def _still(gyro: np.ndarray, rate: float) -> tuple[float, float, bool]:
     block = max(20, int(rate))
     n = len(gyro) // block
     if n < 5:
-        x = _some(gyro)
+        x = some(gyro)
         bias = float(np.abs(np.median(x, axis=0)).max()) if len(x) else 0.0
         return _noise_density(x, rate), bias, True
     parts = gyro[: n * block].reshape(n, block, -1)[:: max(1, n * block // (2 * MOST))]

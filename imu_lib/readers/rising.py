@@ -9,6 +9,7 @@ from imu_lib.readers.raw import Raw
 
 #: Where a counter of stamps begins anew: bits of a register, the same in ms and s, a week, a day.
 WRAPS = {
+    1e3: "a thousand", 1e6: "a million", 1e9: "a thousand million",
     2.0**8: "8 bits", 2.0**16: "16 bits", 2.0**24: "24 bits", 2.0**32: "32 bits",
     2.0**32 / 1e3: "32 bits of a thousandth", 2.0**32 / 1e6: "32 bits of a millionth",
     604_800.0: "a week", 604_800e3: "a week", 86_400.0: "a day", 86_400e3: "a day",
@@ -37,6 +38,8 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
     for wrap, name in sorted(WRAPS.items()):
         if top >= wrap or stamp.min() < 0 or top < 0.5 * wrap:
             continue
+        if wrap in (1e3, 1e6, 1e9) and not (falls.size > 2 and top > 0.9 * wrap):
+            continue  # a fraction of a second, of which the seconds are elsewhere
         after = step[falls - 1] + wrap
         if ((after > 0) & (after < 60 * usual)).all():
             turn = int(wrap) if stamp.dtype.kind == "i" and wrap == int(wrap) else wrap
@@ -60,7 +63,7 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
         row = int(next((i for i in falls if i not in back), falls[0]))
         raise InputError(
             f"{where}, {raw.line(row)}: the time falls from {stamp[row - 1]:.15g} to {stamp[row]:.15g}; sort the rows by time, "
-            "or leave the column out and give --rate."
+            "or leave the stamps out with --time-unit none --rate HZ."
         )
     raw.set_back = tuple(
         (int(i), float(stamp[i] - stamp[i - 1] - usual)) for i in falls

@@ -17,6 +17,9 @@ GYRO_UNITS = {
     "mrad/s": 1e-3,
     "deg/min": units.DEG_PER_S / 60.0,
     "rpm": 6.0 * units.DEG_PER_S,
+    "rev/s": 360.0 * units.DEG_PER_S,
+    "arcsec/s": units.DEG_PER_S / 3600.0,
+    "urad/s": 1e-6,
 }
 ACCEL_UNITS = {
     "m/s^2": 1.0,
@@ -25,10 +28,12 @@ ACCEL_UNITS = {
     "ug": 1e-3 * units.MILLI_G,
     "cm/s^2": 1e-2,
     "mm/s^2": 1e-3,
+    "mGal": 1e-5,
     "ft/s^2": FOOT,
 }
 TIME_UNITS = {
     "s": 1.0,
+    "cs": 1e-2,
     "ms": 1e-3,
     "us": 1e-6,
     "ns": 1e-9,
@@ -60,15 +65,20 @@ _SPELLED = {
     "mdps": "mdps mdeg/s mdeg/sec millidps millideg/s mdegs^-1",
     "mrad/s": "mrad/s mrad/sec mrads mradps millirad/s",
     "rpm": "rpm rev/min r/min u/min",
+    "rev/s": "rev/s rps revs/s",
+    "arcsec/s": "arcsec/s as/s",
+    "urad/s": "urad/s microrad/s",
     "m/s^2": "m/s^2 m/s2 m/s/s mps2 mps^2 ms^-2 ms-2 m*s^-2 m*s-2 m/sec^2 m/sec2 m/s**2 ms2 m_s2 m_per_s2 meters/second^2 m/s/sec n/kg"
     " meter/s^2 metre/s^2 meters/s^2",
-    "g": "g g0 gn gs g's gee standard_gravity g-force gforce",
+    "g": "g g0 gn gs g's gee gees standard_gravity g-force gforce g-unit g-units g_unit g_units",
     "mg": "mg milli-g millig mgs mgee mg0",
     "ug": "ug micro-g microg",
     "cm/s^2": "cm/s^2 cm/s2 gal gals cms^-2",
     "mm/s^2": "mm/s^2 mm/s2 mms^-2",
+    "mGal": "mgal milligal",
     "ft/s^2": "ft/s^2 ft/s2 ft/sec^2 feet/s^2 fts^-2",
     "s": "s sec secs second seconds sek sekunde sekunden seconde secondes segundo segundos secondi secondo s. с сек 秒 초",
+    "cs": "cs csec centisecond centiseconds",
     "ms": "ms msec msecs millis millisec millisecs millisecond milliseconds millisekunden 毫秒",
     "us": "us usec usecs micros microsec microsecs microsecond microseconds mikrosekunden 微秒",
     "ns": "ns nsec nsecs nanos nanosec nanosecs nanosecond nanoseconds",
@@ -90,7 +100,7 @@ SPELLINGS = {
 }
 _SIGNS = {
     "°": "deg", "º": "deg", "˚": "deg", "²": "^2", "µ": "u", "μ": "u", "·": "*", "⋅": "*",
-    "×": "*", "−": "-", "⁻¹": "^-1", "⁻²": "^-2", "℃": "degC", "℉": "degF", "′": "'",
+    "×": "*", "−": "-", "₀": "0", "ω": "omega", "θ": "theta", "Δ": "delta", "∆": "delta", "⁻¹": "^-1", "⁻²": "^-2", "℃": "degC", "℉": "degF", "′": "'",
     "сек": "s", "м/с": "m/s", "рад/с": "rad/s", "град/с": "deg/s",
     "мс": "ms", "мкс": "us",
 }  # fmt: skip
@@ -101,6 +111,16 @@ def plain(text: str) -> str:
     for sign, spelled in sorted(_SIGNS.items(), key=lambda s: -len(s[0])):
         text = text.replace(sign, spelled)
     return unicodedata.normalize("NFKC", text)
+
+
+#: Words of units, each before those that it holds.
+_WORDS = (
+    (r"(?<=[a-z])[ _]+squared\b", "^2"), (r"\bradians?\b", "rad"), (r"\bdegrees?\b", "deg"),
+    (r"\b(?:arc[ -]?seconds?)\b", "arcsec"), (r"\bmet(?:er|re)s?\b", "m"), (r"\b(?:feet|foot)\b", "ft"),
+    (r"\brevolutions?\b", "rev"), (r"\b(?:seconds?|secs?)(?=\b|\^)", "s"), (r"\bhours?\b|\bhr\b", "h"),
+    (r"\bminutes?\b", "min"), (r"\bmilli[ -]?(?=[a-z])", "m"), (r"\bmicro[ -]?(?=[a-z])", "u"),
+    (r"\bsquare s\b", "s^2"),
+)  # fmt: skip
 
 
 def unwrapped(text: str) -> str:
@@ -131,7 +151,10 @@ def unit_of(text: str) -> str | None:
         spelled = spelled.replace("sec^", "s^")
         if spelled in SPELLINGS:
             return SPELLINGS[spelled]
-    return None
+    short = text
+    for word, sign in _WORDS:
+        short = re.sub(word, sign, short)
+    return unit_of(short) if short != text else None
 
 
 def stated(flag: str, kind: str) -> tuple[float, float, str]:
@@ -169,11 +192,15 @@ def scaled(text: str, kind: str) -> str | None:
     text = re.sub(
         r"\s*(?:/|\bper\b)?\s*\b(?:ticks?|lsb|counts?|digits?)\s*$", "", text, flags=re.IGNORECASE
     )
-    found = re.match(r"^\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*[*x ]?\s*(\D.*)$", text)
-    unit = unit_of(found[2]) if found else None
-    if unit is None or unit not in UNITS.get(kind, {}) or float(found[1]) <= 0:
+    found = re.match(
+        r"^\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*(?:/\s*(\d+\.?\d*))?\s*[*x ]?\s*(\D.*)$", text
+    )
+    unit = unit_of(found[3]) if found else None
+    if unit is None or unit not in UNITS.get(kind, {}) or not float(found[1]) > 0:
         return None
-    size = float(found[1]) * UNITS[kind][unit]
+    if found[2] is not None and not float(found[2]) > 0:
+        return None
+    size = float(found[1]) / float(found[2] or 1.0) * UNITS[kind][unit]
     if kind == "time":
         return f"ticks:{1.0 / size:.10g}"
     if kind in ("gyro", "accel"):

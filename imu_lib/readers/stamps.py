@@ -11,7 +11,7 @@ import numpy as np
 
 from imu_lib import timing
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, clock
+from imu_lib.readers import calendar, clock, names
 from imu_lib.readers.grain import grain, lattice_rate, without_grain
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.rising import counted, newest_first, rising
@@ -38,7 +38,7 @@ def _stamps(raw: Raw) -> tuple[np.ndarray, str]:
     if stamp.dtype.kind == "f" and not np.isfinite(stamp).all():
         row = int(np.flatnonzero(~np.isfinite(stamp))[0])
         raise InputError(
-            f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the time column out and give --rate."
+            f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the stamps out with --time-unit none --rate HZ."
         )
     if re.fullmatch(r"h+m+s+(\.s+)?", str(raw.units["time"] or "").lower()):
         # 100012.34 is 10:00:12.34
@@ -96,11 +96,20 @@ def _doubt(raw: Raw, found: Timing) -> None:
         )
 
 
+def _still(raw: Raw, rate) -> Timing:
+    """The time by the rate where all stamps are one."""
+    raw.notes += ("All time stamps are the same; the rate alone tells the time.",)
+    return _untimed(raw, rate, raw.rows())
+
+
 def _untimed(raw: Raw, rate, n) -> Timing:
     keep = np.arange(n)
     count = "counter" in raw.columns
     if rate is None:
         beside = f" (`{raw.headings['counter']}` counts the samples)" if count else ""
+        unread = [c.name for c in raw.described if c.evidence == "it holds text" and names.meaning(c.name).quantity in ("time", "date", "clock")]  # fmt: skip
+        if unread and not count:
+            beside = f" that is readable (`{unread[0]}` holds text)"
         raise InputError(
             f"{raw.source} has no time column{beside} and states no rate; give --rate HZ."
         )
@@ -126,9 +135,11 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     stamp, order = rising(raw, stamp, where)
     first = float(stamp[0])
     relative = (stamp - stamp[0]).astype(np.float64)  # integers are subtracted exactly
+    if relative[-1] <= 0 and rate:
+        return _still(raw, rate)
     if relative[-1] <= 0:
         raise InputError(
-            f"{where}: all {len(stamp):,} time stamps are {first:.15g}; leave the column out and give --rate."
+            f"{where}: all {len(stamp):,} time stamps are {first:.15g}; leave the stamps out with --time-unit none --rate HZ."
         )
     if not (order == np.arange(len(order))).all():
         for c in list(raw.columns):
@@ -206,11 +217,14 @@ def _calendar(raw, given, lenient) -> Timing:
     falls = np.flatnonzero(np.diff(time) < 0)
     if falls.size:
         raise InputError(
-            f"{raw.source}, {heading}, {raw.line(int(falls[0]) + 1)}: the time falls back; sort the rows by time, or leave the columns out and give --rate."
+            f"{raw.source}, {heading}, {raw.line(int(falls[0]) + 1)}: the time falls back; "
+            "sort the rows by time, or leave the stamps out with --time-unit none --rate HZ."
         )
+    if time[-1] == time[0] and given:
+        return _still(raw, given)
     if time[-1] == time[0]:
         raise InputError(
-            f"{raw.source}, {heading}: all {len(time):,} stamps are the same; leave the columns out and give --rate."
+            f"{raw.source}, {heading}: all {len(time):,} stamps are the same; leave the stamps out with --time-unit none --rate HZ."
         )
     keep = np.arange(len(time))
     raw.repeats = int((np.diff(time) == 0).sum())
@@ -253,7 +267,8 @@ def _rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
     for value, name in ((rate, "--rate"), (raw.rate, "the rate the file states,")):
         if value is not None and not 0.95 < value / measured < 1.05:
             raise InputError(
-                f"{raw.source}: its time stamps tell {measured:.6g} Hz, {name} {value:g} Hz does not fit; correct it or leave the time column out."
+                f"{raw.source}: its time stamps tell {measured:.6g} Hz, {name} {value:g} Hz does not fit; "
+                "correct it, or leave the stamps out with --time-unit none --rate HZ."
             )
     return Timing(*_even(time, measured), keep)
 
@@ -271,7 +286,7 @@ def _single_repeats(raw, time, same, keep, lenient):
         row = int(keep[same[~twice][0]])
         raise InputError(
             f"{raw.source}, {raw.line(row)}: the time repeats that of the row before, with other values ({int((~twice).sum())} such rows); "
-            "remove one of the two, or leave the time column out and give --rate."
+            "remove one of the two, or leave the stamps out with --time-unit none --rate HZ."
         )
     drop = same[twice]
     kept = np.delete(np.arange(len(time)), drop)

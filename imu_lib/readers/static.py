@@ -2,145 +2,20 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import arrays, bags, binary, instances, packed, rdata, streams, ulog
+from imu_lib.readers import (
+    sentinels,
+    streams,
+)
+from imu_lib.readers.asking import Unnamed
 from imu_lib.readers.assemble import assemble, check_units
+from imu_lib.readers.opening import pair, read_raw
 from imu_lib.readers.raw import Column, Raw
-from imu_lib.readers.text import read_text
 from imu_lib.record import Record
-
-KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat, .ulg, .rda or a ROS bag"
-
-
-def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
-    """The columns of a file in its own units, of one sensor where rows of several stand in it.
-    InputError or OSError where it cannot be read, or the call does not say which sensor.
-    """
-    raw = _read(path, columns, signal, topic)
-    keep = instances.rows(raw.instances, topic, raw.source)
-    if keep is not None:
-        fewer = raw.rows() - len(keep)
-        raw.notes += (f"{fewer:,} rows of other sensors were left out (--topic {topic}).",)
-        streams.without(raw, keep)
-        if raw.subseconds is not None:
-            raw.subseconds = raw.subseconds[keep]
-    return raw
-
-
-def _read(path, columns, signal, topic) -> Raw:
-    path = Path(path)
-    options = {"columns": columns, "signal": signal, "topic": topic}
-    if bags.is_bag(path):
-        return bags.read_bag(path, topic=topic)
-    if path.is_dir():
-        raise InputError(f"{path} is a directory; name the file in it ({KNOWN}).")
-    archive = None if path.exists() else packed.inside(path)
-    if archive:
-        return _of_bytes(packed.member(*archive), path, options)
-    with open(path, "rb") as file:
-        magic = file.read(16)
-    if not magic:
-        raise InputError(f"{path} is empty; {KNOWN} is expected.")
-    if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
-        raise InputError(f"{path} is a spreadsheet; save its sheet as .csv.")
-    how = packed.how(magic, path)
-    if how:
-        return _of_bytes(packed.unpacked(path, how), path, options, path.with_suffix("").name)
-    if magic[:2] == b"PK":
-        names = packed.members(path)
-        if names is not None:
-            return _of_zip(path, names, options)
-    return _of_file(path, magic, options)
-
-
-def _of_file(path: Path, magic: bytes, options) -> Raw:
-    """A file that is not packed, by its content and then by its name."""
-    topic = options["topic"]
-    table = {"columns": options["columns"], "signal": options["signal"]}
-    suffix = path.suffix.lower()
-    if magic[:6] == b"\x93NUMPY" or magic[:2] == b"PK" or suffix in (".npz", ".npy"):
-        return binary.read_numpy(path, **table)
-    if magic[:4] == b"PAR1" or suffix in (".parquet", ".pq"):
-        return binary.read_parquet(path, **table)
-    if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or suffix == ".mat":
-        return binary.read_mat(path, **table)
-    if magic[:8] == b"#ROSBAG " or magic[:15] == b"SQLite format 3" or magic[:5] == b"\x89MCAP":
-        return bags.read_bag(path, topic=topic)
-    if magic.startswith(ulog.MAGIC):
-        return ulog.read_ulog(path, topic=topic)
-    if rdata.is_rdata(magic):
-        return arrays.from_arrays(
-            str(path), rdata.arrays(path.read_bytes(), str(path)), *table.values(), contract=False
-        )
-    return read_text(path, **table)
-
-
-def _of_bytes(data: bytes, path: Path, options, name: str | None = None) -> Raw:
-    """A file that was unpacked: text and R data from memory, binary formats from a file beside."""
-    name = name or path.name
-    magic = data[:16]
-    if not data:
-        raise InputError(f"{path} is empty inside; {KNOWN} is expected.")
-    table = {"columns": options["columns"], "signal": options["signal"]}
-    if rdata.is_rdata(data):
-        return arrays.from_arrays(
-            str(path), rdata.arrays(data, str(path)), *table.values(), contract=False
-        )
-    binary_ = (
-        b"\x93NUMPY",
-        b"PK",
-        b"PAR1",
-        b"MATLAB",
-        b"\x89HDF",
-        b"#ROSBAG ",
-        b"SQLite",
-        b"\x89MCAP",
-        b"ULog",
-    )
-    suffix = Path(name).suffix.lower()
-    if not magic.startswith(binary_) and suffix not in (".npz", ".npy", ".mat", ".parquet"):
-        return read_text(path, data=data, **table)
-    with tempfile.TemporaryDirectory() as folder:
-        inner = Path(folder) / Path(name).name
-        inner.write_bytes(data)
-        try:
-            raw = _read(inner, **options)
-        except InputError as error:
-            raise InputError(str(error).replace(str(inner), str(path))) from None
-    raw.source = str(path)
-    raw.notes = tuple(n.replace(str(inner), str(path)) for n in raw.notes)
-    return raw
-
-
-def _of_zip(path: Path, names: list[str], options) -> Raw:
-    if len(names) == 1:
-        return _of_bytes(packed.member(path, names[0]), path, options, Path(names[0]).name)
-    if options["signal"] in ("gyro", "accel") and (two := packed.two(names)):
-        name = two[options["signal"] == "accel"]
-        return _of_bytes(packed.member(path, name), path, options, Path(name).name)
-    raise InputError(
-        f"{path} holds several files ({', '.join(names[:6])}); name the one that is meant, as in '{path}/{names[0]}'."
-        if names
-        else f"{path} is an archive without a data file in it; {KNOWN} is expected."
-    )
-
-
-def _pair(path) -> tuple[Path, Path] | None:
-    """Gyro and accelerometer of a folder or a zip that holds a file for each."""
-    path = Path(path)
-    if path.is_dir() and not bags.is_bag(path):
-        two = packed.two([p.name for p in sorted(path.iterdir()) if p.is_file()])
-    elif path.is_file() and (names := packed.members(path)):
-        two = packed.two(names) if len(names) > 1 else None
-    else:
-        return None
-    return (path / two[0], path / two[1]) if two else None
 
 
 def read_record(path=None, **options) -> Record:
@@ -200,7 +75,7 @@ def read(
     accel_unit : str, optional
         m/s^2, g, mg or counts:C (per g); a zero that is not at 0 counts as counts:C:ZERO.
     time_unit : str, optional
-        s, ms, us, ns, min or ticks:HZ.
+        s, ms, us, ns, min or ticks:HZ; none leaves the time stamps out, for `rate`.
     columns : str, optional
         Names by position, `-` skips.
     start, stop : float, optional
@@ -230,14 +105,15 @@ def read(
     if (path is None) == (gyro is None and accel is None):
         raise InputError("Give one file, or --gyro FILE and --accel FILE.")
     told: list[Column] = []
-    pair = _pair(path) if path is not None and columns is None else None
-    if pair:
+    both = pair(path) if path is not None and columns is None else None
+    if both:
         path, gyro, accel = (
             None,
-            *(p if only in (None, k) else None for p, k in zip(pair, ("gyro", "accel"))),
+            *(p if only in (None, k) else None for p, k in zip(both, ("gyro", "accel"))),
         )
     if path is not None:
-        raw = read_raw(path, columns=columns, topic=topic)
+        one = None if bool(gyro_unit) == bool(accel_unit) else "gyro" if gyro_unit else "accel"
+        raw = _read_bare(path, columns, topic, one)
         units = {"gyro": gyro_unit, "accel": accel_unit}
         if only:
             raw = _only(raw, only)
@@ -274,9 +150,30 @@ def read(
     return Reading(record, repeats, tuple(told))
 
 
+def _read_bare(path, columns, topic, one: str | None) -> Raw:
+    """The columns of a file; x, y, z that name no sensor are of the one that a unit was given for."""
+    try:
+        return read_raw(path, columns=columns, topic=topic)
+    except Unnamed:
+        if one is None or columns:
+            raise
+    raw = read_raw(path, signal=one, topic=topic)
+    word = "gyro" if one == "gyro" else "accelerometer"
+    raw.notes += (
+        f"x, y, z were read as the {word}, the one sensor that a unit was given for (--{one}-unit).",
+    )
+    return raw
+
+
 def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int]:
     """The record of one file, its streams laid side by side where they are two."""
     flags = {f"{k}_unit": u for k, u in units.items()}
+    if (options["time_unit"] or "").strip().lower() == "none":
+        options = options | {"time_unit": None}
+        for c in [c for c in ("time", "date", "clock", "time_accel") if c in raw.columns]:
+            raw.drop(c, "left out by --time-unit none")
+    if not (raw.simulated or raw.contract):
+        sentinels.missing(raw)
     if not raw.simulated:
         streams.drop_copies(raw)
     parts = streams.separate(raw)

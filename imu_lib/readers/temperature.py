@@ -6,7 +6,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers import assemble, stamps
-from imu_lib.readers.static import read_raw
+from imu_lib.readers.opening import read_raw
 
 
 class NoTemperature(InputError):

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import labelled
+from imu_lib.readers import calendar, cells, fields, labelled, tagged
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.spelling import unwrapped
 
-NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", *lay.NULLS]
+NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", *fields.NULLS]
 
 
 THREADED = 1 << 24  # bytes from which Arrow's threads are worth their start
@@ -36,17 +36,19 @@ class Lines:
         self.notes: tuple[str, ...] = ()
 
     def head(self) -> tuple[bytes, bool]:
-        return self.data[: lay.HEAD], len(self.data) <= lay.HEAD
+        return self.data[: fields.HEAD], len(self.data) <= fields.HEAD
 
     def unfold(self) -> None:
         """Words between the numbers become a header."""
         head, whole = self.head()
-        text, encoding = lay.decode(head, self.source, whole)
-        if labelled.unfold(text) is None:
-            return
-        table = labelled.unfold(self.data.decode(encoding, errors="replace"))
-        if table is not None:
-            self.data, self.places, self.notes = table.text.encode(), table.lines, table.notes
+        text, encoding = fields.decode(head, self.source, whole)
+        for how in (lambda t: tagged.unfold(t, self.source), labelled.unfold, cells.plain):
+            if how(text) is None:
+                continue
+            table = how(self.data.decode(encoding, errors="replace"))
+            if table is not None:
+                self.data, self.places, self.notes = table.text.encode(), table.lines, table.notes
+                return
 
     def trim(self, layout) -> bool:
         """Leave out what a logger writes between and below the rows: its header again, and words
@@ -56,7 +58,7 @@ class Lines:
             return False
         tail = self.data[-4096:].rstrip().split(b"\n")
         words = next((k for k, r in enumerate(reversed(tail)) if not _words(r, layout)), 0)
-        top = self.data[: lay.HEAD].split(b"\n")[: layout.first]
+        top = self.data[: fields.HEAD].split(b"\n")[: layout.first]
         named = next((r for r in reversed(top) if r.strip()), b"").strip() if layout.header else b""
         below = sum(len(r) + 1 for r in top)
         if not words and not (named and self.data.find(named, below) >= 0):
@@ -69,7 +71,7 @@ class Lines:
             return False
         keep = [i for i in range(len(rows)) if i < end and i not in again]
         self.data = b"\n".join(rows[i] for i in keep) + b"\n"
-        comment = tuple(c.encode() for c in lay.COMMENTS)
+        comment = tuple(c.encode() for c in fields.COMMENTS)
         self.places = [
             i + 1
             for i in keep
@@ -87,14 +89,17 @@ class Lines:
 
 
 def _words(line: bytes, layout) -> bool:
-    """Whether a line below the rows holds words and fewer fields than a row."""
+    """Whether a line below the rows is words: a remark, or statistics under a name of their own."""
     text = line.decode(layout.encoding, errors="replace").strip()
-    if re.search(r"\d[^A-Za-z]*$", text[-24:]) and not re.search(r"[A-Za-z]{3}", text):
-        return False
+    if not text:
+        return True
     found = layout.split(text)
-    return not text or (
-        len(found) < len(layout.kinds)
-        and all(lay.kind(f, layout.decimal) == "text" for f in found if f)
+    first = next((i for i, f in enumerate(found) if f), 0)
+    other = first >= len(layout.kinds) or layout.kinds[first] not in ("text", "empty")
+    return (
+        other
+        and fields.kind(found[first], layout.decimal) == "text"
+        and re.search(r"[^\W\d_]{3}", found[first]) is not None
     )
 
 
@@ -149,7 +154,7 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
 
 def _parse(path, lines, layout, wanted) -> dict[int, np.ndarray]:
     """Column number -> values: numbers as int64 or float64, dates and clocks as str."""
-    texts = [i for i in wanted if layout.kinds[i] in (*lay.STAMPS, "text")]
+    texts = [i for i in wanted if layout.kinds[i] in (*fields.STAMPS, "text")]
     numeric = [i for i in wanted if i not in texts]
     table = None
     if layout.delimiter is not None and layout.encoding == "utf-8-sig" and layout.comment is None:
@@ -161,6 +166,9 @@ def _parse(path, lines, layout, wanted) -> dict[int, np.ndarray]:
         raise InputError(
             f"{path} cannot be read as a table of numbers from line {layout.first + 1} on; look for a damaged line."
         )
+    for i in texts:
+        if layout.kinds[i] == "moment" and len(table[i]) and calendar.usual(str(table[i][0])):
+            table[i] = np.array([calendar.usual(str(x)) or x for x in table[i]], dtype=object)
     rows = len(next(iter(table.values())))
     if rows < 2:
         raise InputError(f"{path} has only {rows} row of data; at least two are needed.")
@@ -254,7 +262,7 @@ def _rows(lines, layout):
     file = io.TextIOWrapper(io.BytesIO(lines.data), encoding=layout.encoding, errors="replace")
     row = 0
     for number, line in enumerate(itertools.islice(file, layout.first, None), layout.first + 1):
-        if line.strip() and not line.lstrip().startswith(lay.COMMENTS):
+        if line.strip() and not line.lstrip().startswith(fields.COMMENTS):
             if lines.places is not None:
                 number = lines.places[min(row, len(lines.places) - 1)]
             row += 1
@@ -269,21 +277,21 @@ def _explain(path, lines, layout, wanted):
     number belongs.
     """
     width = len(layout.kinds)
-    for number, fields in _rows(lines, layout):
-        if len(fields) != width and not (len(fields) == width + 1 and fields[-1] == ""):
+    for number, row in _rows(lines, layout):
+        if len(row) != width and not (len(row) == width + 1 and row[-1] == ""):
             raise InputError(
-                f"{path}, line {number}: {len(fields)} columns where line {layout.first + 1} has {width}; the file is cut off "
+                f"{path}, line {number}: {len(row)} columns where line {layout.first + 1} has {width}; the file is cut off "
                 f"or damaged there: "
                 "complete or remove the line."
             )
         for i in wanted:
-            want, got = layout.kinds[i], lay.kind(fields[i], layout.decimal)
+            want, got = layout.kinds[i], fields.kind(row[i], layout.decimal)
             if want == "text":
                 continue
             if got not in (want, "empty") and not (want == "empty" and got == "number"):
                 heading = f" ({layout.header[i]})" if layout.header else ""
                 raise InputError(
-                    f"{path}, line {number}, column {i + 1}{heading}: {fields[i][:30]!r} is not a {want if want != 'empty' else 'number'}; "
+                    f"{path}, line {number}, column {i + 1}{heading}: {row[i][:30]!r} is not a {want if want != 'empty' else 'number'}; "
                     "correct the line or leave the field empty for a missing sample."
                 )
 

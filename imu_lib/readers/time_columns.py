@@ -53,7 +53,9 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     for whole in times:
         for sub in times:
             if _is_pair(told[whole], told[sub], values.get(whole), values.get(sub), whole, sub):
-                factor = {"ns": 1_000_000_000, "us": 1_000_000, "ms": 1_000}[told[sub].unit]
+                factor = {"ns": 1_000_000_000, "us": 1_000_000, "ms": 1_000, "cs": 100}[
+                    told[sub].unit
+                ]
                 values[whole] = np.rint(np.asarray(values[whole], dtype=np.float64)).astype(
                     np.int64
                 ) * factor + np.rint(np.asarray(values[sub], dtype=np.float64)).astype(np.int64)
@@ -90,6 +92,7 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
                 )
         return out
     order = sorted(times, key=lambda i: (out[i].rank, out[i].unit is None, i))
+    order = _steadier(raw, order, out, headings, values)
     for i in order[1:]:
         out[i] = Meaning(why=f"`{headings[order[0]].name}` is the time")
     for i in calendar:
@@ -98,6 +101,37 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
         if m.quantity == "counter":
             out[i] = Meaning(why=f"a counter; `{headings[order[0]].name}` is the time")
     return out
+
+
+def _steadier(raw: Raw, order, told, headings, values) -> list[int]:
+    """Of times of one standing the one that moves in even steps, where the first does not: that one is
+    of the host. Which was taken is said.
+    """
+    first = order[0]
+    equal = [
+        i for i in order if (told[i].rank, told[i].unit) == (told[first].rank, told[first].unit)
+    ]
+    if len(equal) < 2:
+        return order
+    spread = {i: _unevenness(values[i]) for i in equal}
+    best = min(equal, key=lambda i: spread[i])
+    if spread[best] < 0.05 and spread[first] > 0.2:
+        raw.notes += (
+            f"`{headings[best].name}` was taken as the time, its steps are even; those of `{headings[first].name}` are not.",
+        )
+        return [best, *(i for i in order if i != best)]
+    return order
+
+
+def _unevenness(x) -> float:
+    """Spread of the steps of stamps over their usual length."""
+    x = np.asarray(x, dtype=float) if np.asarray(x).dtype.kind in "fiu" else np.empty(0)
+    step = np.diff(x - x[0]) if len(x) > 20 else np.empty(0)
+    usual = float(np.median(step)) if step.size else 0.0
+    if not usual > 0:
+        return float("inf")
+    low, high = np.quantile(step, (0.1, 0.9))
+    return float((high - low) / usual)
 
 
 def _moves(x) -> bool:
@@ -109,14 +143,14 @@ def _is_pair(whole: Meaning, sub: Meaning, seconds, fraction, a: int, b: int) ->
     """Whether two columns are the seconds and the fraction of one stamp: whole seconds, and a
     fraction that stays below one second.
     """
-    if a == b or sub.unit not in ("ns", "us", "ms") or sub.part != "sub" or seconds is None:
+    if a == b or sub.unit not in ("ns", "us", "ms", "cs") or sub.part != "sub" or seconds is None:
         return False
     if whole.unit not in ("s", None) or whole.rank != sub.rank:
         return False
     seconds, fraction = np.asarray(seconds, dtype=float), np.asarray(fraction, dtype=float)
     if not (np.isfinite(seconds).all() and np.isfinite(fraction).all()) or len(seconds) < 2:
         return False
-    limit = {"ns": 1e9, "us": 1e6, "ms": 1e3}[sub.unit]
+    limit = {"ns": 1e9, "us": 1e6, "ms": 1e3, "cs": 1e2}[sub.unit]
     integers = (seconds == np.rint(seconds)).all()
     falls = (np.diff(fraction) < 0).any() or (seconds == seconds[0]).all()
     return bool(integers and fraction.min() >= 0 and fraction.max() < limit and falls)

@@ -3,39 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from imu_lib.readers import directions, lexicon
-from imu_lib.readers.lexicon import words
-
-UNKNOWN = "its name is not known here"
-SIGNALS = ("gyro", "accel", "dtheta", "dv")
-
-
-@dataclass(frozen=True)
-class Meaning:
-    """What a name says.
-
-    quantity: gyro, accel, dtheta, dv, time, date, clock, counter, temperature or None. axis: x, y,
-    z, a digit as a string, or None. unit: canonical, or as spelled where it is not known. rank: 0
-    for what such a name usually heads, higher for a stand-in (arrival time, an uncalibrated
-    reading). part: sec, nsec, year, hour ... of a stamp in several columns. why: the words that
-    told, or why the column is not used.
-    """
-
-    quantity: str | None = None
-    axis: str | None = None
-    unit: str | None = None
-    rank: int = 1
-    part: str | None = None
-    why: str = "its name says nothing that is known here"
-    group: str = ""
-
-    @property
-    def canonical(self) -> str | None:
-        if self.quantity in SIGNALS and self.axis:
-            return f"{self.quantity}_{self.axis}"
-        return self.quantity
+from imu_lib.readers.meaning import SIGNALS, UNKNOWN, Meaning
+from imu_lib.readers.time_words import stamp_of
 
 
 def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
@@ -48,7 +20,7 @@ def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
     joined = "".join(tokens)
     if lexicon.interval(tokens):
         return Meaning(unit=lexicon.fine(tokens), part="interval", why="an interval between stamps")
-    stamp = _stamp(tokens, joined, name)
+    stamp = stamp_of(tokens, joined, name)
     if stamp:
         return stamp
     # the axis, and a word that holds kind and axis in one: gx, accX, xgyro
@@ -80,106 +52,6 @@ def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
     return _signal(words, pointed, name)
 
 
-def _stamp(tokens: list[str], joined: str, name: str) -> Meaning | None:
-    """A time, a part of one, a date or a counter; None where the name is none of them."""
-    have = set(tokens)
-    signal_words = have & ((lexicon.GYRO | lexicon.ACCEL) - {"a", "f", "w", "t"})
-    if have & lexicon.TEMPERATURE and not have & (lexicon.TIME - {"t", "temps", "s"}):
-        if "temps" in have and not signal_words:
-            return Meaning("time", why="named a time")
-        return None
-    if joined in lexicon.DATE:
-        return Meaning("date", why="named a date")
-    if joined in ("clock", "uhrzeit", "timeofday", "localtime", "hora", "ora", "heure"):
-        return Meaning("clock", why="named a clock")
-    if joined in lexicon.PARTS or (
-        tokens[-1] in lexicon.PARTS and len(tokens) == 2 and have & {"utc", "gps", "time"}
-    ):
-        return Meaning("part", part=lexicon.PARTS[tokens[-1]], why="part of a date or clock")
-    if joined in ("minute", "min", "mm"):
-        return Meaning("part", part="minute", why="part of a clock")
-    if have & set(lexicon.NOT) - {"offset"} and not have & {
-        "time",
-        "timestamp",
-        "stamp",
-        "tow",
-        "sow",
-    }:
-        return None
-    is_time = (
-        have & lexicon.TIME or joined in lexicon.TIME or joined.endswith(("timestamp", "datetime"))
-    )
-    if not is_time and re.fullmatch(
-        r"(t|time|timestamp|ts|temps)_?(ms|us|ns|s|sec|usec|msec|nsec)", joined
-    ):
-        is_time = True
-    if joined.endswith("time") and joined not in ("deltatime", "dtime", "exposuretime", "lifetime"):
-        is_time = True
-    if joined in (
-        "ts",
-        "gpst",
-        "utc",
-        "gpstime",
-        "unixtime",
-        "systime",
-        "hosttime",
-        "ticktime",
-        "itow",
-    ):
-        is_time = True
-    lone = tokens if len(tokens) == 1 else []
-    weak = words("t s ms us ns sec secs second seconds a tick ticks temps min minutes")
-    alone = have <= weak | lexicon.TIME | lexicon.OWN | lexicon.ARRIVAL | words(
-        "gps utc since boot start header stamp unix in of from the"
-    )
-    if is_time and (
-        have & (lexicon.TIME - weak)
-        or joined in lexicon.TIME
-        or joined.endswith("timestamp")
-        or alone
-        or not have & lexicon.TIME
-    ):
-        part = unit = None
-        for token in (tokens[-1], joined, *reversed(tokens)):
-            if token in lexicon.FINE:
-                unit = lexicon.FINE[token]
-                break
-            tail = re.search(
-                r"(?:time|stamp|^t|ts|elapsed)(ms|us|ns|s|sec|secs|usec|msec|nsec)$", token
-            )
-            if tail:
-                unit = lexicon.FINE[tail[1]]
-                break
-        if tokens[-1] in lexicon.FINE or joined in lexicon.FINE:
-            part = "sub" if unit in ("ns", "us", "ms") else "whole"
-        rank = 0 if have & lexicon.OWN else 2 if have & lexicon.ARRIVAL else 1
-        if joined == "itow":
-            unit = "ms"  # u-blox counts the time of week in ms under this name
-        if "sampletimefine" in joined:
-            return Meaning("time", rank=0, part="ticks", why="the sensor's own sample time")
-        if have & lexicon.COUNTER - {"i", "n", "id", "no"} and not have & (
-            lexicon.TIME - {"t", "s"}
-        ):
-            return Meaning("counter", why="named a counter")
-        group = (
-            "gyro"
-            if have & (lexicon.GYRO - {"w"})
-            else "accel"
-            if have & (lexicon.ACCEL - {"a", "f"})
-            else ""
-        )
-        if tokens == ["ticks"] or tokens == ["tick"]:
-            unit = "ticks"
-        return Meaning("time", unit=unit, rank=rank, part=part, why=f"named a time ({name.strip()[:40]})", group=group)  # fmt: skip
-    if have <= lexicon.COUNTER | {"imu", "msg", "message", "data", "header", "field", "of"} and (
-        have & lexicon.COUNTER or joined in lexicon.COUNTER
-    ):
-        return Meaning("counter", why="named a counter")
-    if joined in lexicon.COUNTER and lone:
-        return Meaning("counter", why="named a counter")
-    return None
-
-
 def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     """An inertial reading, a temperature, or why it is none."""
     directed = directions.axis_of(words) if axis is None else None
@@ -204,6 +76,8 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     group = next(
         (w for w in words if re.fullmatch(r"(?:imu|sensor|gyro|acc|accel|mpu|s)_?\d+", w)), ""
     )
+    if words[-1:] == ["d"] and have & {"vel", "v", "velocity"}:
+        return Meaning(why="a velocity")
     delta = have & {
         "delta",
         "d",
@@ -282,7 +156,7 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
             kind = "gyro"
     # single letters tell only where they stand nearly alone
     letters = {"g", "w", "a", "f"}
-    have = {w for w in have if not re.fullmatch(r"(?:imu|sensor|mpu|icm|lsm|bmi|dev|device)\d*", w)}
+    have = {w for w in have if not lexicon.CHIP.fullmatch(w)}
     others = have - {
         "rs",
         "s",
@@ -341,8 +215,10 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     unit = None
     if kind == "accel" and have & lexicon.FREE:
         rank = 2
-    if have & {"uncalibrated", "uncal", "raw", "unfiltered", "adc", "counts", "lsb"}:
+    if have & {"uncalibrated", "uncal", "raw", "adc", "counts", "lsb"}:
         rank = max(rank, 2)
+    if have & {"unfiltered", "unfilt"}:
+        rank = 3
     if kind == "accel" and have & {"gf", "gforce"} or {"g", "force"} <= have:
         unit = "g"
     if axis is None:

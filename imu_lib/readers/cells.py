@@ -1,0 +1,197 @@
+"""Cells that hold more, or other, than one decimal number: lists of three, numbers with their unit,
+hexadecimal counts, thousands set apart; and tables with one reading a row under the channel's name.
+They are rewritten as a plain table of one number a cell.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections import Counter
+
+from imu_lib.readers import names
+from imu_lib.readers.lines import Table
+
+_FLOAT = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_LIST = re.compile(rf"^\s*[\[({{]\s*({_FLOAT}(?:[\s,;]+{_FLOAT})+)\s*[\])}}]\s*$")
+_HEX = re.compile(r"^0[xX]([0-9A-Fa-f]{2,8})$")
+_UNIT = re.compile(rf"^({_FLOAT})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
+_THOUSANDS = {",": re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+(?:\.\d+)?$"), ".": re.compile(r"^[+-]?\d{1,3}(?:\.\d{3})+(?:,\d+)?$")}  # fmt: skip
+SOME = 60  # rows that are looked at first
+
+
+def plain(text: str) -> Table | None:
+    """A text with such cells as a plain table, None where it has none."""
+    sample = text[:40_000]
+    if not re.search(
+        r"[\[({]\s*[+-]?[\d.]|0x[0-9A-Fa-f]{2}|\d[.,]\d{3}[.,]\d|[\d.]\s?[a-zµ°]", sample
+    ):
+        return _long(text, sample)
+    for delimiter in (";", "\t", "|", ","):
+        head = _rows("\n".join(sample.split("\n")[:SOME]), delimiter)
+        width = Counter(len(r) for r, _ in head).most_common(1)[0][0] if head else 0
+        if width < 2:
+            continue
+        body = [r for r, _ in head if len(r) == width][1:]
+        how = [_kind([r[i] for r in body]) for i in range(width)]
+        if "list" in how or sum(h is not None for h in how) > 1:
+            return _rewritten(_rows(text, delimiter), width, how)
+    return _long(text, sample)
+
+
+def _rows(text: str, delimiter: str) -> list[tuple[list[str], int]]:
+    """(fields, line from 1) of the rows; brackets and quotes hold their delimiters."""
+    if delimiter == "," and not re.search(r'"[\[({]', text[:4000]):
+        # commas inside brackets set no fields apart
+        text = re.sub(r"[\[({][^\])}\n]*[\])}]", lambda m: m[0].replace(",", " "), text)
+    out = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.strip() and not line.lstrip().startswith(("#", "%", "//")):
+            found = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+            out.append(([f.strip() for f in found], number))
+    return out
+
+
+def _kind(column: list[str]) -> str | None:
+    """What the cells of a column are: list, hex, unit, `,` or `.` (thousands); None where plain."""
+    there = [c for c in column if c]
+    if len(there) < 2:
+        return None
+    if sum(bool(_LIST.match(c)) for c in there) > 0.9 * len(there):
+        return "list"
+    if sum(bool(_HEX.match(c)) for c in there) > 0.9 * len(there):
+        return "hex"
+    units = [m[2] for c in there if (m := _UNIT.match(c)) and names.unit_of(m[2])]
+    if len(units) > 0.9 * len(there) and len(set(units)) == 1:
+        return "unit"
+    for sign, shape in _THOUSANDS.items():
+        long = [c for c in there if shape.match(c)]
+        both = [c for c in long if ("." if sign == "," else ",") in c]
+        if len(both) > 0.3 * len(there):
+            return sign
+    return None
+
+
+def _rewritten(rows, width: int, how: list[str | None]) -> Table | None:
+    """The table with one plain number a cell, lists as columns of their own."""
+    rows = [r for r in rows if len(r[0]) == width]
+    heads = []
+    while rows and not any(_numeric(f) for f in rows[0][0]):
+        heads.append(rows.pop(0)[0])
+    if len(rows) < 2:
+        return None
+    first = rows[0][0]
+    size = [len(_LIST.match(c)[1].replace(",", " ").replace(";", " ").split()) if h == "list" and _LIST.match(c) else 1 for c, h in zip(first, how)]  # fmt: skip
+    out, places, lost = [], [], 0
+    decimal = "," if "." in how else "."
+    for fields, line in rows:
+        flat: list[str] = []
+        for cell, h, k in zip(fields, how, size):
+            new = _cell(cell, h, k)
+            if new is None:
+                break
+            flat += [f.replace(",", ".") for f in new] if decimal == "," else new
+        else:
+            out.append(flat)
+            places.append(line)
+            continue
+        lost += 1
+    if len(out) < 2:
+        return None
+    notes: tuple[str, ...] = ()
+    if "hex" in how:
+        notes += ("Hexadecimal cells were read as whole numbers with a sign (two's complement).",)
+    if lost:
+        notes += (f"{lost:,} lines of another shape were left out.",)
+    text = "\n".join("\t".join(r) for r in out) + "\n"
+    for line_ in reversed(heads):
+        names_: list[str] = []
+        for name, cell, h, k in zip(line_, first, how, size):
+            unit = f" [{_UNIT.match(cell)[2]}]" if h == "unit" and _UNIT.match(cell) else ""
+            axes = "xyz" if k == 3 else [f"#{i + 1}" for i in range(k)]
+            names_ += [f"{name} {a}" for a in axes] if k > 1 else [name + unit]
+        text = "\t".join(n.replace("\t", " ") for n in names_) + "\n" + text
+    return Table(text, places, notes)
+
+
+def _numeric(cell: str) -> bool:
+    return bool(re.match(rf"^\"?{_FLOAT}", cell) or _LIST.match(cell) or _HEX.match(cell))
+
+
+def _cell(cell: str, how: str | None, size: int) -> list[str] | None:
+    """The numbers of a cell; None where it is of another shape."""
+    if how is None or cell == "":
+        return [cell] * size
+    if how == "list":
+        m = _LIST.match(cell)
+        found = m[1].replace(",", " ").replace(";", " ").split() if m else []
+        return found if len(found) == size else None
+    if how == "hex":
+        m = _HEX.match(cell)
+        if not m:
+            return None
+        bits = 4 * len(m[1])
+        value = int(m[1], 16)
+        return [str(value - (1 << bits) if value >> (bits - 1) else value)]
+    if how == "unit":
+        m = _UNIT.match(cell)
+        return [m[1]] if m else None
+    return [cell.replace(how, "")]
+
+
+def _long(text: str, sample: str) -> Table | None:
+    """A table of (time, channel, value), a row for each reading, with a column for each channel; None
+    where it is none.
+    """
+    lines = [x for x in sample.splitlines() if x.strip() and not x.startswith(("#", "%"))]
+    if len(lines) < 8:
+        return None
+    delimiter = next((d for d in ("\t", ";", ",") if d in lines[0] and d in lines[-2]), None)
+    if delimiter is None:
+        return None
+    head = [h.strip().strip('"') for h in lines[0].split(delimiter)]
+    body = [[f.strip().strip('"') for f in x.split(delimiter)] for x in lines[1:-1]]
+    if len(head) not in (3, 4) or any(len(r) != len(head) for r in body[:SOME]):
+        return None
+    label = next((i for i in range(len(head)) if _channels({r[i] for r in body[:SOME]}) >= 3), None)
+    value = next(
+        (i for i, h in enumerate(head) if re.fullmatch(r"(?i)values?|val|reading|data|wert|y", h)),
+        None,
+    )
+    stamp = next((i for i, h in enumerate(head) if i not in (label, value) and names.meaning(h).quantity in ("time", "date", "clock", "counter")), None)  # fmt: skip
+    if label is None or value is None or stamp is None:
+        return None
+    import pandas as pd
+
+    try:
+        frame = pd.read_csv(
+            io.StringIO(text), sep=delimiter, dtype=str, comment="#", skipinitialspace=True
+        )
+    except (pd.errors.ParserError, ValueError):
+        return None
+    if len(frame.columns) != len(head):
+        return None
+    frame.columns = range(len(head))
+    frame = frame.dropna(subset=[stamp, label, value])
+    frame["order"] = pd.factorize(frame[stamp])[0]
+    if frame.duplicated(["order", label]).any():
+        return None
+    wide = frame.pivot(index="order", columns=label, values=value)
+    stamps = frame.drop_duplicates("order").set_index("order")[stamp]
+    table = wide.assign(**{"\0": stamps}).fillna("")
+    columns = ["\0", *[c for c in table.columns if c != "\0"]]
+    rows = "\n".join("\t".join(r) for r in table[columns].itertuples(index=False, name=None))
+    heads = "\t".join([head[stamp], *(str(c).strip() for c in columns[1:])])
+    places = [int(i) + 2 for i in frame.drop_duplicates("order").index]
+    return Table(
+        f"{heads}\n{rows}\n", places, ("One reading a row: each channel became a column.",)
+    )
+
+
+def _channels(labels: set[str]) -> int:
+    """How many of the labels name a channel of an inertial sensor."""
+    if len(labels) > 40:
+        return 0
+    found = [names.meaning(x) for x in labels if re.match(r"[^\W\d]", x)]
+    return sum(1 for m in found if m.quantity in names.SIGNALS and m.axis)

@@ -1,0 +1,86 @@
+"""How people number and name axes: from 0 or 1, alpha beside omega, and units that an application never
+writes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from imu_lib.errors import InputError
+from imu_lib.readers.asking import suggestion
+from imu_lib.readers.names import SIGNALS, Meaning
+from imu_lib.readers.raw import Raw
+
+
+def numbered(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
+    """Axes that are numbers: 0, 1, 2 or 1, 2, 3 by what the file holds."""
+    out = list(told)
+    for kind in (*SIGNALS, "alpha"):
+        there = [
+            i for i, m in enumerate(told) if m.quantity == kind and m.axis and m.axis.isdigit()
+        ]
+        if not there:
+            continue
+        digits = {told[i].axis for i in there}
+        if "0" in digits and "3" in digits:
+            # four numbers in a row are no three axes
+            for i in there:
+                out[i] = Meaning(
+                    why="four numbered columns are no three axes; name them with --columns"
+                )
+            continue
+        base = 0 if "0" in digits else 1 if "3" in digits else None
+        if base is None:
+            raise InputError(
+                f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be counted from 0 or from 1; "
+                f"{suggestion(told, headings)}."
+            )
+        for i in there:
+            axis = "xyz"[int(told[i].axis) - base]
+            out[i] = replace(told[i], axis=axis, why=f"{told[i].why}, axes counted from {base}")
+    return out
+
+
+def alpha(told: list[Meaning]) -> list[Meaning]:
+    """alpha is the accelerometer where omega is the gyro and nothing else is the accelerometer."""
+    is_accel = any(m.quantity == "gyro" for m in told) and not any(
+        m.quantity == "accel" for m in told
+    )
+    return [
+        m
+        if m.quantity != "alpha"
+        else replace(
+            m, quantity="accel", why="alpha beside omega: the accelerometer, as Kalibr names it"
+        )
+        if is_accel
+        else Meaning(
+            why="alpha is an angular acceleration, or the accelerometer where omega is the gyro"
+        )
+        for m in told
+    ]
+
+
+def habits(told: list[Meaning], headings) -> list[Meaning]:
+    """Units that an application writes always and names never: Physics Toolbox has its g-force (gFx)
+    in g and its rates (wx) in rad/s.
+    """
+    heads = {h.name.strip().lower() for h in headings}
+    if {"delta_angle_dt", "delta_velocity_dt"} <= heads:
+        return [
+            replace(
+                m,
+                unit={"dtheta": "rad", "dv": "m/s"}[m.quantity],
+                why="beside delta_angle_dt: PX4 writes rad and m/s",
+            )
+            if m.quantity in ("dtheta", "dv") and m.unit is None
+            else m
+            for m in told
+        ]
+    if "gfx" not in heads:
+        return told
+    return [
+        replace(m, unit="rad/s", why="wx beside gFx: Physics Toolbox writes rad/s")
+        if m.quantity == "gyro" and m.unit is None and h.name.strip().lower() in ("wx", "wy", "wz")
+        else m
+        for m, h in zip(told, headings)
+    ]

@@ -1,0 +1,118 @@
+"""The lines above the rows of a text table: names, a row of units, a stated rate."""
+
+from __future__ import annotations
+
+import re
+
+from imu_lib.readers import names
+from imu_lib.readers.fields import COMMENTS, fields, kind
+
+_RATE = re.compile(
+    r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate|output[ _]?(?:data[ _]?)?rate|odr)$",
+    re.IGNORECASE,
+)
+
+
+#: What a row of units says of columns that are no inertial readings.
+_OTHER_UNIT = re.compile(
+    r"^[\[(]?(?:no[_ ]?units?|unitless|none|n/?a|m?v|%|k?pa|h?pa|m?bar|mb|[mun]?t|m?gauss|lux|bool|enum|hz|m|km|id)[\])]?$", re.IGNORECASE
+)  # fmt: skip
+
+
+def header_of(lines, first, delimiter, width):
+    """Column names from the line above the data (a comment line may hold them), the row of units
+    where there is one, and the rate where the preamble states one.
+    """
+    rate, header, unit_row, above = None, None, None, None
+    for i in range(first - 1, -1, -1):
+        line = lines[i].strip(" \r\n")
+        for c in COMMENTS:
+            line = line.removeprefix(c)
+        line = line.strip(" \r\n")
+        if not line.strip():
+            continue
+        names_ = _fit(line, delimiter, width)
+        if names_ and header is None and i >= first - 4:
+            if unit_row is None and _all_units(names_):
+                unit_row = tuple(names_)
+                continue
+            header = tuple(names_)
+            continue
+        if names_ and header is not None and above is None and i >= first - 5:
+            above = names_
+            continue
+        pair = re.match(
+            r"^(.*?)\s*[:=,;\t ]\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(Hz)?$", line.rstrip(",;")
+        )
+        if pair and _RATE.match(
+            re.sub(r"\s*[\[(]\s*Hz\s*[\])]", "", pair[1], flags=re.IGNORECASE).strip(" :=,;\t")
+        ):
+            rate = float(pair[2])
+    if header and delimiter is None and len(header) != width:
+        header = None
+    if header and above:
+        header = _two_lines(above, header)
+    if header is None and unit_row is not None:
+        header, unit_row = unit_row, None
+    return header, unit_row, rate
+
+
+def _fit(line: str, delimiter: str | None, width: int) -> list[str] | None:
+    """The fields of a heading line where they are as many as the columns, else None."""
+    found = fields(line, delimiter)
+    if delimiter is None and len(found) != width:
+        # `time [s] gyro_x [deg/s]`: blanks also stand before units
+        found = [f.strip() for f in re.findall(r"[^\s\[(]+\s*[\[(][^\])]*[\])]|\S+", line)]
+    if len(found) != width and delimiter not in (",", None) and line.count(",") == width - 1:
+        found = fields(line, ",")
+    if len(found) != width and delimiter not in (";", None) and line.count(";") == width - 1:
+        found = fields(line, ";")
+    if len(found) != width and delimiter is None and line.count(",") >= width - 1:
+        found = fields(line, ",")
+    if len(found) == width + 1 and (
+        not found[-1] or (found[0], found[-1]) == ("X_Value", "Comment")
+    ):
+        found = found[:width]  # LabVIEW names a column of comments that is seldom there
+    if (
+        len(found) == width - 1
+        and found
+        and delimiter is not None
+        and line.rstrip().endswith(delimiter)
+    ):
+        found = [*found, ""]
+    if len(found) != width or not all(
+        kind(f) in ("text", "empty") or re.fullmatch(r"\d", f) for f in found
+    ):
+        return None
+    if not any(kind(f) == "text" for f in found):
+        return None
+    return found
+
+
+def _all_units(found: list[str]) -> bool:
+    """Whether a line under the names is a row of units: most fields spell one, and none names a
+    reading.
+    """
+    said = [f for f in found if f.strip() not in ("", "-")]
+    known = [f for f in said if names.unit_of(f) is not None or _OTHER_UNIT.match(f)]
+    others = [f for f in said if f not in known]
+    return (
+        len(known) >= max(2, 0.5 * len(said))
+        and all(len(f) <= 12 for f in others)
+        and not any(names.meaning(f).axis for f in said)
+    )
+
+
+def _two_lines(above: list[str], header: tuple[str, ...]) -> tuple[str, ...]:
+    """A header in two lines (the sensor above, x, y, z below) as one; the sensor stands over its
+    first axis only or over each.
+    """
+    bare = sum(re.fullmatch(r"[xyz123]", h.strip().lower()) is not None for h in header)
+    if bare < 3:
+        return header
+    out, last = [], ""
+    for top, name in zip(above, header):
+        last = top.strip() or last
+        is_axis = re.fullmatch(r"[xyz123]", name.strip().lower())
+        out.append(f"{last} {name}".strip() if is_axis else name)
+    return tuple(out)

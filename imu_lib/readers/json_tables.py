@@ -1,0 +1,80 @@
+"""JSON that is one document: a list of samples, or a list of values under each name. (A document a
+line is read as labelled text.)
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from imu_lib.readers.arrays import from_arrays
+from imu_lib.readers.raw import Raw
+
+MOST = 400_000_000  # bytes of a document
+
+
+def read_json(data: bytes, source: str, columns, signal) -> Raw | None:
+    """The columns of a JSON document, None where the bytes are no such document."""
+    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    if not start.startswith((b"[", b"{")) or len(data) > MOST:
+        return None
+    try:
+        found = json.loads(data.decode("utf-8-sig"))
+    except (ValueError, UnicodeDecodeError, RecursionError):
+        return None
+    found = _samples(found)
+    if isinstance(found, list):
+        found = _columns(found)
+    arrays = {}
+    for key, value in _leaves(found, ""):
+        x = np.asarray(value)
+        if x.dtype.kind in "fiuU" and 1 <= x.ndim <= 2 and len(x) > 1 or x.ndim == 0:
+            arrays[key] = x
+    if not any(x.ndim and len(x) > 1 for x in arrays.values()):
+        return None
+    return from_arrays(source, arrays, columns, signal, contract=False)
+
+
+def _samples(found):
+    """The list of samples that a document holds under one of its keys, or the document itself."""
+    while isinstance(found, dict):
+        lists = [v for v in found.values() if isinstance(v, list) and v and isinstance(v[0], dict)]
+        inner = [v for v in found.values() if isinstance(v, dict)]
+        if len(lists) == 1:
+            return lists[0]
+        if len(found) == 1 and inner:
+            found = inner[0]
+            continue
+        return found
+    return found
+
+
+def _columns(rows: list) -> dict:
+    """Samples (dicts, perhaps nested) as columns; a sample without a value has NaN there."""
+    if rows and isinstance(rows[0], list):
+        return {"": rows}
+    flat = [dict(_leaves(r, "")) for r in rows if isinstance(r, dict)]
+    keys = dict.fromkeys(k for r in flat for k in r)
+    out: dict = {}
+    for key in keys:
+        values = [r.get(key) for r in flat]
+        some = next(v for v in values if v is not None)
+        blank = [float("nan")] * len(some) if isinstance(some, list) else float("nan")
+        if isinstance(some, str):
+            out[key] = [str(v) for v in values]
+        elif isinstance(some, list | int | float) and all(
+            isinstance(v, type(some) if isinstance(some, list) else int | float) or v is None
+            for v in values
+        ):
+            out[key] = [blank if v is None else v for v in values]
+    return out
+
+
+def _leaves(item, name: str):
+    """(dotted name, value) of whatever is no dict."""
+    if not isinstance(item, dict):
+        yield name, item
+        return
+    for key, value in item.items():
+        yield from _leaves(value, f"{name}.{key}" if name else str(key))

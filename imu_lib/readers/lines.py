@@ -1,0 +1,64 @@
+"""Lines of a log with a stamp before them, and the plain table that they become."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+
+
+PREFIX = re.compile(
+    r"^\s*[\[(]?\s*((?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}[T ]\s*)?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:\s*[AP]M)?)\s*[\])]?\s*(->|=>|>|\||:)?\s*",
+    re.IGNORECASE,
+)
+
+
+#: Stamps that loggers of systems put before a line, by the heading that says what they are.
+LOGGERS = {
+    "time [ms]": re.compile(r"^\s*[IWDEV] \((\d+)\) [\w.-]+:\s*"),  # ESP-IDF
+    "time [s]": re.compile(r"^\s*\[\s*(?:DEBUG|INFO|WARN|ERROR)\s*\]\s*\[(\d+\.\d+)\](?:\s*\[[\w./-]+\])?:\s*"),  # ROS
+    "clock": re.compile(r"^\s*(?:\d{4}-)?\d{2}-\d{2}\s+(\d{2}:\d{2}:\d{2}[.,]\d+)\s+\d+\s+\d+\s+[VDIWEF]\s+[^:]{1,40}:\s*"),  # Android
+    "time [s] ": re.compile(r"^\s*\((\d{9,10}\.\d+)\)\s+"),  # candump and the like
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Table:
+    """text: a plain table with its header, tab-separated. lines: the line of the file, from 1, of
+    each row. notes: what was left out."""
+
+    text: str
+    lines: list[int]
+    notes: tuple[str, ...] = ()
+
+
+def share(lines, test) -> float:
+    return sum(1 for line in lines if test(line)) / len(lines)
+
+
+def without_stamp(line: str) -> tuple[str, str]:
+    m = PREFIX.match(line)
+    if m:
+        return m[1].strip(), line[m.end() :]
+    for shape in LOGGERS.values():
+        if m := shape.match(line):
+            return m[1], line[m.end() :]
+    return "", line
+
+
+def stamp_head(line: str) -> str:
+    """What the stamp before a line is called: a clock, or the time of a logger that counts."""
+    if PREFIX.match(line):
+        return "clock"
+    return next((head for head, shape in LOGGERS.items() if shape.match(line)), "clock")
+
+
+def as_table(header, kept, lost) -> Table | None:
+    if len(kept) < 2:
+        return None
+    text = "\n".join("\t".join(r) for r, _ in kept) + "\n"
+    if header:
+        text = "\t".join(h.replace("\t", " ") for h in header) + "\n" + text
+    notes = (f"{lost:,} lines of another shape were left out.",) if lost else ()
+    return Table(text, [p for _, p in kept], notes)

@@ -1,0 +1,161 @@
+"""A file, folder or archive into raw columns: the format is told by the content first, then by the
+name.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from imu_lib.errors import InputError
+from imu_lib.readers import (
+    arrays,
+    bags,
+    binary,
+    instances,
+    json_tables,
+    oxts,
+    packed,
+    rdata,
+    streams,
+    ulog,
+)
+from imu_lib.readers.raw import Raw
+from imu_lib.readers.text import read_text
+
+KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat, .ulg, .rda or a ROS bag"
+
+
+def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
+    """The columns of a file in its own units, of one sensor where rows of several stand in it.
+    InputError or OSError where it cannot be read, or the call does not say which sensor.
+    """
+    raw = _read(path, columns, signal, topic)
+    keep = instances.rows(raw.instances, topic, raw.source)
+    if keep is not None:
+        fewer = raw.rows() - len(keep)
+        raw.notes += (f"{fewer:,} rows of other sensors were left out (--topic {topic}).",)
+        streams.without(raw, keep)
+        if raw.subseconds is not None:
+            raw.subseconds = raw.subseconds[keep]
+    return raw
+
+
+def _read(path, columns, signal, topic) -> Raw:
+    path = Path(path)
+    options = {"columns": columns, "signal": signal, "topic": topic}
+    if bags.is_bag(path):
+        return bags.read_bag(path, topic=topic)
+    if path.is_dir():
+        if oxts.folder(path) is not None:
+            return oxts.read_oxts(oxts.folder(path))
+        raise InputError(f"{path} is a directory; name the file in it ({KNOWN}).")
+    archive = None if path.exists() else packed.inside(path)
+    if archive:
+        return _of_bytes(packed.member(*archive), path, options)
+    with open(path, "rb") as file:
+        magic = file.read(16)
+    if not magic:
+        raise InputError(f"{path} is empty; {KNOWN} is expected.")
+    if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
+        raise InputError(f"{path} is a spreadsheet; save its sheet as .csv.")
+    how = packed.how(magic, path)
+    if how:
+        return _of_bytes(packed.unpacked(path, how), path, options, path.with_suffix("").name)
+    if magic[:2] == b"PK":
+        names = packed.members(path)
+        if names is not None:
+            return _of_zip(path, names, options)
+    return _of_file(path, magic, options)
+
+
+def _of_file(path: Path, magic: bytes, options) -> Raw:
+    """A file that is not packed, by its content and then by its name."""
+    topic = options["topic"]
+    table = {"columns": options["columns"], "signal": options["signal"]}
+    suffix = path.suffix.lower()
+    if magic[:6] == b"\x93NUMPY" or magic[:2] == b"PK" or suffix in (".npz", ".npy"):
+        return binary.read_numpy(path, **table)
+    if magic[:4] == b"PAR1" or suffix in (".parquet", ".pq"):
+        return binary.read_parquet(path, **table)
+    if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or suffix == ".mat":
+        return binary.read_mat(path, **table)
+    if magic[:8] == b"#ROSBAG " or magic[:15] == b"SQLite format 3" or magic[:5] == b"\x89MCAP":
+        return bags.read_bag(path, topic=topic)
+    if magic.startswith(ulog.MAGIC):
+        return ulog.read_ulog(path, topic=topic)
+    if rdata.is_rdata(magic):
+        return arrays.from_arrays(
+            str(path), rdata.arrays(path.read_bytes(), str(path)), *table.values(), contract=False
+        )
+    if magic.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"[", b"{"):
+        found = json_tables.read_json(path.read_bytes(), str(path), *table.values())
+        if found is not None:
+            return found
+    return read_text(path, **table)
+
+
+def _of_bytes(data: bytes, path: Path, options, name: str | None = None) -> Raw:
+    """A file that was unpacked: text and R data from memory, binary formats from a file beside."""
+    name = name or path.name
+    magic = data[:16]
+    if not data:
+        raise InputError(f"{path} is empty inside; {KNOWN} is expected.")
+    table = {"columns": options["columns"], "signal": options["signal"]}
+    if rdata.is_rdata(data):
+        return arrays.from_arrays(
+            str(path), rdata.arrays(data, str(path)), *table.values(), contract=False
+        )
+    binary_ = (
+        b"\x93NUMPY",
+        b"PK",
+        b"PAR1",
+        b"MATLAB",
+        b"\x89HDF",
+        b"#ROSBAG ",
+        b"SQLite",
+        b"\x89MCAP",
+        b"ULog",
+    )
+    suffix = Path(name).suffix.lower()
+    if magic.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"[", b"{"):
+        found = json_tables.read_json(data, str(path), *table.values())
+        if found is not None:
+            return found
+    if not magic.startswith(binary_) and suffix not in (".npz", ".npy", ".mat", ".parquet"):
+        return read_text(path, data=data, **table)
+    with tempfile.TemporaryDirectory() as folder:
+        inner = Path(folder) / Path(name).name
+        inner.write_bytes(data)
+        try:
+            raw = _read(inner, **options)
+        except InputError as error:
+            raise InputError(str(error).replace(str(inner), str(path))) from None
+    raw.source = str(path)
+    raw.notes = tuple(n.replace(str(inner), str(path)) for n in raw.notes)
+    return raw
+
+
+def _of_zip(path: Path, names: list[str], options) -> Raw:
+    if len(names) == 1:
+        return _of_bytes(packed.member(path, names[0]), path, options, Path(names[0]).name)
+    if options["signal"] in ("gyro", "accel") and (two := packed.two(names)):
+        name = two[options["signal"] == "accel"]
+        return _of_bytes(packed.member(path, name), path, options, Path(name).name)
+    raise InputError(
+        f"{path} holds several files ({', '.join(names[:6])}); name the one that is meant, as in '{path}/{names[0]}'."
+        if names
+        else f"{path} is an archive without a data file in it; {KNOWN} is expected."
+    )
+
+
+def pair(path) -> tuple[Path, Path] | None:
+    """Gyro and accelerometer of a folder or a zip that holds a file for each."""
+    path = Path(path)
+    if path.is_dir() and not bags.is_bag(path):
+        two = packed.two([p.name for p in sorted(path.iterdir()) if p.is_file()])
+    elif path.is_file() and (names := packed.members(path)):
+        two = packed.two(names) if len(names) > 1 else None
+    else:
+        return None
+    return (path / two[0], path / two[1]) if two else None
