@@ -76,6 +76,14 @@ class Stretch:
         r = psd(f) * self.turn / self.density
         return float(np.sum(r - np.log1p(r)))
 
+    def plus(self, signal, rng):
+        """The stretch with a signal (n,), rounded as it is; before it was rounded a sample lay
+        anywhere within its step, else what is less than half a step would be lost.
+        """
+        if self.unit is None:
+            return self.x + signal
+        return self.digits(self.x + self.unit * rng.uniform(-0.5, 0.5, self.n) + signal)
+
     def digits(self, x):
         """Rounded as the stretch is."""
         return x if self.unit is None else np.rint(x / self.unit) * self.unit
@@ -100,7 +108,7 @@ def put(effect, channels, fs, target, rng, temperature=None):
     if effect in SHAPES:
         signal, told = _shape(effect, s, rng, temperature)
         signal = signal * np.sqrt(want / s.of_shape(signal)) * rng.choice([-1, 1])
-        x, gain = s.x + signal, want
+        x, gain = s.plus(signal, rng), want
         told["peak"] = float(np.ptp(signal))
     elif effect in NOISES:
         x, gain, told = _noise(effect, s, rng, want)
@@ -153,7 +161,7 @@ def _noise(effect, s, rng, want):
     else:
         a = _size(lambda a: s.of_noise(lambda f: a * a * psd(f)), want)
     gain = s.of_noise(lambda f: a * a * psd(f))
-    return s.x + a * unit, gain, {**told, "amplitude": a, "over_fast": a / s.fast}
+    return s.plus(a * unit, rng), gain, {**told, "amplitude": a, "over_fast": a / s.fast}
 
 
 def _lorentz(pole, variance, fs):
@@ -224,7 +232,7 @@ def _shaken(channels, fs, rng, want):
         )
         signal = signal * np.sqrt(want / s.of_shape(signal))
         gain += want
-        out[c] = s.digits(s.x + signal)
+        out[c] = s.plus(signal, rng)
     told = {"frequency": f, "harmonics": lines, "whole": bool(when.all())}
     return out, on, gain, told
 
@@ -258,7 +266,7 @@ def _on_record(effect, channels, fs, rng):
         on = [c for c in names if c.startswith(kind)]
         size = np.median([own[c].fast for c in on])
         for c in on:
-            out[c] = own[c].digits(out[c] + size * w)
+            out[c] = own[c].plus(size * w, rng)
         return out, on, 1e3, {}
     if effect == "disturbance":
         told = []
@@ -292,6 +300,6 @@ def _tilted(out, own, fs, rng):
     done = 0.5 - 0.5 * np.cos(np.pi * np.clip((np.arange(n) - at) / m, 0, 1))
     for i, a in enumerate("xyz"):
         g, f = own[f"gyro_{a}"], own[f"accel_{a}"]
-        out[f"gyro_{a}"] = g.digits(g.x + angle * axis[i] * np.gradient(done) * fs)
-        out[f"accel_{a}"] = f.digits(f.x + angle * np.cross(force, axis)[i] * done)
+        out[f"gyro_{a}"] = g.plus(angle * axis[i] * np.gradient(done) * fs, rng)
+        out[f"accel_{a}"] = f.plus(angle * np.cross(force, axis)[i] * done, rng)
     return out, list(out), 1e3

@@ -87,8 +87,18 @@ def free_base(data: Data, held=()) -> tuple[State, list[State]]:
     of the band, up to each of `BELOW`: fitted to all of it, flicker or a quick Gauss-Markov process
     would imitate the roll-off.
     """
-    families = _families(data, held)
-    best = max(families, key=_worth)
+    best, families = _likeliest(_families(data, held))
+    filtered = _filtered(data, held, best)
+    if filtered is not best:  # beside the filter another family may be likelier, or a drift show
+        best, families = _likeliest(_families(data, held, filtered.settled().items), filtered)
+    return best.settled(), [s.settled() for s in families]
+
+
+def _likeliest(families, best: State | None = None) -> tuple[State, list[State]]:
+    """The best of the families (and of `best`) beside the drifts and the two levels that say more,
+    and the families beside these drifts.
+    """
+    best = max(families if best is None else [best, *families], key=_worth)
     for _ in range(MAX_DRIFTS):
         trials = [s.plus(c) for s in families for e in DRIFTS for c in e.candidates(s)]
         top = max(trials, key=_worth, default=None)
@@ -96,12 +106,7 @@ def free_base(data: Data, held=()) -> tuple[State, list[State]]:
             break
         best = top
         families = [s.plus(best.items[-1]) for s in families]
-    best = _two_levels(best, families)
-    filtered = _filtered(data, held, best)
-    if filtered is not best:  # beside the filter another family may be likelier
-        families = _families(data, held, filtered.settled().items)
-        best = _two_levels(max([filtered, *families], key=_worth), families)
-    return best.settled(), [s.settled() for s in families]
+    return _two_levels(best, families), families
 
 
 def _filtered(data: Data, held, best: State) -> State:

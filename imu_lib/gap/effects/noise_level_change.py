@@ -15,8 +15,10 @@ from .base import ChannelEffect, Finding
 #: with a probability of about ln(n^2) sqrt(u / 2 pi) exp(-u / 2) (Csorgo and Horvath 1997, Theorem
 #: 1.3.1): 1e-4 for an hour at 100 Hz.
 MIN_GAIN = 13.0
-#: Block lengths over which the noise has to keep its level, s.
-SCALES = (5.0, 20.0, 60.0, 300.0)
+#: Block lengths over which the noise has to keep its level, s, and parts of a record that is too
+#: short for the first of these; blocks at the least, and samples in one.
+SCALES, PARTS = (5.0, 20.0, 60.0, 300.0), (40, 12)
+LEAST_BLOCKS, LEAST_SAMPLES = 8, 24
 
 
 def energies(y, fs, seconds: float):
@@ -38,10 +40,10 @@ def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
     kurt = max(
         np.mean(y**4) / np.mean(y**2) ** 2 - 1.0, 0.5
     )  # variance of y^2 in units of its mean
-    for seconds in SCALES:
+    for seconds in _scales(len(y), fs):
         e, m = energies(y, fs, seconds)
         k, m = len(e), m * independent
-        if k < 8:
+        if k < LEAST_BLOCKS:
             continue
         z = (e / e.mean() - 1.0) * np.sqrt(m / kurt)
         log_p = chi2.logsf(np.sum(z**2), k - 1) / np.log(10)
@@ -57,6 +59,13 @@ def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
                 f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where chance allows {chance:.2g} %",
             )
     return worst if worst[1] else None
+
+
+def _scales(n: int, fs: float) -> tuple[float, ...]:
+    """Block lengths for a record of `n` samples, s."""
+    if n / fs >= LEAST_BLOCKS * SCALES[0]:
+        return SCALES
+    return tuple(n / fs / part for part in PARTS if n >= LEAST_SAMPLES * part)
 
 
 def change_point(y, independent: float = 1.0):
