@@ -2,7 +2,12 @@
 request to anywhere, nothing wider than the page, and a search that finds.
 """
 
+import json
+import math
+import re
+
 import browser as chromium
+import nbformat
 import pytest
 
 from conftest import ROOT
@@ -92,3 +97,91 @@ def test_a_computed_table_sorts(pages, window):
         return [...table.tBodies[0].rows].map((row) => parseFloat(row.cells[2].innerText)); })()"""
     found = window.evaluate(values)
     assert len(found) == 3 and found == sorted(found)
+
+
+# opens a page's figures to zoom, one after the other, and says where a point of each lies in the window
+OPENED = """(async (number) => {
+  const bar = document.querySelectorAll('.explore-bar')[number], stage = bar.nextElementSibling;
+  bar.querySelector('button').click();
+  for (let left = 400; left && !stage.dataset.ready; left--) await new Promise((done) => setTimeout(done, 25));
+  stage.scrollIntoView({ block: 'center', behavior: 'instant' });
+  const inside = (axis, v) => v !== null && !isNaN(v) && axis.d2p(v) > 5 && axis.d2p(v) < axis._length - 5;
+  const box = stage.getBoundingClientRect(), layout = stage._fullLayout;
+  for (const trace of [...stage._fullData].reverse()) {
+    if (trace.hoverinfo === 'skip' || trace.visible !== true) continue;
+    const [x, y] = ['x', 'y'].map((d) => layout[d + 'axis' + trace[d + 'axis'].slice(1)]);
+    const shown = [...trace.x.keys()].filter((k) => inside(x, trace.x[k]) && inside(y, trace.y[k]));
+    if (!shown.length) continue;
+    const k = shown[Math.floor(shown.length / 2)];
+    return [box.left + x._offset + x.d2p(trace.x[k]), box.top + y._offset + y.d2p(trace.y[k])];
+  }
+  return null; })(%d)"""
+TOLD = """(async () => { for (let left = 60; left; left--) {
+    const label = document.querySelector('.explored .hoverlayer .hovertext');
+    if (label) return [...label.querySelectorAll('text')].map((t) => t.textContent.trim()
+        ? [...t.querySelectorAll('tspan.line')].map((l) => l.textContent).join('\\n') || t.textContent : '');
+    await new Promise((done) => setTimeout(done, 25)); }
+  return null; })()"""
+
+
+def figures_of(slug):
+    """What the cells of a chapter stored for zooming, in order."""
+    notebook = nbformat.read(ROOT / f"nbs/{slug}.ipynb", 4)
+    outputs = [o.data for c in notebook.cells for o in c.get("outputs", []) if "data" in o]
+    stored = [data["text/html"] for data in outputs if "explorable" in data.get("text/html", "")]
+    return [json.loads(text[text.index(">") + 1 : text.rindex("</script>")]) for text in stored]
+
+
+def points(figure):
+    """(name, unit, value) of each axis that has numbers, for every point that has a label."""
+    for trace in figure["data"]:
+        if trace.get("hoverinfo") == "skip":
+            continue
+        axes = [figure["layout"][f"{d}axis{trace[f'{d}axis'][1:]}"] for d in "xy"]
+        words = [parted(axis["title"]["text"]) for axis in axes]
+        for place in zip(trace["x"], trace["y"]):
+            if None not in place:
+                yield [(*w, v) for w, v, axis in zip(words, place, axes) if "tickvals" not in axis]
+
+
+def parted(label):
+    """Name and unit of an axis label, a panel's title taken off."""
+    name, comma, unit = label.rpartition(", ")
+    whole = not comma or unit.count("(") != unit.count(")")
+    name = re.sub(r"^[^:]*: (?=\S)", "", label if whole else name)
+    return name, "" if whole else unit
+
+
+def read(line, name, unit):
+    """The number of a line of a label."""
+    text = line.removeprefix(name).removesuffix(unit).strip().replace("−", "-")
+    return float(text) if re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", text) else math.nan
+
+
+@pytest.mark.parametrize("slug", [c.slug for c in chapters.chapters(ROOT)])
+def test_a_figure_tells_the_value_under_the_pointer(pages, window, slug):
+    figures = figures_of(slug)
+    if not figures:
+        pytest.skip("no figure of this chapter zooms")
+    window.open((pages / f"nbs/{slug}.html").as_uri(), WIDTHS[0])
+    for number, figure in enumerate(figures):
+        x, y = window.evaluate(OPENED % number)
+        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=x - 1, y=y - 1)
+        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+        told = window.evaluate(TOLD)
+        assert told, (slug, number)
+        assert any(
+            all(
+                # a label has four digits
+                f"{name} " in line
+                and line.endswith(unit)
+                and math.isclose(read(line, name, unit), value, rel_tol=6e-4, abs_tol=1e-9)
+                for line, (name, unit, value) in zip(told[-1].splitlines(), point, strict=True)
+            )
+            for point in points(figure)
+            if len(point) == len(told[-1].splitlines())
+        ), (slug, number, told)
+        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=1, y=1)
+        bar = f"document.querySelectorAll('.explore-bar')[{number}]"
+        window.evaluate(f"{bar}.querySelector('button').click()")
+    assert not window.problems

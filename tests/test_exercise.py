@@ -8,9 +8,9 @@ import time
 import numpy as np
 import pytest
 
-from imu_lib import read_record
+from imu_lib import read_drive, read_record
 from imu_lib.cli.main import main
-from imu_lib.exercise import draw, mark, mark_all, write_class
+from imu_lib.exercise import draw, drives, mark, mark_all, write_class
 from imu_lib.exercise.hidden import EFFECTS
 from imu_lib.model import Model
 
@@ -153,3 +153,44 @@ def test_a_folder_that_is_there_is_not_written_over(tmp_path, capsys):
     call = ["exercise", "new", "--class", "1", "--seed", "3", "--out", str(tmp_path)]
     assert main(call) == 2 and "is there already" in capsys.readouterr().err
     assert (tmp_path / "mine.txt").read_text() == "kept"
+
+
+DRIVE = [
+    ("drive", "lever_arm", {"arm": [1.0, 0.5, 0.0]}),
+    ("drive", "vibration", {"channel": "accel_z", "N_per_speed": 0.004}),
+]
+
+
+def of_drive(*given):
+    return {"drive": [{"effect": e, "parameters": p} for _, e, p in given]}
+
+
+def test_a_drive_is_marked_by_names_and_vectors():
+    assert mark(DRIVE, of_drive(*DRIVE), length=480.0).points == pytest.approx(100.0)
+    workflow = {"drive": {"steps": of_drive(*DRIVE)["drive"]}}  # what gap --json writes
+    assert mark(DRIVE, workflow, length=480.0).points == pytest.approx(100.0)
+    near = [("drive", "lever_arm", {"arm": [1.0, 0.5, 0.4]}), DRIVE[1]]
+    far = [("drive", "lever_arm", {"arm": [-1.0, 0.5, 0.0]}), DRIVE[1]]
+    points = [mark(DRIVE, of_drive(*a), length=480.0).points for a in (near, far)]
+    assert 100.0 > points[0] > points[1] == pytest.approx(80.0)  # a name without its parameter
+    odd = [("drive", "lever_arm", {"arm": "far"}), DRIVE[1]]
+    assert mark(DRIVE, of_drive(*odd), length=480.0).points == pytest.approx(80.0)
+
+
+def test_a_class_of_drives_is_drawn_from_its_seed(tmp_path):
+    key = write_class(tmp_path / "a", 2, 7, kind="drive", minutes=1.0)
+    again = write_class(tmp_path / "b", 2, 7, kind="drive", minutes=1.0)
+    assert key.read_text() == again.read_text()
+    drive = read_drive(tmp_path / "a/student_01/drive.npz")
+    same = read_drive(tmp_path / "b/student_01/drive.npz")
+    assert np.array_equal(drive.gyro, same.gyro) and abs(drive.duration - 60.0) < 1.0
+    assert not drive.has_reference and not np.any(drive.lever_arm)  # nothing gives it away
+    sheet = (tmp_path / "a/student_01/sheet.md").read_text()
+    assert all(f"`{effect}`" in sheet for effect in drives.EFFECTS)
+    content = json.loads(key.read_text())
+    right = of_drive(
+        *[(h["channel"], h["effect"], h["parameters"]) for h in content["students"]["01"]]
+    )
+    (tmp_path / "a/student_01/answers.json").write_text(json.dumps({"student": "01", **right}))
+    marks = mark_all(tmp_path / "a", key)
+    assert marks["01"].points == pytest.approx(100.0) and marks["02"].points == 0.0

@@ -3,6 +3,7 @@ it is whole.
 """
 
 import contextlib
+import importlib.util
 import re
 import shutil
 import subprocess
@@ -68,7 +69,20 @@ def stage(work: Path):
                 target = work / path.relative_to(root)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(path, target)
+    (work / "book/_static").mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(plotly_script(), work / "book/_static/plotly.min.js")
     derive(work)
+
+
+def plotly_script() -> Path:
+    """The one file that draws figures to zoom, as the package `plotly` brings it."""
+    found = importlib.util.find_spec("plotly")
+    script = found and Path(found.origin).parent / "package_data/plotly.min.js"
+    if not script or not script.is_file():
+        raise InputError(
+            'a book needs plotly, which is not installed: `pip install "imu_lib[book]"` adds it.'
+        )
+    return script
 
 
 def derive(work: Path):

@@ -23,7 +23,7 @@ HELP = (
     "datasheet, what is wrong, what limits the record and files for other programs."
 )
 #: What the pages are made with; an extra of the package.
-TOOLS = ("jupyter_book", "nbclient", "nbformat", "ipykernel")
+TOOLS = ("jupyter_book", "nbclient", "nbformat", "ipykernel", "plotly")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

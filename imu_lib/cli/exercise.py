@@ -10,9 +10,7 @@ from imu_lib.cli import common
 from imu_lib.errors import InputError
 
 NAME = "exercise"
-HELP = (
-    "The blind sensor: a record with hidden effects for each student of a class, and its marking."
-)
+HELP = "The blind sensor: a record or drive with hidden effects for each student, and its marking."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,8 +18,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     new = tasks.add_parser("new", help="write a folder with a record and a sheet for each student")
     new.add_argument("--class", dest="count", type=int, required=True, metavar="N", help="students")
     new.add_argument("--seed", type=int, required=True, help="the same seed gives the same class")
-    new.add_argument("--minutes", type=float, default=30.0, help="length of a record (default: 30)")
-    new.add_argument("--rate", type=float, default=50.0, metavar="HZ", help="default: 50")
+    new.add_argument(
+        "--kind", choices=("record", "drive"), default="record", help="a sensor at rest, or a car"
+    )
+    new.add_argument(
+        "--minutes", type=float, help="length of a record (default: 30) or a drive (default: 8)"
+    )
+    new.add_argument(
+        "--rate", type=float, default=50.0, metavar="HZ", help="of a record (default: 50)"
+    )
     new.add_argument("--out", metavar="DIR", help="a new folder (default: exercise_SEED)")
     marking = tasks.add_parser("mark", help="mark answers against the key")
     marking.add_argument("answers", help="a file answers.json, or a folder of them")
@@ -37,6 +42,8 @@ def run(args: argparse.Namespace) -> int:
 def new(args) -> int:
     from imu_lib.exercise import write_class
 
+    usual = 8.0 if args.kind == "drive" else 30.0
+    args.minutes = usual if args.minutes is None else args.minutes
     for value, least, most, flag in (
         (args.count, 1, 1000, "--class"),
         (args.seed, 0, 2**32, "--seed"),
@@ -46,7 +53,9 @@ def new(args) -> int:
         if not least <= value <= most:
             raise InputError(f"{flag} is {value:g}; it has to lie from {least:g} to {most:g}.")
     out = args.out or f"exercise_{args.seed}"
-    key = write_class(out, args.count, args.seed, minutes=args.minutes, rate=args.rate)
+    key = write_class(
+        out, args.count, args.seed, kind=args.kind, minutes=args.minutes, rate=args.rate
+    )
     print(f"{args.count} students in {out}; the key, for the teacher alone: {key}")
     return 0
 

@@ -50,7 +50,7 @@ def draw(rng: np.random.Generator, *, minutes: float = 30.0, rate: float = 50.0)
     for channel, kind in zip(places, kinds):
         white, markov = base[channel]
         scale = Scale(white["N"] * np.sqrt(rate), markov["sigma"], 60.0 * minutes, rate)
-        parameters = {k: _rounded(v) for k, v in EFFECTS[kind](scale, rng).items()}
+        parameters = {k: rounded(v) for k, v in EFFECTS[kind](scale, rng).items()}
         hidden.append((channel, kind, parameters))
     grown = {c: [*base[c]] for c in CHANNELS}
     for channel, kind, parameters in hidden:
@@ -66,11 +66,11 @@ def _base(channel: str, rng) -> list[dict]:
     white = rng.uniform(0.15, 0.8) * DEG_PER_SQRT_HOUR if gyro else rng.uniform(0.03, 0.12)
     sigma = rng.uniform(5.0, 15.0) * DEG_PER_HOUR if gyro else rng.uniform(0.02, 0.08) * MILLI_G
     return [
-        {"process": "white_noise", "N": _rounded(white if gyro else white * MPS_PER_SQRT_HOUR)},
+        {"process": "white_noise", "N": rounded(white if gyro else white * MPS_PER_SQRT_HOUR)},
         {
             "process": "gauss_markov",
-            "sigma": _rounded(sigma),
-            "correlation_time": _rounded(rng.uniform(60.0, 200.0)),
+            "sigma": rounded(sigma),
+            "correlation_time": rounded(rng.uniform(60.0, 200.0)),
         },
     ]
 
@@ -166,6 +166,6 @@ EFFECTS = {
 }
 
 
-def _rounded(value) -> float:
+def rounded(value) -> float:
     """Four significant digits: a truth that can be written on a sheet."""
     return float(f"{value:.4g}")

@@ -17,7 +17,9 @@ from imu_lib.errors import InputError
 NAME_SHARE, FALSE_COST, NONE_FROM = 0.6, 0.2, 3.0
 #: Tolerances, relative to the true value; those of times are relative to the record's length.
 TOLERANCE = {"frequency": 0.005, "time": 0.02, "time_constant": 0.25, "K": 0.3, "rate": 0.3}
+TOLERANCE |= {"N_per_speed": 0.3, "fraction": 0.3}
 USUAL = 0.15
+VECTOR = 0.25  # of three values together, relative to the length of the true vector
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,8 @@ def mark(hidden: Sequence, answers: Mapping, *, length: float, where: str = "the
 def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
     """(channel, effect, parameters) of every answer."""
     channels = answers.get("channels") if isinstance(answers, Mapping) else None
+    if isinstance(answers, Mapping) and "drive" in answers:
+        channels = {"drive": answers["drive"], **(channels or {})}
     if not isinstance(channels, Mapping):
         raise InputError(
             f'{where}: there is no "channels"; answers look like '
@@ -105,15 +109,43 @@ def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, st
     shares, words = [], []
     for name, value in true.items():
         answer = given.get(name)
+        if isinstance(value, str):  # where it acts
+            shares.append(float(answer == value))
+            words.append(f"{name} {'right' if answer == value else 'wrong'}, it was {value}")
+            continue
+        if isinstance(value, Sequence):
+            share, said = _vector(name, value, answer)
+            shares.append(share)
+            words.append(said)
+            continue
         if not isinstance(answer, (int, float)) or isinstance(answer, bool):
             shares.append(0.0)
             words.append(f"{name} is missing, it was {value:.4g}")
             continue
         tolerance = TOLERANCE.get(name, USUAL)
         scale = length if name == "time" else abs(value)
-        error = abs(answer - value) / scale / tolerance
-        share = min(1.0, max(0.0, (NONE_FROM - error) / (NONE_FROM - 1.0)))
+        share, judged = _share(abs(answer - value) / scale / tolerance)
         shares.append(share)
-        judged = "right" if share == 1.0 else "near" if share else "wrong"
         words.append(f"{name} {answer:.4g} {judged}, it was {value:.4g}")
     return sum(shares) / len(shares), "; ".join(words)
+
+
+def _share(error: float) -> tuple[float, str]:
+    """Share of a parameter's mark for an error in tolerances, and the word for it."""
+    share = min(1.0, max(0.0, (NONE_FROM - error) / (NONE_FROM - 1.0)))
+    return share, "right" if share == 1.0 else "near" if share else "wrong"
+
+
+def _vector(name: str, value: Sequence, answer) -> tuple[float, str]:
+    true = ", ".join(f"{v:.4g}" for v in value)
+    numbers = isinstance(answer, Sequence) and not isinstance(answer, str)
+    if (
+        not numbers
+        or len(answer) != len(value)
+        or not all(isinstance(a, (int, float)) for a in answer)
+    ):
+        return 0.0, f"{name} is missing or no list of {len(value)} numbers, it was {true}"
+    length = sum(v**2 for v in value) ** 0.5
+    off = sum((a - v) ** 2 for a, v in zip(answer, value)) ** 0.5
+    share, judged = _share(off / length / VECTOR)
+    return share, f"{name} {judged}, it was {true}"

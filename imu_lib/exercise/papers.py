@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
+from imu_lib.exercise import drives
 from imu_lib.exercise import hidden as blind
 from imu_lib.exercise.marking import mark
 from imu_lib.writers import arrays, check_folder
@@ -39,31 +40,60 @@ than a guess.
 Useful: `imu-lib check record.npz`, `imu-lib characterise record.npz`, `imu-lib simulate model.json`, the chapters on the
 spectrum, the Allan variance and the simulation gap. Whoever uses `imu-lib gap` has to explain its answer.
 """
+DRIVE_SHEET = """# The blind drive, number {name}
+
+`drive.npz` is {minutes:g} minutes of a car that nobody else has: three gyros (rad/s) and three accelerometers (m/s^2) at
+{rate:g} Hz, in the body's axes, and fixes {fixes:g} times a second with velocities and their standard deviations. `model.json`
+is the noise of the sensor in the car. What neither says: **two or three effects are hidden.** Find them, and give their
+parameters in SI units; the antenna is as high as the sensor.
+
+The names to choose from, with the parameters that are asked for (three values are the body axes forward, right, down):
+
+{catalogue}
+
+Write your answers into `answers.json`:
+
+```json
+{{"student": "{name}", "drive": [{{"effect": "gnss_time_offset", "parameters": {{"offset": 0.12}}}}]}}
+```
+
+For each effect 60 % of the mark are for its name and 40 % for its parameters. Each name for something that is not there
+takes back a fifth of an effect's mark.
+
+Useful: `imu-lib check drive.npz`, `imu-lib outages drive.npz --model model.json`, the chapters on the filter and on the
+innovations of a drive. Whoever uses `imu-lib gap drive.npz --model model.json` has to explain its answer.
+"""
 
 
 def write_class(
-    folder, count: int, seed: int, *, minutes: float = 30.0, rate: float = 50.0
+    folder,
+    count: int,
+    seed: int,
+    *,
+    kind: str = "record",
+    minutes: float = 30.0,
+    rate: float = 50.0,
 ) -> Path:
     """Write `count` students' folders and the teacher's key into `folder`; returns the key's path.
 
-    Student i of a seed always gets the same record. Raises InputError where the folder is there
+    `kind` is "record" (a sensor at rest) or "drive" (a car; `rate` is then that of `drives`).
+    Student i of a seed always gets the same. Raises InputError where the folder is there
     and holds something.
     """
     folder = Path(folder)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder} is there already; name a new folder with --out.")
     check_folder(folder)
-    key = {"seed": seed, "minutes": minutes, "rate": rate, "students": {}}
+    make = _drive if kind == "drive" else _record
+    rate = drives.RATE if kind == "drive" else rate
+    key = {"seed": seed, "kind": kind, "minutes": minutes, "rate": rate, "students": {}}
     folder.mkdir(parents=True, exist_ok=True)
     for number in range(1, count + 1):
         name = f"{number:0{max(2, len(str(count)))}d}"
-        case = blind.draw(np.random.default_rng([seed, number]), minutes=minutes, rate=rate)
         own = folder / f"student_{name}"
         own.mkdir()
-        np.savez_compressed(own / "record.npz", **arrays(case.record))
+        case = make(own, name, np.random.default_rng([seed, number]), minutes, rate)
         case.base.save(own / "model.json")
-        (own / "sheet.md").write_text(_sheet(name, minutes, rate), encoding="utf-8")
-        _write_json(own / ANSWERS, {"student": name, "channels": {}})
         key["students"][name] = [
             {"channel": c, "effect": e, "parameters": p} for c, e, p in case.hidden
         ]
@@ -71,10 +101,30 @@ def write_class(
     return folder / KEY
 
 
-def _sheet(name: str, minutes: float, rate: float) -> str:
+def _record(own: Path, name: str, rng, minutes: float, rate: float):
+    """A student's record at rest, with sheet and empty answers."""
+    case = blind.draw(rng, minutes=minutes, rate=rate)
+    np.savez_compressed(own / "record.npz", **arrays(case.record))
     scale, rng = blind.Scale(1.0, 1.0, 1800.0, 50.0), np.random.default_rng(0)
     lines = [f"- `{e}`: {', '.join(make(scale, rng))}" for e, make in blind.EFFECTS.items()]
-    return SHEET.format(name=name, minutes=minutes, rate=rate, catalogue="\n".join(lines))
+    text = SHEET.format(name=name, minutes=minutes, rate=rate, catalogue="\n".join(lines))
+    (own / "sheet.md").write_text(text, encoding="utf-8")
+    _write_json(own / ANSWERS, {"student": name, "channels": {}})
+    return case
+
+
+def _drive(own: Path, name: str, rng, minutes: float, rate: float):
+    """A student's drive, with sheet and empty answers."""
+    case = drives.draw(rng, minutes=minutes)
+    case.drive.save(own / "drive.npz")
+    rng = np.random.default_rng(0)
+    lines = [f"- `{e}`: {', '.join(make(rng))}" for e, make in drives.EFFECTS.items()]
+    text = DRIVE_SHEET.format(
+        name=name, minutes=minutes, rate=rate, fixes=drives.FIXES, catalogue="\n".join(lines)
+    )
+    (own / "sheet.md").write_text(text, encoding="utf-8")
+    _write_json(own / ANSWERS, {"student": name, "drive": []})
+    return case
 
 
 def key_of(answers: Path) -> Path:

@@ -14,6 +14,7 @@ _HOME = {
     "apply": "style",
     "grid": "style",
     "headless": "style",
+    "interactive": "interactive",
     "save": "style",
     "unstable_response": "errata",
     "outage_ratios": "errata",
