@@ -106,6 +106,12 @@ class _Here:
             self.running[self._pool(renew=True).submit(self.function, *task)] = number, task
 
     def __iter__(self):
+        try:
+            yield from self._results()
+        finally:
+            _ended(self._pool(), list(self.running))
+
+    def _results(self):
         from concurrent.futures import FIRST_COMPLETED, wait
         from concurrent.futures.process import BrokenProcessPool
 
@@ -190,13 +196,23 @@ def shared(function: Callable, tasks: list[tuple], workers: int) -> Iterator[obj
 
     pool = get_reusable_executor(max_workers=workers - 1, timeout=5, env=_ONE_THREAD)
     running = []
-    while waiting or running:
-        while waiting and len(running) < min(2 * (workers - 1), len(waiting)):
-            running.append(pool.submit(function, *waiting.pop()))
-        if waiting:
-            yield function(*waiting.popleft())
-        elif running:
-            yield running.pop(0).result()
-        for future in [f for f in running if f.done()]:
-            running.remove(future)
-            yield future.result()
+    try:
+        while waiting or running:
+            while waiting and len(running) < min(2 * (workers - 1), len(waiting)):
+                running.append(pool.submit(function, *waiting.pop()))
+            if waiting:
+                yield function(*waiting.popleft())
+            elif running:
+                yield running.pop(0).result()
+            for future in [f for f in running if f.done()]:
+                running.remove(future)
+                yield future.result()
+    finally:
+        _ended(pool, running)
+
+
+def _ended(pool, running):
+    """Give the processes back: joblib's own pool, which others use, is no heir of this one."""
+    for future in running:
+        future.cancel()
+    pool.shutdown(wait=True, kill_workers=bool(running))

@@ -138,9 +138,8 @@ def usable(lengths):
     """Which of these stretches a long channel's likelihood passes over, list of bool: those of a
     share of the longest that a pass can take; none where gaps cut all of them short.
     """
-    longest = max(lengths)
-    least = max(SHARE * longest, SHORTEST)
-    return [n >= least and longest > LONG // 4 for n in lengths]
+    least = max(SHARE * max(lengths), SHORTEST)
+    return [n >= least for n in lengths]
 
 
 def _passes_over(parts, x, whole, fs):

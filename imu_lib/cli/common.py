@@ -15,7 +15,14 @@ from collections.abc import Iterable, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from imu_lib.cli.progress import Lines, progress  # noqa: F401 - part of what is shared
+from imu_lib.cli.opening import (  # noqa: F401 - part of what is shared
+    open_either,
+    open_on_disk,
+    open_record,
+    reading_options,
+    record_options,
+)
+from imu_lib.cli.progress import Lines, Share, progress  # noqa: F401 - part of what is shared
 from imu_lib.errors import InputError
 
 
@@ -102,78 +109,6 @@ def add_reading_arguments(group) -> None:
     group.add_argument(
         "--trust-units", action="store_true", help="do not refuse units that look impossible"
     )
-
-
-READING = ("rate", "time_unit", "gyro_unit", "accel_unit", "columns", "topic", "trust_units")
-
-
-def reading_options(args: argparse.Namespace) -> dict:
-    """The keyword arguments of `read_record` and `read_drive` out of the flags of
-    `add_reading_arguments`.
-    """
-    return {k: getattr(args, k) for k in READING if getattr(args, k, None) not in (None, False)}
-
-
-def record_options(args: argparse.Namespace) -> dict:
-    """The keyword arguments of `read_record` out of parsed flags."""
-    keys = ("gyro", "accel", "only", "start", "stop", *READING)
-    return {k: getattr(args, k) for k in keys if getattr(args, k, None) not in (None, False)}
-
-
-def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool = True, **more):
-    """The record of parsed flags; what reading did to it is told on standard error.
-
-    With `one_rate` a record whose gyro and accelerometer come at rates of their own is refused with
-    the flag that takes one of them: an estimator needs even samples.
-    """
-    from imu_lib.readers import read_record
-    from imu_lib.readers.streams import slow_kind
-
-    if args.start is not None and args.stop is not None and args.stop <= args.start:
-        raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
-    path = getattr(args, "file", None)
-    if path and (args.gyro or args.accel):
-        raise InputError("Give one FILE, or --gyro FILE and --accel FILE, not both.")
-    record = read_record(path, **record_options(args), **more)
-    if tell:
-        for note in record.notes:
-            print(f"note: {note}", file=sys.stderr)
-    if one_rate and slow_kind(record):
-        raise InputError(
-            f"{record.source}: gyro and accelerometer come at rates of their own; take one with --only gyro or --only accel."
-        )
-    return record
-
-
-def open_on_disk(args: argparse.Namespace, *, least: int | None = None):
-    """The record of parsed flags where it stays on disk: a long file that is read by pieces, or a
-    folder of logs; else None.
-    """
-    from imu_lib.long_record import open_folder, open_long
-
-    options = record_options(args)
-    if not Path(args.file).is_dir():
-        return open_long(args.file, least=least, **options)
-    if args.start is not None or args.stop is not None:
-        return None
-    return open_folder(args.file, **options)
-
-
-def open_either(args: argparse.Namespace, *, one_rate: bool = True):
-    """As `open_record`; a record that is long and can be read by pieces stays on disk."""
-    from imu_lib.stream import LONG
-
-    if args.file and not (args.gyro or args.accel or getattr(args, "only", None)):
-        record = open_on_disk(args)
-        if record is not None and Path(args.file).is_dir() and record.longest <= LONG:
-            for note in record.notes:
-                print(f"note: {note}", file=sys.stderr)
-            return record.in_memory()
-        if record is not None and record.longest > LONG:
-            for note in record.notes:
-                print(f"note: {note}", file=sys.stderr)
-            return record
-    return open_record(args, one_rate=one_rate)
 
 
 def add_json_argument(parser: argparse.ArgumentParser) -> None:

@@ -49,3 +49,20 @@ def progress(iterable=None, *, about: str = "", total: int | None = None):
     if not sys.stderr.isatty():
         return Lines(iterable, about, total)
     return tqdm(iterable, desc=about, total=total, file=sys.stderr, leave=False)
+
+
+class Share:
+    """Progress of what is told as a share; nothing is shown until the first is."""
+
+    def __init__(self, about: str):
+        self.about, self.bar, self.done = about, None, 0
+
+    def at(self, share: float) -> None:
+        if self.bar is None:
+            self.bar = progress(about=self.about, total=100)
+        self.bar.update(round(100 * share) - self.done)
+        self.done = round(100 * share)
+
+    def close(self) -> None:
+        if self.bar is not None:
+            self.bar.close()

@@ -1,6 +1,10 @@
-"""Records that stay on disk: `open_long(path)` gives one where a file is long enough to need it."""
+"""Records that stay on disk: `open_long(path)` gives one where a file is long enough to need it,
+`open_converted(path)` where it has to be read once into another file first, `open_folder(path)` of
+a folder of logs.
+"""
 
+from imu_lib.long_record.converted import open_converted
 from imu_lib.long_record.folder import open_folder
 from imu_lib.long_record.record import LongRecord, open_long
 
-__all__ = ["LongRecord", "open_folder", "open_long"]
+__all__ = ["LongRecord", "open_converted", "open_folder", "open_long"]

@@ -63,6 +63,24 @@ class Parquet:
             batch = next(file.iter_batches(rows))
             pq.write_table(pa.Table.from_batches([batch]), path)
 
+    def rows(self, start, stop, path):
+        """Some rows as a file of the same kind."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        with self._file as file, pq.ParquetWriter(path, file.schema_arrow) as out:
+            sizes = [file.metadata.row_group(i).num_rows for i in range(file.num_row_groups)]
+            first = np.concatenate([[0], np.cumsum(sizes)])
+            groups = [i for i, n in enumerate(sizes) if first[i] < stop and first[i] + n > start]
+            at = int(first[groups[0]])
+            for batch in file.iter_batches(CHUNK, row_groups=groups, use_threads=False):
+                low, high = max(start - at, 0), min(stop - at, batch.num_rows)
+                at += batch.num_rows
+                if low < high:
+                    out.write_table(pa.Table.from_batches([batch.slice(low, high - low)]))
+                if at >= stop:
+                    return
+
 
 def _numbers(column):
     """An arrow array of numbers, NaN where a value is null; without `to_numpy`, which loads pandas
@@ -127,12 +145,18 @@ class Numpy:
                 yield x if axis is None else np.ascontiguousarray(x.reshape(-1, width)[:, axis])
 
     def head(self, rows, path):
+        self.rows(0, rows, path)
+
+    def rows(self, start, stop, path):
         arrays = {}
+        members = self._members()
+        total = max(shape[0] for _, shape, _ in members.values() if shape)
         with open(self.path, "rb") as file:
-            for key, (offset, shape, dtype) in self._members().items():
-                file.seek(offset)
-                count = min(rows, shape[0]) if shape else 1
+            for key, (offset, shape, dtype) in members.items():
+                whole = not shape or shape[0] != total
+                first, count = (0, shape[0] if shape else 1) if whole else (start, min(stop, total) - start)  # fmt: skip
                 more = int(np.prod(shape[1:])) if shape else 1
+                file.seek(offset + first * more * dtype.itemsize)
                 x = np.fromfile(file, dtype, count * more)
                 arrays[key] = x.reshape((count, *shape[1:]) if shape else ())
         with open(path, "wb") as out:
@@ -142,18 +166,83 @@ class Numpy:
                 np.savez(out, **arrays)
 
 
-def _header(file):
+def shape_of(file):
+    """(shape, dtype) of the `.npy` data that begin here; the file stands behind its head then."""
     read = (
         npy.read_array_header_1_0 if npy.read_magic(file) == (1, 0) else npy.read_array_header_2_0
     )
     shape, fortran, dtype = read(file)
     if fortran and len(shape) > 1 or dtype.hasobject:
         raise ValueError("columns first")
+    return shape, dtype
+
+
+def _header(file):
+    shape, dtype = shape_of(file)
     start = file.tell()
     held = file.seek(0, 2) - start
     if held < dtype.itemsize * int(np.prod(shape, dtype=object)):
         raise ValueError("announces more than it holds")
     return start, shape, dtype
+
+
+@dataclass(frozen=True)
+class Hdf5:
+    """An HDF5 file (MATLAB's 7.3 is one): its data sets are read by slices."""
+
+    path: str
+
+    def _sets(self):
+        """Column -> (data set, axis of three or None, whether the rows are its last dimension)."""
+        import h5py
+
+        shapes = {}
+
+        def visit(name, item):
+            if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
+                if not name.startswith("#refs#"):
+                    shapes[name] = item.shape
+
+        with h5py.File(self.path, "r") as file:
+            file.visititems(visit)
+        out = {}
+        for name, shape in shapes.items():
+            key = name.replace("/", ".")
+            if len(shape) == 1:
+                out[key] = name, None, False, shape[0]
+            elif len(shape) == 2 and 3 in shape and max(shape) > 3:
+                last = shape[0] == 3
+                for i, axis in enumerate("xyz"):
+                    out[f"{key}_{axis}"] = name, i, last, max(shape)
+            elif len(shape) == 2 and 1 in shape:
+                out[key] = name, 0, shape[0] == 1, max(shape)
+        return out
+
+    def columns(self):
+        return {key: n for key, (_, _, _, n) in self._sets().items()}
+
+    def pieces(self, name, start, stop):
+        import h5py
+
+        held, axis, last, _ = self._sets()[name]
+        with h5py.File(self.path, "r") as file:
+            for low, high in bounds(stop - start):
+                rows = slice(start + low, start + high)
+                at = rows if axis is None else (axis, rows) if last else (rows, axis)
+                yield file[held][at]
+
+    def head(self, rows, path):
+        self.rows(0, rows, path)
+
+    def rows(self, start, stop, path):
+        """Some rows as a file of the same kind."""
+        import h5py
+
+        lasts = {held: last for held, _, last, _ in self._sets().values()}
+        with h5py.File(self.path, "r") as file, h5py.File(path, "w") as out:
+            for held, last in lasts.items():
+                x = file[held][:, start:stop] if last else file[held][start:stop]
+                out.create_dataset(held, data=x).attrs.update(file[held].attrs)
 
 
 def source(path):
@@ -165,6 +254,8 @@ def source(path):
             found = Parquet(str(path))
         elif magic[:6] == b"\x93NUMPY" or magic[:2] == b"PK":
             found = Numpy(str(path))
+        elif magic == b"\x89HDF\r\n\x1a\n":
+            found = Hdf5(str(path))
         else:
             return None
         return found if found.columns() else None

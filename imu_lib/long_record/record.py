@@ -20,6 +20,8 @@ from imu_lib.stream import CHUNK, LONG
 HEAD = 1 << 17
 #: Longest gap that is bridged by a straight line, samples, as `Record.continuous` has it.
 FILL = 10
+#: Part without a gap that a pass can go over, samples.
+SHORTEST = 1 << 17
 
 
 @dataclass(frozen=True)
@@ -200,7 +202,7 @@ def open_long(path, *, start=None, stop=None, trust_units=False, least=None, **o
     if laid is None:
         return None
     names_ = list(found)
-    notes = head.notes + _notes(laid)
+    notes = head.notes + counted(laid.missing, laid.steps, laid.rate)
     return LongRecord(
         found,
         laid.rate,
@@ -303,15 +305,16 @@ def _stamps(source, sizes, rows, head, given):
     return None
 
 
-def _notes(laid):
+def counted(missing, steps, rate):
+    """Sentences on what is missing: rows without a number, gaps (row, samples)."""
     out = ()
-    if laid.missing:
-        out += (f"{laid.missing:,} samples have no number in at least one channel.",)
-    if len(laid.gaps):
+    if missing:
+        out += (f"{missing:,} samples have no number in at least one channel.",)
+    if len(steps):
+        lost = [int(m) for _, m in steps]
         out += (
-            f"{len(laid.gaps)} gap{'s' if len(laid.gaps) > 1 else ''} in the time stamps, "
-            f"{int(sum(laid.gaps)):,} samples missing; the longest lasts "
-            f"{(max(laid.gaps) + 1) / laid.rate:.4g} s.",
+            f"{len(lost)} gap{'s' if len(lost) > 1 else ''} in the time stamps, "
+            f"{sum(lost):,} samples missing; the longest lasts {(max(lost) + 1) / rate:.4g} s.",
         )
     return out
 

@@ -58,6 +58,8 @@ def close(
         As `gap.close`.
     """
     began = time.perf_counter()
+    if record.longest <= 2 * PART:
+        return _at_once(record, model, channels, seed, simulations, jobs, progress)
     names, fs, runs = _names(record, channels), record.rate, record.continuous()
     jobs = jobs or min(2, os.cpu_count() or 1)
     say = _Told(progress)
@@ -145,6 +147,19 @@ def close(
         None,
         (fast, slow),
     )
+
+
+def _at_once(record, model, channels, seed, simulations, jobs, progress) -> Report:
+    """A record whose gaps leave no long part: the longest one at the full rate."""
+    low, high = views.rows(record, 0, record.longest)
+    part = replace(record.part(low, high), notes=record.notes)
+    options = {"channels": channels, "seed": seed, "simulations": simulations}
+    found = loop.close(part, model, jobs=jobs, progress=progress, **options)
+    used = (
+        f"The longest part without a gap of more than 10 samples was used, "
+        f"{units.duration(part.duration)} of {units.duration(record.duration)}."
+    )
+    return replace(found, notes=(used, *found.notes))
 
 
 def _names(record, channels):

@@ -1,0 +1,150 @@
+"""Records that are read one after the other and make one: logs of a folder, parts of a file."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.long_record import grid
+from imu_lib.long_record.record import FILL, Column, LongRecord, counted
+
+
+class Log:
+    """What has been read so far.
+
+    Parameters
+    ----------
+    path : path
+        What the record is called.
+    sink : object
+        `write(columns)` takes name -> ndarray (k,), the next rows in SI.
+    of_files : bool
+        Whether its parts are files, of which each without stamps may have begun anew; else they
+        are parts of one.
+    """
+
+    def __init__(self, path, sink, *, of_files=True):
+        self.path, self.sink, self.of_files = path, sink, of_files
+        self.rows, self.slots, self.rate = 0, 0, None
+        self.names, self.first, self.clock, self.restarts = None, None, None, []
+        self.steps, self.bad, self.notes = [], [], {}
+        self.span, self.warm, self.began, self.begin = {}, None, None, None
+
+    def append(self, file, record, start):
+        """The next record; `start` is its first stamp, s, or None."""
+        names = record.channel_names
+        if self.names is None:
+            self.names, self.rate, self.first = names, record.rate, file
+            self.warm, self.began = record.temperature is not None, start
+        if names != self.names:
+            raise InputError(
+                f"{file} has the channels {', '.join(names)}, {self.first} {', '.join(self.names)}; "
+                "logs of one record have the same."
+            )
+        if abs(record.rate / self.rate - 1) > 0.01:
+            raise InputError(
+                f"{file} has {record.rate:.6g} Hz, {self.first} {self.rate:.6g} Hz; logs of one "
+                "record have one rate: give --rate, or move the file away."
+            )
+        begin = start, *(float(x[k]) for x in record.channels.values() for k in (0, -1))
+        if begin == self.begin and not np.isnan(begin[1:]).any():
+            raise InputError(
+                f"{file} holds what the log before it holds, from its first stamp to its last value; "
+                "remove one of the two."
+            )
+        self.begin = begin
+        slots = record.slots()
+        lost = self._between(file, start)
+        if lost:
+            self.steps.append((self.rows, lost))
+        for i in np.flatnonzero(np.diff(slots) > 1):
+            self.steps.append((self.rows + int(i) + 1, int(slots[i + 1] - slots[i] - 1)))
+        columns = dict(record.channels)
+        self.warm = self.warm and record.temperature is not None
+        if record.temperature is not None:
+            columns["temperature"] = record.temperature
+        self.sink.write(columns, (self.slots + lost + slots) / self.rate)
+        for name, x in record.channels.items():
+            low, high = self.span.get(name, (np.inf, -np.inf))
+            self.span[name] = min(low, np.nanmin(x)), max(high, np.nanmax(x))
+        self.bad.append(self.rows + np.flatnonzero(record.missing()))
+        for note in record.notes if self.of_files else _of_reading(record):
+            self.notes.setdefault(note, []).append(getattr(file, "name", str(file)))
+        self.rows += record.n
+        self.slots += lost + int(slots[-1]) + 1
+        self.clock = None if start is None else start + float(slots[-1] + 1) / record.rate
+
+    def _between(self, file, start):
+        """Samples missing between what was read before and this."""
+        if self.rows == 0:
+            return 0
+        if start is None and self.clock is None and not self.of_files:
+            return 0
+        if start is None or self.clock is None or start < self.clock - 0.5 / self.rate:
+            self.restarts.append(getattr(file, "name", str(file)))
+            return FILL + 1
+        return max(round((start - self.clock) * self.rate), 0)
+
+    def told(self) -> tuple[str, ...]:
+        """What reading did, once for all parts that say it."""
+        parts = "files" if self.of_files else "parts"
+        notes = [] if self.of_files else list(counted(self.missing(), self.steps, self.rate))
+        for note, files in self.notes.items():
+            where = f"{', '.join(files[:3])}{' ...' * (len(files) > 3)}: " if self.of_files else ""
+            notes.append(where + note)
+        if self.restarts:
+            notes.append(
+                f"{len(self.restarts)} of the {parts} begin anew ({', '.join(self.restarts[:3])}"
+                f"{' ...' * (len(self.restarts) > 3)}): how long the logger paused before them is "
+                "not known, and nothing is carried over."
+            )
+        return tuple(notes)
+
+    def missing(self) -> int:
+        """Rows without a number in some channel."""
+        return sum(rows.size for rows in self.bad)
+
+    def true_rate(self) -> float:
+        """Samples per second, by the first and the last stamp where these belong together."""
+        if self.of_files or self.restarts or self.clock is None:
+            return self.rate
+        rate = self.slots / (self.clock - self.began)
+        whole = round(rate)
+        near = whole and abs(rate - whole) * (self.clock - self.began) < 0.5
+        return float(whole) if near else rate
+
+    def state(self) -> dict:
+        """What makes the LongRecord, but for its columns."""
+        bad = np.concatenate(self.bad) if self.bad else np.zeros(0)
+        return {
+            "rate": self.true_rate(),
+            "rows": self.rows,
+            "names": list(self.names),
+            "flat": [n for n in self.names if not self.span[n][1] > self.span[n][0]],
+            "warm": bool(self.warm),
+            "notes": list(self.told()),
+            "steps": np.array(self.steps, np.int64).reshape(-1, 2),
+            "bad": np.unique(bad).astype(np.int64),
+        }
+
+
+def _of_reading(record):
+    """Notes of a part but for those that count, which are told of the whole."""
+    return [n for n in record.notes if "samples missing" not in n and "no number in" not in n]
+
+
+def record_of(state: dict, path, column) -> LongRecord:
+    """The LongRecord of what was read. `column(name)` gives (source, name of the column)."""
+    columns = {name: Column(*column(name), 1.0, 0.0) for name in state["names"]}
+    return LongRecord(
+        columns,
+        state["rate"],
+        grid.runs(state["rows"], state["steps"], state["bad"]),
+        tuple(state["flat"]),
+        path.stem if path.is_file() else path.name,
+        str(path),
+        tuple(state["notes"]),
+        state["rows"],
+        state["steps"],
+        temperature=Column(*column("temperature"), 1.0, 0.0) if state["warm"] else None,
+    )

@@ -1,0 +1,119 @@
+"""Long files that are read once, part by part: the record that the readers make of the whole."""
+
+import gzip
+
+import h5py
+import numpy as np
+import pytest
+
+from imu_lib import InputError, read_record
+from imu_lib.long_record import converted, open_converted, parts
+from imu_lib.model import Model
+from imu_lib.writers import write_record
+
+N, FS = 20_000, 100.0
+WHITE = {"process": "white_noise", "N": 1e-3}
+#: Stamps that jitter, gaps, rows without a number: what no file can be read with where it lies.
+MODEL = Model.from_json(
+    {c: [WHITE] for c in ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y")}
+    | {
+        "accel_z": [WHITE, {"process": "constant", "value": -9.8}],
+        "record": [
+            {"process": "jitter", "sd": 3e-4},
+            {"process": "time_gaps", "fraction": 1e-3, "length": 3},
+            {"process": "dropout", "fraction": 1e-3, "channels": ["gyro_x", "accel_z"]},
+        ],
+    }
+)
+UNITS = {"gyro_unit": "rad/s", "accel_unit": "m/s^2"}
+
+
+@pytest.fixture
+def small(monkeypatch, tmp_path):
+    """Parts of some thousand rows, a cache of the test's own."""
+    monkeypatch.setattr(parts, "TEXT", 1 << 19)
+    monkeypatch.setattr(parts, "ROWS", 6000)
+    monkeypatch.setenv("IMU_LIB_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.fixture(scope="module")
+def record():
+    return MODEL.simulate_record(N, FS, np.random.default_rng(6))
+
+
+def _hdf5(record, path, last=False):
+    turned = (lambda x: x.T) if last else (lambda x: x)
+    with h5py.File(path, "w") as file:
+        file["t"] = record.times()
+        file["imu/gyro"], file["imu/accel"] = turned(record["gyro"]), turned(record["accel"])
+
+
+def _dated(record, path):
+    """A log with a moment in each row, semicolons, degrees and g."""
+    with open(path, "w") as file:
+        file.write("# logger 7\nwhen;gx [deg/s];gy [deg/s];gz [deg/s];ax [g];ay [g];az [g]\n")
+        start = np.datetime64("2024-03-01T23:59:00.000")
+        stamps = start + np.round(record.times() * 1e3).astype("timedelta64[ms]")
+        rows = np.column_stack([np.degrees(record["gyro"]), record["accel"] / 9.80665])
+        for t, row in zip(stamps, rows, strict=True):
+            values = ("" if np.isnan(v) else f"{v:.9g}" for v in row)
+            file.write(f"{t};{';'.join(values)}\n")
+
+
+MAKERS = {
+    "a.csv": write_record,
+    "a.npz": write_record,
+    "a.parquet": write_record,
+    "a.h5": _hdf5,
+    "matlab.mat": lambda record, path: _hdf5(record, path, last=True),
+    "dated.txt": _dated,
+}
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_parts_make_the_record_of_the_whole(name, record, small, tmp_path):
+    MAKERS[name](record, tmp_path / name)
+    if name.endswith(".csv"):
+        packed = tmp_path / f"{name}.gz"
+        packed.write_bytes(gzip.compress((tmp_path / name).read_bytes()))
+        name = packed.name
+    units = UNITS if "imu" in name or name.endswith((".h5", ".mat")) else {}
+    whole = read_record(tmp_path / name, **units)
+    shares = []
+    found = open_converted(tmp_path / name, least=10_000, progress=shares.append, **units)
+    assert len(shares) > 2 and found.rows == whole.n
+    part = found.part(0, found.rows)
+    for channel, x in whole.channels.items():
+        np.testing.assert_array_equal(part[channel], x)
+    np.testing.assert_array_equal(part.slots(), whole.slots())
+    assert abs(found.rate / whole.rate - 1) < 1e-5
+    assert found.n == whole.n - whole.missing().sum()
+    again = open_converted(tmp_path / name, least=10_000, progress=shares.clear, **units)
+    assert shares and again.rows == found.rows  # not read a second time
+    assert any("delete that file" in note for note in again.notes)
+
+
+def test_what_is_wrong_is_told_by_its_line_and_leaves_nothing(record, small, tmp_path):
+    path = tmp_path / "a.csv"
+    write_record(record, path)
+    lines = path.read_text().splitlines(keepends=True)
+    lines[15_000] = lines[15_000].replace(".", ".x", 1)
+    path.write_text("".join(lines))
+    with pytest.raises(InputError, match="line 15001"):
+        open_converted(path, least=10_000)
+    assert not list(converted.cache().iterdir())
+
+
+def test_a_packed_log_that_is_cut_off(record, small, tmp_path):
+    write_record(record, tmp_path / "a.csv")
+    packed = gzip.compress((tmp_path / "a.csv").read_bytes())
+    (tmp_path / "b.csv.gz").write_bytes(packed[: len(packed) // 2])
+    with pytest.raises(InputError, match="cannot be unpacked to its end"):
+        open_converted(tmp_path / "b.csv.gz", least=1000)
+
+
+def test_short_files_and_other_kinds_are_left_to_the_readers(record, small, tmp_path):
+    write_record(record, tmp_path / "a.csv")
+    assert open_converted(tmp_path / "a.csv") is None
+    (tmp_path / "log.bag").write_bytes(b"#ROSBAG V2.0\n" + bytes(1000))
+    assert open_converted(tmp_path / "log.bag", least=1) is None
