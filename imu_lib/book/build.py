@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from imu_lib.book import api, execute, front, reproduced
+from imu_lib.book import api, execute, front, house, launch, reproduced
 from imu_lib.book import chapters as contents
 from imu_lib.errors import InputError
 from imu_lib.writers import check_folder
@@ -91,6 +91,8 @@ def derive(work: Path):
         reproduced.write(work)
         front.write(work)
         api.write(work)
+        house.write(work)
+        launch.write(work)
 
 
 def execute_chapters(chapters) -> list[execute.Run]:

@@ -12,6 +12,7 @@ import html
 import os
 import re
 import shutil
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -64,14 +65,18 @@ def book(subject: Subject, template: str, out: Path, *, progress=None) -> Path:
         build.build_pages(work, strict=False)
         pages = work / "_build/html"
         if (work / DOWNLOADS).is_dir():
+            for path in (work / DOWNLOADS).iterdir():  # the file that was read is gone by then
+                text = path.read_text(encoding="utf-8").replace(str(subject.path), subject.shown)
+                path.write_text(text, encoding="utf-8")
             shutil.copytree(work / DOWNLOADS, pages / DOWNLOADS)
         return build.move(pages, out)
 
 
 def filled(text: str, subject: Subject) -> str:
     """The template with the subject's words in it."""
-    facts = "\n".join(f"| {name} | {value} |" for name, value in subject.facts)
-    table = f"| | |\n|---|---|\n{facts}"
+    (name, value), *others = subject.facts
+    facts = "\n".join(f"| {name} | {value} |" for name, value in others)
+    table = f"| {name} | {value} |\n|---|---|\n{facts}"
     if subject.notes:
         table += "\n\nNoticed while reading it:\n\n" + "\n".join(f"- {n}" for n in subject.notes)
     values = {
@@ -115,7 +120,7 @@ def run(notebook, folder: Path, subject: Subject, progress) -> list[str]:
     own = first.source
     first.source = f"record_path = {str(subject.path)!r}\n{own}"
     steps = sum(cell.cell_type == "code" for cell in notebook.cells)
-    done, page = 0, ""
+    done, page, began = 0, "", time.monotonic()
 
     def told(cell, cell_index, **_):
         nonlocal done, page
@@ -126,7 +131,9 @@ def run(notebook, folder: Path, subject: Subject, progress) -> list[str]:
         done += 1
         comment = re.match(r"# (.+)", own if cell is first else cell.source)
         if progress:
-            progress(f"[{done}/{steps}] {comment[1] if comment else page}")
+            elapsed = int(time.monotonic() - began)
+            told = comment[1] if comment else page
+            progress(f"[{done}/{steps}] {elapsed // 60}:{elapsed % 60:02d} {told}")
 
     # processes that a step started are cleaned up behind the kernel, which is no news for the reader
     with environment(PYTHONWARNINGS="ignore"):
@@ -249,6 +256,8 @@ def configure(work: Path, subject: Subject, slugs: list[str]):
     path = work / "book/_config.yml"
     config = yaml.safe_load(path.read_text(encoding="utf-8"))
     config["title"], config["author"] = subject.title, "imu-lib book"
+    config.pop("repository", None)  # these pages are nobody else's
+    config.pop("launch_buttons", None)
     config["sphinx"]["config"]["smartquotes"] = False  # a flag keeps its two dashes
     path.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
 

@@ -6,6 +6,7 @@ from imu_lib.verdict.datasheet import datasheet
 from imu_lib.verdict.downloads import write_downloads
 from imu_lib.verdict.findings import anomalies, limits, means, next_record
 from imu_lib.verdict.grade import grades
+from imu_lib.verdict.missing import missing
 
 __all__ = [
     "anomalies",
@@ -13,6 +14,7 @@ __all__ = [
     "grades",
     "limits",
     "means",
+    "missing",
     "next_record",
     "write_downloads",
 ]

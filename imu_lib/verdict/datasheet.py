@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from imu_lib import report
+from imu_lib.estimate import Estimate
 
 #: Symbol -> what a datasheet calls it on gyros and on accelerometers, and the method it is from.
 ROWS = {
@@ -16,6 +17,11 @@ ROWS = {
     "Q": ("angle quantization Q", "velocity quantization Q", "allan"),
     "R": ("rate ramp R", "acceleration ramp R", "allan"),
 }
+
+
+def _limit(estimate):
+    """What an estimate allows at most."""
+    return None if estimate is None else Estimate(None, 0.0, estimate.high)
 
 
 def datasheet(result, sensor: str) -> pd.DataFrame:
@@ -34,6 +40,8 @@ def datasheet(result, sensor: str) -> pd.DataFrame:
             channel = result[name]
             table = getattr(channel, method)
             estimate = table.get(symbol) or channel.allan.get(symbol)
+            if symbol == "R" and "ramp" not in {t.name for t in channel.model.terms}:
+                estimate = _limit(estimate)  # the chosen sum explains the rise otherwise
             cells[name[-1]] = (
                 "not shown" if estimate is None else report.estimate(estimate, symbol, name, 3)
             )

@@ -54,6 +54,7 @@ def vins(model) -> str:
     """Entries for a VINS-Mono or VINS-Fusion configuration: continuous densities, worst axis."""
     gyro_n, gyro_k, accel_n, accel_k = _densities(model)
     return (
+        "%YAML:1.0\n"
         "# for VINS-Mono and VINS-Fusion: white noise and bias random walk of the worst axis,\n"
         "# continuous; these programs are usually given some times more, for what a standstill\n"
         "# does not show\n"

@@ -48,27 +48,46 @@ def anomalies(health, found=None) -> list[str]:
     """Findings of the health check, then effects that the fitted model does not have, with their
     physical reading.
 
-    health : imu_lib.health.Health; found : report of `imu_lib.gap.close`, or None
+    health : imu_lib.health.Health; found : what `imu_lib.verdict.missing` gave, or None
     """
     out = list(health.findings)
     if found is None:
         return out
+    reports = [look for _, look in found.looks]
     told = {}
-    for name, channel in found.channels.items():
-        for step in channel.result.steps:
-            text = f"{name}: {table.describe(step, name)} ({step.where}; confidence {step.confidence:.2g})"
-            told.setdefault((step.effect, step.cause), []).append(text)
+    for name, step in (
+        (n, s) for r in reports for n, c in r.channels.items() for s in c.result.steps
+    ):
+        parameters = table.describe(step, name).removeprefix(step.effect).strip()
+        places = told.setdefault((step.effect, step.cause), {})
+        places.setdefault(parameters, []).append((name, step))
     for (effect, cause), places in told.items():
         name = effect.replace("_", " ").capitalize()
-        out.append(f"{name}. {cause} Seen in " + "; ".join(places) + ".")
-    for step in found.record_steps:
-        out.append(f"{table.describe(step, 'record')}: {step.where}.")
-    for name, channel in found.channels.items():
-        if channel.result.unexplained:
-            out.append(f"{name}, unexplained: {channel.result.unexplained}.")
-    if found.record_unexplained:
-        out.append(f"Unexplained: {found.record_unexplained}.")
-    return out
+        seen = "; ".join(_place(parameters, steps) for parameters, steps in places.items())
+        out.append(f"{name}. {cause} Seen in {seen}.")
+    for step in (s for r in reports for s in r.record_steps):
+        text = f"{' '.join(table.describe(step, 'record').split())}: {step.where}."
+        out.append(text[0].upper() + text[1:])
+    for what, look in found.looks:
+        for name, channel in look.channels.items():
+            if channel.result.unexplained:
+                out.append(f"{name}, unexplained in {what}: {channel.result.unexplained}.")
+        if look.record_unexplained:
+            out.append(f"Unexplained in {what}: {look.record_unexplained}.")
+    return out + [found.note] * bool(found.note)
+
+
+def _place(parameters, steps) -> str:
+    """Where one finding was made, alike channels together."""
+    names = [name for name, _ in steps]
+    where = f" ({steps[0][1].where})" if len(steps) == 1 else ""
+    sure = [s.confidence for _, s in steps]
+    told = (
+        f"{min(sure):.2g}"
+        if max(sure) - min(sure) < 0.01
+        else f"{min(sure):.2g} to {max(sure):.2g}"
+    )
+    return f"{', '.join(names)}: {parameters}{where}, confidence {told}"
 
 
 def limits(record, result, health) -> list[str]:

@@ -1,0 +1,57 @@
+"""What a verdict says of effects: all of a short record, a part and the means of a long one."""
+
+import numpy as np
+
+from imu_lib import verdict
+from imu_lib.gap.table import describe
+from imu_lib.processes import WhiteNoise
+from imu_lib.record import Record
+from imu_lib.verdict import missing
+from imu_lib.verdict.missing import averaged
+
+
+def test_means_of_blocks():
+    record = Record({"gyro_x": np.arange(10.0)}, 2.0, temperature=np.arange(10.0))
+    found = averaged(record, 4)
+    assert found["gyro_x"].tolist() == [1.5, 5.5] == found.temperature.tolist()
+    assert found.rate == 0.5
+
+
+def test_a_long_record_is_looked_at_twice(monkeypatch):
+    """With small limits: the rounding is seen in the part, the jump, which lies behind it, in the
+    means.
+    """
+    import sys
+
+    room = sys.modules["imu_lib.verdict.missing"]
+    for name, value in (("LONGEST", 8000), ("PART", 6000), ("MEANS", 2000)):
+        monkeypatch.setattr(room, name, value)
+    x = WhiteNoise(N=1e-3).simulate(40_000, 50.0, np.random.default_rng(3))
+    x[25_000:] += 2e-3
+    lsb = 5e-3
+    found = missing(Record({"gyro_x": lsb * np.round(x / lsb)}, 50.0))
+    (_, part), (_, means) = found.looks
+    named = [[s.effect for s in r.channels["gyro_x"].result.steps] for r in (part, means)]
+    assert "resolution" in named[0] and named[1] == ["step"]
+    (step,) = means.channels["gyro_x"].result.steps
+    assert abs(step.parameters["time"] - 500.0) < 5.0, describe(step, "gyro_x")
+    assert "first 2 min" in found.note and "means of 20 samples" in found.note
+
+
+class Quiet:
+    findings = ()
+
+
+def test_alike_findings_are_said_once():
+    rng = np.random.default_rng(4)
+    lsb = 5e-3
+    record = Record(
+        {
+            f"gyro_{a}": lsb * np.round(WhiteNoise(N=1e-3).simulate(6000, 50.0, rng) / lsb)
+            for a in "xy"
+        },
+        50.0,
+    )
+    lines = verdict.anomalies(Quiet, missing(record))
+    (told,) = [line for line in lines if line.startswith("Resolution")]
+    assert "gyro_x, gyro_y: lsb" in told
