@@ -157,6 +157,11 @@ def run(case, data, before):
         "already": had,
         "absorbed": not hit and effect in new["absorbed"].get(target, ()),
         "named": hit,
+        "fresh": [
+            [c, e, sure, c in on and e in names]
+            for c, found in fresh.items()
+            for e, sure in found.items()
+        ],
         "named_sure": any(
             e in names and sure >= SURE for c in on for e, sure in fresh.get(c, {}).items()
         ),

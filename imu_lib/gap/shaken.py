@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imu_lib.gap import measured
 from imu_lib.gap.effects.resolution import grid_of, ladder
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.gap.steps import Step
@@ -43,7 +44,7 @@ def vibration_step(found) -> Step:
         parameters,
         found.intervals,
         found.where,
-        float(1 / (1 + np.exp(-(min(found.gain, 300) - 25)))),
+        measured.odds(found.gain, found.places),
         {"effect": "sinusoid", "confidence": 0.0},
         [],
         gain=found.gain,

@@ -26,6 +26,9 @@ STEADY = 0.5
 MISSING, LEAST = 0.3, 1000
 #: Gain of all channels together, once the surroundings are measured on both sides.
 LEAST_GAIN = 25.0
+#: Stretches of time and widths in which each frequency is looked at, that are not nearly the same:
+#: 32 stretches at the most and six widths, each overlapping the next.
+WINDOWS = 100.0
 #: Blocks of the record whose means are the slow part that is taken out first.
 SLOW = 128
 #: Deviations at which samples are clipped before the search, in robust standard deviations.
@@ -57,6 +60,8 @@ class Vibration(Effect):
         least = 3.0 * fs / block
         places = {name: narrow_band.places(x, fs, least=least) for name, x in quick.items()}
         found = [s for s in sources(places, transforms) if self._is_one(s, given, transforms)]
+        # where the largest gain is looked for: frequencies, channels, stretches and widths
+        looked_at = transforms.n * len(transforms.names) * WINDOWS
         families = [
             (f0, family)
             for f0, family in grouped(found, transforms)
@@ -67,7 +72,7 @@ class Vibration(Effect):
         out += [self._of_band(band, transforms) for band in bands]
         rng = np.random.default_rng(len(next(iter(quick.values()))))
         for item in out:
-            item.signal = {}
+            item.places, item.signal = looked_at, {}
             for name in item.process.channels:
                 calm = quietened(
                     filled[name],
