@@ -187,7 +187,8 @@ def _samples(effect, s, rng):
     if effect == "saturation":
         share = 10 ** rng.uniform(-2.5, -1.4)
         edge = np.quantile(x, 1 - share)
-        return np.minimum(x, edge), 1e3, {"share": share}
+        moved = np.count_nonzero(x > edge)  # on a coarse grid there may be none
+        return np.minimum(x, edge), 1.0 * moved, {"share": share}
     if effect == "resolution":
         s.unit = (s.unit or 0.0) * 4 if s.unit and s.unit > 0.7 * s.fast else 1.5 * s.fast
         return x, 1e3, {"lsb": s.unit}

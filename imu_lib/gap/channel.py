@@ -8,7 +8,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from imu_lib.gap import effects, electronics, noise_level, rounds, steadiness, verdict
+from imu_lib.gap import (
+    effects,
+    electronics,
+    held_out,
+    noise_level,
+    rounds,
+    steadiness,
+    verdict,
+)
 from imu_lib.gap.base_fit import absorbed, alternatives, free_base
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.base import ChannelView
@@ -192,7 +200,7 @@ def _analyse(
     data = Data(
         x, fs, white=clean.white, temperature=temperature, extra=clean.extra, blind=clean.blind
     )
-    lines, data = effects.CATALOGUE["sinusoid"].find(data)
+    lines, data = held_out.steady(*effects.CATALOGUE["sinusoid"].find(data), data)
     if given is not None:
         foreseen = [t.frequency for t in given.terms if t.name == "sinusoid" and t.phase is None]
         lines = [
@@ -230,6 +238,8 @@ def _analyse(
         fewer = rounds.prune(state)
         if len(fewer.items) < len(state.items):
             state, rivals = rounds.swap(fewer, passes=1)
+        # what does not hold in time that was not fitted is not taken
+        state, rivals = held_out.without(state, rivals, held_out.lasting(state))
         state = profiled(state)
     # -- what is left
     # ----------------------------------------------------------------------------------------
