@@ -157,11 +157,6 @@ def run(case, data, before):
         "already": had,
         "absorbed": not hit and effect in new["absorbed"].get(target, ()),
         "named": hit,
-        "fresh": [
-            [c, e, sure, c in on and e in names]
-            for c, found in fresh.items()
-            for e, sure in found.items()
-        ],
         "named_sure": any(
             e in names and sure >= SURE for c in on for e, sure in fresh.get(c, {}).items()
         ),
@@ -198,6 +193,18 @@ def summary(rows):
             }
         )
     return table
+
+
+def _fresh(row):
+    """[channel, effect, confidence, right, beside something unexplained] of all that is new."""
+    old, new, effect = row["before"]["names"], row["after"], row["effect"]
+    right = gap_put.NAMES.get(effect, (effect,))
+    return [
+        [c, e, sure, c in row["on"] and e in right, c in new["unexplained"]]
+        for c, found in new["names"].items()
+        for e, sure in found.items()
+        if e not in old.get(c, {})
+    ]
 
 
 def _counts(row):
@@ -255,6 +262,7 @@ def main():
             "table": table,
             "cases": [
                 {k: v for k, v in r.items() if k not in ("before", "after", "key")}
+                | {"fresh": _fresh(r)}
                 for r in rows
                 if "skipped" not in r
             ],

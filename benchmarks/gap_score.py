@@ -106,6 +106,7 @@ def run(case, *, free=False, simulations=0):
             "intervals": s.to_json()["intervals"],
             "indistinguishable": s.indistinguishable,
             "runner_up": s.runner_up["effect"],
+            "calibrated": True,
         }
         for c, s in found.steps
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import expit, logit
 
 #: Findings without a likelihood, not counting those with a doubt of their own: how many there were
 #: in the blind scores, and how many of them were right. Counted from benchmarks/results/gap_score,
@@ -22,6 +23,29 @@ def share(effect: str) -> float:
     succession); 1/2 where none were counted.
     """
     found, right = DETECTED.get(effect, (0, 0))
+    return (right + 1) / (found + 2)
+
+
+#: Logistic regression of right names on the logit of a name's weight among its rivals: 832 findings
+#: of the blind scores beside which nothing was left unexplained (benchmarks/gap_reliability.py). A
+#: winner of little weight is right more often than its weight says, one of much weight less often.
+OFFSET, SLOPE = 0.75, 0.61
+
+
+def calibrated(weight: float) -> float:
+    """Share of right names among winners of that weight."""
+    weight = min(max(weight, 1e-9), 1.0 - 1e-9)
+    return float(expit(OFFSET + SLOPE * logit(weight)))
+
+
+#: Findings beside something that was left unexplained: how many, and how many of them right (same
+#: benchmark).
+BESIDE: dict[str, tuple[int, int]] = {}
+
+
+def beside_unexplained(effect: str) -> float:
+    """Expected share of right names among findings beside something that is left unexplained."""
+    found, right = BESIDE.get(effect, (0, 0))
     return (right + 1) / (found + 2)
 
 

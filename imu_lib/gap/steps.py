@@ -112,6 +112,9 @@ def steps_of_items(state, rivals) -> list[Step]:
         for name, share in item.effect.alike(state, item).items():
             by_name[name] = max(by_name.get(name, 0.0), share)
             sure *= 1.0 - share
+        weight, sure = sure, measured.calibrated(sure)
+        rest = (1.0 - sure) / max(1.0 - weight, 1e-12)  # what is left is the rivals'
+        by_name = {n: min(w * rest, 1.0 - sure) for n, w in by_name.items()}
         second = max(by_name, key=by_name.get) if by_name else "none"
         near = sorted(
             (n for n, w in by_name.items() if n != "none" and w > 0.05 * max(sure, 1e-9)),

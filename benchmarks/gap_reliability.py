@@ -1,0 +1,102 @@
+"""Is a confidence a frequency? Right names among the findings of the stored scores, by confidence.
+
+    python benchmarks/gap_reliability.py
+
+Counts every finding of the stored tables gap_score, gap_score_free, gap_score_pairs and
+gap_injected: its confidence, and whether what it names had been hidden in that channel. Findings
+beside something that was left unexplained, and names whose weight among their rivals was stored,
+are counted with the confidence that `gap/measured.py` gives them now. The table goes to
+benchmarks/results/gap_reliability.json.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from datetime import date
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "benchmarks")]
+
+import numpy as np  # noqa: E402
+from gap_score import RESULTS, matches, same_spectrum, wilson  # noqa: E402
+
+from imu_lib.gap import measured  # noqa: E402
+from imu_lib.gap.effects import COMPETITORS  # noqa: E402
+
+SCORES = ("gap_score", "gap_score_free", "gap_score_pairs")
+#: Names that compete with rivals.
+RIVALS = {e.name for e in COMPETITORS}
+#: Bounds of the bins of confidence.
+BINS = (0.0, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.97, 0.995, 1.0 + 1e-9)
+
+
+def findings():
+    """(effect, stored confidence, right, beside something unexplained, table) of every finding."""
+    for name in SCORES:
+        for case in json.loads((RESULTS / f"{name}.json").read_text())["cases"]:
+            for s in case["steps"]:
+                right = any(matches(s, t) or same_spectrum(s, t) for t in case["truths"])
+                left = bool(case["unexplained"].get(s["channel"]))
+                sure = s["confidence"]
+                if s["effect"] in RIVALS and not s.get("calibrated"):
+                    sure = measured.calibrated(sure)
+                yield s["effect"], sure, right, left, name
+    path = RESULTS / "gap_injected.json"
+    for case in json.loads(path.read_text())["cases"] if path.exists() else ():
+        for _, effect, sure, right, left in case.get("fresh", ()):
+            yield effect, sure, right, left, "gap_injected"
+
+
+def beside_unexplained() -> dict:
+    """Effect -> (findings beside something unexplained, right ones)."""
+    found, right = Counter(), Counter()
+    for effect, _, good, left, _ in findings():
+        if left:
+            found[effect] += 1
+            right[effect] += good
+    return {e: (found[e], right[e]) for e in sorted(found)}
+
+
+def table(rows) -> list[dict]:
+    """Share of right names by confidence."""
+    sure, right = (np.array([r[k] for r in rows], float) for k in (0, 1))
+    out = []
+    for low, high in zip(BINS[:-1], BINS[1:]):
+        part = (sure >= low) & (sure < high)
+        if part.any():
+            k, n = int(right[part].sum()), int(part.sum())
+            out.append(
+                {
+                    "from": low,
+                    "to": min(high, 1.0),
+                    "findings": n,
+                    "confidence": round(float(sure[part].mean()), 4),
+                    "right": round(k / n, 4),
+                    "interval": wilson(k, n),
+                }
+            )
+    return out
+
+
+def main():
+    rows = []
+    for effect, sure, right, left, _ in findings():
+        rows.append((min(sure, measured.beside_unexplained(effect)) if left else sure, right))
+    found = {
+        "command": "python benchmarks/gap_reliability.py",
+        "date": date.today().isoformat(),
+        "tables": [*SCORES, "gap_injected"],
+        "table": table(rows),
+        "beside_unexplained": beside_unexplained(),
+    }
+    (RESULTS / "gap_reliability.json").write_text(json.dumps(found, indent=1) + "\n")
+    for line in found["table"]:
+        print(line)
+    print(found["beside_unexplained"])
+
+
+if __name__ == "__main__":
+    main()

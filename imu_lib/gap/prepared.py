@@ -1,0 +1,171 @@
+"""A record made ready, and what its channels have in common, found before any of them is looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from imu_lib.gap import ensemble, faulty, record_level, shaken
+from imu_lib.gap.steps import Step
+from imu_lib.model import Model
+from imu_lib.record import Record
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """What the channels are looked at with.
+
+    Attributes
+    ----------
+    ready : faulty.Ready
+        The record without its faults, and the steps that name these.
+    model : Model or None
+        What was given.
+    raw : dict
+        Channel -> samples on an even grid at `fs` Hz, NaN where one is missing.
+    temperature : ndarray or None
+        On the same grid.
+    shaking : list
+        Findings of what shakes the record, those of the given model too.
+    known : dict
+        Channel -> what that puts into it, shape (n,).
+    shared : processes.CommonMode or None
+        Noise in common that the model does not have.
+    note : dict
+        How that was found.
+    left : str or None
+        A coherence that is left.
+    noise : dict
+        Channel -> density N of all noise in common.
+    """
+
+    ready: faulty.Ready
+    model: Model | None
+    raw: dict
+    fs: float
+    temperature: np.ndarray | None
+    shaking: list = field(default_factory=list)
+    known: dict = field(default_factory=dict)
+    shared: object = None
+    note: dict = field(default_factory=dict)
+    left: str | None = None
+    noise: dict = field(default_factory=dict)
+
+    @property
+    def given(self) -> tuple:
+        """What the given model has on the record."""
+        return () if self.model is None else tuple(self.model.record)
+
+    @property
+    def held(self) -> tuple:
+        """Noise in common of the given model."""
+        return tuple(p for p in self.given if p.name == "common_mode")
+
+    @property
+    def filtered(self) -> bool:
+        """Whether noise in common enters before the channels' filters."""
+        return any(p.filtered for p in _all(self.held, self.shared))
+
+    def base(self, name: str):
+        """The given model of a channel, or None."""
+        return self.model[name] if self.model is not None and name in self.model else None
+
+    def held_noise(self, name: str) -> float:
+        """Density of the noise in common that the given model has on a channel."""
+        return float(np.sqrt(sum(p.N**2 for p in self.held if name in p.channels)))
+
+    def held_shaking(self, name: str) -> tuple:
+        """Vibrations of the given model on a channel."""
+        return _of([p for p in self.given if p.name == "vibration"], name)
+
+    def shaking_of(self, name: str) -> tuple:
+        """All vibrations that a channel feels."""
+        return _of([f.process for f in self.shaking], name)
+
+    def alone(self, name: str) -> Prepared:
+        """The same with one channel's samples only, without what was found on the way."""
+        return replace(
+            self,
+            raw={name: self.raw[name]},
+            known={name: self.known[name]} if name in self.known else {},
+            shaking=[],
+            ready=None,
+        )
+
+    @property
+    def new(self) -> list:
+        """What shakes the record and is not in the given model."""
+        return [f for f in self.shaking if not f.held]
+
+    @property
+    def steps(self) -> list[Step]:
+        """What was found on the record."""
+        out = [*self.ready.steps, *map(shaken.vibration_step, self.new)]
+        if self.shared is not None:
+            out.append(record_level.common_step(self.shared, self.note))
+        return out
+
+    @property
+    def processes(self) -> tuple:
+        """The same for a model's `record`."""
+        return _all([*self.ready.processes, *(f.process for f in self.new)], self.shared)
+
+
+def _all(some, one) -> tuple:
+    return (*some, *(() if one is None else (one,)))
+
+
+def _of(vibrations, name) -> tuple:
+    """The vibrations on one channel alone, those that it feels."""
+    return tuple(v for v in (p.of(name) for p in vibrations) if v is not None)
+
+
+def prepared(record: Record, model: Model | None, channels) -> Prepared:
+    """The record without its faults, on an even grid, with what its channels have in common.
+
+    Raises
+    ------
+    ValueError
+        If `channels` names one that the record lacks or that does not move.
+    InputError
+        If less than 2000 samples are left without faults, or no channel says anything of its noise.
+    """
+    names = _asked(record, channels)
+    ready = faulty.ready(replace(record, channels={c: record.channels[c] for c in names}), model)
+    even = ready.record.uniform()
+    raw = shaken.on_levels({c: np.asarray(even.channels[c]) for c in ready.record.channel_names})
+    temperature = None if even.temperature is None else np.array(even.temperature)
+    if temperature is not None and np.isnan(temperature).any():
+        temperature = ensemble.filled(temperature)
+    return _in_common(Prepared(ready, model, raw, even.rate, temperature))
+
+
+def _in_common(about: Prepared) -> Prepared:
+    """With what shakes the record, then with noise that channels share."""
+    shaking, known = shaken.vibrations(
+        about.ready.record, about.raw, about.fs, about.temperature, about.model
+    )
+    calm = {name: x - known.get(name, 0.0) for name, x in about.raw.items()}
+    bases = None if about.model is None else about.model.channels
+    shared, note, left = record_level.shared_noise(calm, about.fs, about.held, bases)
+    noise = {
+        name: float(np.sqrt(sum(p.N**2 for p in _all(about.held, shared) if name in p.channels)))
+        for name in about.raw
+    }
+    return replace(
+        about, shaking=shaking, known=known, shared=shared, note=note, left=left, noise=noise
+    )
+
+
+def _asked(record: Record, channels) -> list[str]:
+    """Names of the channels to look at."""
+    names = list(record.channel_names if channels is None else channels)
+    for name in names:
+        if name not in record:
+            raise ValueError(f"`channels` has {name!r}, which the record lacks")
+        if channels is not None and not np.nanstd(record.channels[name]) > 0:
+            raise ValueError(
+                f"`record` does not move in {name}; leave the channel out with `channels`"
+            )
+    return names
