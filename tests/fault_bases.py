@@ -28,6 +28,49 @@ def noise(n, fs, rng, colour):
     return w[500:]
 
 
+def pink(n, rng):
+    """(n,) of 1/f noise, standard deviation 1: it has no time constant."""
+    f = np.fft.rfftfreq(n)
+    shape = np.zeros(len(f), complex)
+    shape[1:] = (rng.standard_normal(len(f) - 1) + 1j * rng.standard_normal(len(f) - 1)) / np.sqrt(f[1:])  # fmt: skip
+    y = np.fft.irfft(shape, n)
+    return y / y.std()
+
+
+def strange(x, t, fs, sd, rng):
+    """What sensors and rooms do besides, added to x (n, 6); words on what it was."""
+    n, words = len(x), []
+    if rng.random() < 0.25:
+        x += np.column_stack([pink(n, rng) for _ in range(6)]) * sd * rng.uniform(0.1, 0.7)
+        words.append("flicker")
+    if rng.random() < 0.15:  # a bias that jumps between two levels, on one or two channels
+        for c in rng.choice(6, int(rng.integers(1, 3)), replace=False):
+            flips = np.cumsum(rng.random(n) < 10 ** rng.uniform(-2.3, -0.3) / fs)
+            x[:, c] += sd[c] * rng.uniform(0.3, 2.0) * (flips % 2)
+        words.append("telegraph")
+    if rng.random() < 0.2:  # the building sways
+        f = rng.uniform(0.1, min(3.0, 0.3 * fs))
+        swing = 1 + 0.8 * np.sin(2 * np.pi * t / rng.uniform(15, 90) + rng.uniform(0, 6))
+        for c in rng.choice(6, 3, replace=False):
+            x[:, c] += sd[c] * rng.uniform(0.1, 0.8) * swing * np.sin(2 * np.pi * f * t + c)
+        words.append("sway")
+    if rng.random() < 0.2:  # an air conditioner: bias after the room's temperature
+        period = rng.uniform(100, 900)
+        room = signal.sawtooth(2 * np.pi * t / period + rng.uniform(0, 6), rng.uniform(0.2, 0.8))
+        x += room[:, None] * sd * rng.normal(0, 0.5, 6)
+        words.append("room")
+    if rng.random() < 0.15:  # one channel is another sensor's
+        c = int(rng.integers(6))
+        x[:, c] *= rng.choice([0.2, 5.0])
+        sd[c] *= 1.0
+        words.append("uneven")
+    if rng.random() < 0.15:  # single wild samples on one channel
+        c, rows = int(rng.integers(6)), rng.random(n) < 10 ** rng.uniform(-4.0, -3.0)
+        x[rows, c] += sd[c] * rng.normal(0, 6, int(rows.sum()))
+        words.append("wild")
+    return words
+
+
 def sound(seed, rng, *, rate=None, n=None):
     """A record at rest: x, rate, fast standard deviations, and words on what it is."""
     fs = rate or float(rng.choice([4, 10, 25, 50, 100, 100, 120, 200, 400, 1000]))
@@ -70,6 +113,7 @@ def sound(seed, rng, *, rate=None, n=None):
     if rng.random() < 0.3:  # it warms
         x += (1 - np.exp(-t / rng.uniform(60, 900)))[:, None] * sd * rng.normal(0, 1.0, 6)
         words.append("warm")
+    words += strange(x, t, fs, sd, np.random.default_rng([seed, 4]))
     roll, pitch = rng.normal(0, 0.3, 2)
     level = G * np.array(
         [np.sin(pitch), -np.sin(roll) * np.cos(pitch), -np.cos(roll) * np.cos(pitch)]

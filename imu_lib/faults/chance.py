@@ -127,6 +127,8 @@ def coincidences(
     count = np.bincount(code, minlength=1 << k)
     found = []
     size, local = _frequencies(events)
+    # what the grid makes likely may be more than is there: others are absent as often as seen
+    absent = 1 - np.clip(local, 1e-12, 1 - 1e-12)
     local = np.clip(np.maximum(local, chance[:, None]), 1e-12, 1 - 1e-12)
     for pattern in np.flatnonzero(count):
         bits = (pattern >> np.arange(k)) & 1
@@ -135,7 +137,7 @@ def coincidences(
         if bits.sum() == 1:
             expected = n * float(chance[bits.argmax()])
         else:
-            expected = float(size @ np.prod(np.where(bits[:, None], local, 1 - local), axis=0))
+            expected = float(size @ np.prod(np.where(bits[:, None], local, absent), axis=0))
         if count[pattern] > MANIFOLD * expected and (
             poisson.logsf(count[pattern] - 1, expected) < IMPROBABLE
             or (expected < 1e-6 and bits.sum() > 1)

@@ -21,6 +21,8 @@ from imu_lib.faults.levels import Prepared, tail_threshold, windows
 ENERGY = (0.02, 0.08, 0.32, 1.28)
 #: Chance alarms allowed in a record, on several channels together.
 TOGETHER = 1e-4
+#: The same of one channel alone, in each of some sixty searches (windows, offsets, channels).
+APART = TOGETHER / 60
 #: Noise levels by which a sample must stand out on each of several channels.
 STANDS = 5.5
 #: Noise levels from which on a sample is large.
@@ -122,7 +124,7 @@ def _more_than_spikes(square: np.ndarray) -> np.ndarray:
     large = (square > LARGE**2).sum(axis=1)
     share = large.sum() / square.size
     p = poisson.sf(np.arange(large.max() + 1) - 1, share * square.shape[1])
-    return p[large] * len(square) < TOGETHER
+    return p[large] * len(square) < APART
 
 
 def _judged(power, rest, peak, rare, length, offset) -> list[Hit]:

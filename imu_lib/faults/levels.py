@@ -37,7 +37,8 @@ def prepared(x: np.ndarray, bad: np.ndarray, rate: float, grid: float) -> Prepar
     given, x = x, bridged(x, bad)
     n = len(x)
     width = int(min(max(16, round(SLOW * rate)), max(4, n // 8)))
-    residual = x - uniform_filter1d(x, width, mode="nearest")
+    # reflected: a single wild sample at an end must not be repeated beyond it
+    residual = x - uniform_filter1d(x, width, mode="reflect")
     block = int(min(max(LEAST_BLOCK, round(BLOCK * rate)), max(8, n // 6)))
     k = max(1, n // block)
     size = np.abs(residual[: k * block]).reshape(k, block)

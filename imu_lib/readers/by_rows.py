@@ -90,7 +90,10 @@ def pivoted(
     values = load([long.label, *long.xyz, *stamps])
     labels = np.asarray(values[long.label]).astype(str)
     rows: dict[str, np.ndarray] = {}
+    letters = {x.strip().lower() for x in np.unique(labels) if len(x.strip()) == 1}
     for label in np.unique(labels):
+        if len(label.strip()) == 1 and not ("a" in letters and letters & {"g", "w"}):
+            continue  # a letter alone is a name, as left and right are
         found = names.meaning(f"{label} x")
         rank = found.rank
         if found.quantity not in ("gyro", "accel"):

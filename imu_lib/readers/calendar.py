@@ -109,6 +109,11 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
         else:
             hour, minute, second = int(a), int(b), int(c or 0)
             hours = True
+        if minute > 59 or second > 60:
+            raise InputError(
+                f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is no time of a clock; correct it, "
+                "or leave the stamps out with --time-unit none --rate HZ."
+            )
         if half:
             hour = hour % 12 + (12 if half in "Pp" else 0)
         value = ((hour * 60 + minute) * 60 + second) * 10**9
