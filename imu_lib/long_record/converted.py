@@ -18,7 +18,7 @@ from imu_lib.long_record import parts
 from imu_lib.long_record.columns import Parquet
 from imu_lib.long_record.log import Log, record_of
 from imu_lib.readers.assemble import assemble
-from imu_lib.readers.static import read_raw
+from imu_lib.readers.opening import read_raw
 from imu_lib.readers.streams import slow_kind
 from imu_lib.stream import LONG
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.long_record import columns
-from imu_lib.readers import layout, packed
+from imu_lib.readers import fields, layout, packed
 
 #: Bytes of a part of a text file; rows of a part of another.
 TEXT, ROWS = 1 << 26, 1 << 19
@@ -34,7 +34,7 @@ def rows_of(path) -> int:
     if opener is None:
         return 0
     with opener() as file:
-        head = file.read(layout.HEAD)
+        head = file.read(fields.HEAD)
     lines = head.count(b"\n")
     size = Path(path).stat().st_size
     if packed.how(magic, path):  # text of numbers packs to a third or less
@@ -136,7 +136,7 @@ def _lines(path, opener, place):
     size = path.stat().st_size
     try:
         with opener() as file:
-            start = file.read(layout.HEAD)
+            start = file.read(fields.HEAD)
             first = layout.sniff(start, str(path), whole=False).first
             head = b"".join(start.splitlines(keepends=True)[:first])
             rest, before = start[len(head) :], 0
