@@ -5,20 +5,29 @@ whitening.
 import numpy as np
 import pytest
 
-from imu_lib.gap import engine, fast, slow
 from imu_lib.gap.channel import _doubtful
+from imu_lib.gap.data import Data, statistics
+from imu_lib.gap.effects import CATALOGUE
 from imu_lib.gap.ensemble import Draws, draw, index
 from imu_lib.gap.steps import Step
+from imu_lib.likelihood import Statistics, density, tapered
+from imu_lib.likelihood.evidence import maximum
+from imu_lib.likelihood.problem import Problem
+from imu_lib.likelihood.slot import Slot
+from imu_lib.likelihood.statistics import cosines
 from imu_lib.processes import (
     Flicker,
     GaussMarkov,
     GaussMarkov2,
     LowPass,
     Quantization,
+    Ramp,
     RandomWalk,
     Sum,
+    WarmUp,
     WhiteNoise,
 )
+from imu_lib.processes import Step as StepProcess
 
 FS, M = 100.0, 400
 PROCESSES = [
@@ -57,27 +66,16 @@ def test_block_covariance_is_the_integral_of_the_spectrum(process):
     assert np.allclose(c[lags], integral, atol=3e-5 * c[0])
 
 
-def test_whitening_is_the_inverse_of_the_cholesky_factor():
-    c = GaussMarkov(1.0, 60.0).block_covariance(60, M, FS)
-    c += WhiteNoise(1.0).block_covariance(60, M, FS)
-    matrix = c[np.abs(np.subtract.outer(np.arange(60), np.arange(60)))]
-    y = np.random.default_rng(1).standard_normal((60, 3))
-    logdet, e = slow.whiten(c, y)
-    assert np.isclose(logdet, np.linalg.slogdet(matrix)[1], rtol=1e-10)
-    assert np.allclose(e.T @ e, y.T @ np.linalg.solve(matrix, y), rtol=1e-9)
-    assert np.allclose(slow.whitening_matrix(c) @ y, e, atol=1e-10)
-
-
 def test_parameters_of_a_known_sum_are_recovered_within_their_intervals():
     rng = np.random.default_rng(20240101)
     truth = [WhiteNoise(1e-3), GaussMarkov(3e-4, 30.0)]
     x = sum(p.simulate(180_000, FS, rng) for p in truth)
-    data = engine.Data(x, FS)
+    data = Data(x, FS)
     slots = [
-        engine.Slot(0, ("N",), (-20.0,), (5.0,), (7.0,)),
-        engine.Slot(1, ("sigma", "correlation_time"), (-20.0, -3.0), (5.0, 7.0), (7.0, 9.0)),
+        Slot(0, ("N",), (-20.0,), (5.0,), (7.0,)),
+        Slot(1, ("sigma", "correlation_time"), (-20.0, -3.0), (5.0, 7.0), (7.0, 9.0)),
     ]
-    fit = engine.Likelihood(data, [WhiteNoise(2e-3), GaussMarkov(1e-4, 100.0)], slots).maximise()
+    fit = maximum(Problem(data.stats, [WhiteNoise(2e-3), GaussMarkov(1e-4, 100.0)], slots))
     want = np.log([1e-3, 3e-4, 30.0])
     # four standard deviations: one seed in some ten thousand would fail by chance
     assert np.all(np.abs(fit.vector - want) < 4 * np.sqrt(np.diag(fit.cov)))
@@ -86,20 +84,76 @@ def test_parameters_of_a_known_sum_are_recovered_within_their_intervals():
 
 def test_a_drift_column_takes_its_amplitude():
     rng = np.random.default_rng(3)
-    data = engine.Data(
-        WhiteNoise(1e-3).simulate(120_000, FS, rng) + 1e-6 * np.arange(120_000) / FS, FS
-    )
-    column = np.diff(data.block_time)[:, None]
-    _, beta, cov = engine.Likelihood(data, [WhiteNoise(1e-3)], columns=column).value(np.zeros(0))
-    assert abs(beta[0] - 1e-6) < 4 * np.sqrt(cov[0, 0])
+    data = Data(WhiteNoise(1e-3).simulate(120_000, FS, rng) + 1e-6 * np.arange(120_000) / FS, FS)
+    shapes = data.stats.regressors_of(data.columns(data.grid_time[:, None]))
+    fit = maximum(Problem(data.stats, [WhiteNoise(1e-3)], regressors=shapes))
+    assert abs(fit.beta[0] - 1e-6) < 4 * np.sqrt(fit.beta_cov[0, 0])
 
 
-def test_periodogram_of_white_noise_has_its_level():
+@pytest.mark.parametrize("n", [6_000, 6_001, 90_001])
+def test_columns_are_the_cosine_coefficients_of_the_drift(n):
+    """Of shapes evaluated on a grid, and of a step in closed form, against the transform of all
+    samples: to a hundredth of the whole, what a grid of four points a block makes of an edge less.
+    """
+    data, t = Data(np.random.default_rng(1).standard_normal(n), FS), np.arange(n) / FS
+    whole = data.stats.slow_ordinates(np.ones(len(data.stats.power)))
+    assert len(whole) == data.orders
+    for effect, process in (
+        (CATALOGUE["ramp"], Ramp(R=1.0)),
+        (CATALOGUE["warm_up"], WarmUp(amplitude=1.0, time_constant=0.1 * n / FS)),
+        (CATALOGUE["step"], StepProcess(amplitude=1.0, time=0.3127 * n / FS)),
+    ):
+        exact = cosines(process.mean(t), FS)[: data.orders]
+        column = effect.columns([process], data)[:, 0]
+        assert np.linalg.norm(column - exact) < 0.01 * np.linalg.norm(exact)
+
+
+def test_split_statistics_have_the_level_of_white_noise_and_no_leak_in_a_stop_band():
     x = WhiteNoise(1e-3).simulate(60_000, FS, np.random.default_rng(4))
-    data = engine.Data(x, FS)
-    level = np.average(data.power, weights=data.layout.nu)
-    assert abs(level / 2e-6 - 1) < 5 * np.sqrt(2 / data.layout.nu.sum())
-    assert fast.padded(60_001) >= 60_001
+    stats = statistics(x, FS)
+    level = stats.power.sum() / stats.count.sum()
+    assert abs(level / 2e-6 - 1) < 5 * np.sqrt(2 / stats.count.sum())
+    assert tapered.padded(60_001) >= 60_001
+    # behind a filter of fourth order this band is far below what an untapered transform spreads
+    model = Sum((WhiteNoise(1e-3),), (LowPass(order=4, cutoff=1.0, rate=FS),))
+    x = model.simulate(60_000, FS, np.random.default_rng(5))
+    stats = statistics(x, FS)
+    deep = np.abs(stats.frequency - 25.0) < 5.0
+    expected = stats.layout.spectrum(model.terms, model.low_pass)
+    ratio = (stats.power[deep] / expected[deep]).sum() / stats.count[deep].sum()
+    assert abs(ratio - 1) < 5 * np.sqrt(2 / stats.count[deep].sum())
+    bare = Statistics.of(x, FS).between(20.0, 30.0)
+    assert np.median(bare.power / bare.count / density(bare, model)) > 10  # an untapered transform
+
+
+def test_evidence_is_the_integral_of_the_likelihood_over_the_priors():
+    """Of one amplitude, whose posterior is near normal: Laplace's method against the sum."""
+    x = WhiteNoise(1e-3).simulate(2_000, FS, np.random.default_rng(6))
+    slot = Slot(0, ("N",), (-20.0,), (5.0,), (np.log(1e3),))
+    problem = Problem(statistics(x, FS), [WhiteNoise(2e-3)], [slot])
+    fit = maximum(problem)
+    theta = fit.vector[0] + np.linspace(-0.3, 0.3, 601)
+    values = np.array([problem.loglike(np.array([v])) for v in theta])
+    integral = fit.ll + np.log(np.sum(np.exp(values - fit.ll)) * 0.001 / np.log(1e3))
+    assert fit.evidence == pytest.approx(integral, abs=0.02)
+
+
+def test_bands_left_out_say_nothing_and_electronics_add_their_density():
+    rng = np.random.default_rng(7)
+    x = WhiteNoise(1e-3).simulate(60_000, FS, rng)
+    clean, loud = (
+        statistics(x, FS),
+        statistics(x + 1e-2 * np.sin(2 * np.pi * 20 * np.arange(60_000) / FS), FS),
+    )
+    blind = np.abs(clean.frequency - 20.0) < 2.0
+    terms, slot = [WhiteNoise(2e-3)], Slot(0, ("N",), (-20.0,), (5.0,), (7.0,))
+    a, b = (maximum(Problem(s.without(blind), terms, [slot])) for s in (clean, loud))
+    assert a.vector == pytest.approx(b.vector, abs=1e-4)
+    step = 4e-3
+    rounded = np.round(x / step) * step
+    extra = np.full(len(clean.power), step**2 / 6 / FS)
+    found = maximum(Problem(statistics(rounded, FS), terms, [slot], extra=extra))
+    assert abs(found.vector[0] - np.log(1e-3)) < 5 * np.sqrt(found.cov[0, 0])
 
 
 @pytest.mark.parametrize("rate", [100.0, 1000.0])

@@ -6,8 +6,8 @@ from scipy import signal
 
 from imu_lib.gap import held_out
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.data import Data
 from imu_lib.gap.effects import CATALOGUE
-from imu_lib.gap.engine import Data
 from imu_lib.processes import Sum, WhiteNoise
 
 FS, N = 100.0, 30_000

@@ -123,7 +123,7 @@ def test_one_model_is_enough_where_nothing_was_fitted():
 def test_drawn_parameters_keep_their_bounds_and_covariance():
     from imu_lib.gap import effects
     from imu_lib.gap.candidate import Candidate
-    from imu_lib.gap.engine import Data
+    from imu_lib.gap.data import Data
     from imu_lib.gap.state import State
 
     fs, n = 50.0, 60_000
@@ -139,7 +139,7 @@ def test_drawn_parameters_keep_their_bounds_and_covariance():
     logs = np.log([[f.terms[1].sigma, f.terms[1].correlation_time] for f in fits])
     sd = np.sqrt(np.diag(state.fit.cov))
     assert len(sd) == 2 and np.all(sd < 1)
-    low, high = state.likelihood.bounds()
+    low, high = state.problem.low, state.problem.high
     vectors = np.array([[*state.fit.slots[0].read(f.terms[1])] for f in fits])
     assert np.all(vectors >= low - 1e-9) and np.all(vectors <= high + 1e-9)
     # the prior is some ten times wider than the data allow

@@ -38,7 +38,7 @@ def test_the_noise_before_a_coarse_grid_is_recovered(step, offset):
     assert abs(np.mean(rounding.base) * step + offset - 0.4) < 0.03
     added = rounding.extra(np.random.default_rng(3))
     k = smooth.layout.slow
-    left = np.average(smooth.level[k:] - added[k:], weights=smooth.layout.nu[k:]) * FS / 2
+    left = np.average(smooth.level[k:] - added[k:], weights=smooth.count[k:]) * FS / 2
     assert abs(left - 1) < 0.03
 
 

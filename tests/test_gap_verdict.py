@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imu_lib.gap import verdict
-from imu_lib.gap.engine import Data
+from imu_lib.gap.data import Data
 from imu_lib.gap.state import State
 from imu_lib.processes import RandomWalk, WhiteNoise
 

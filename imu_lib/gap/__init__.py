@@ -8,7 +8,7 @@ go on.
 
 The order of the work: what the electronics did to single samples, changes of the noise level,
 lines;
-then all noises and drifts of the catalogue compete on one likelihood (`engine`), one is added at a
+then all noises and drifts of the catalogue compete on one likelihood (`likelihood`), one is added at a
 time (`rounds`), and what is left is tested (`verdict`). `ensemble` measures the gap before and
 after.
 """

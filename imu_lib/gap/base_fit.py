@@ -4,14 +4,12 @@ what it cannot express shows.
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.gap import fast, slow
+from imu_lib.gap.data import Data
 from imu_lib.gap.effects import CATALOGUE, DRIFTS, SPECTRAL
-from imu_lib.gap.engine import Data
 from imu_lib.gap.state import EVIDENCE, TEMPER, State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
@@ -26,6 +24,8 @@ MAX_DRIFTS = 2
 BELOW = (0.1, 0.02)
 #: Samples in the shortest correlation time of a free base.
 QUICKEST = 50
+#: Median of a chi-square of one degree of freedom, as single ordinates are.
+MEDIAN_OF_ONE = 0.455
 #: Families of a free base: the noises beside white noise.
 FAMILIES = (
     (),
@@ -40,10 +40,11 @@ FAMILIES = (
 
 def _starts(data: Data, family):
     """Several starting points of a family, from the level of the spectrum."""
-    s = data.power
+    seen, first = data.stats.count > 0, slice(2, 14)
+    s = data.stats.mean_power[seen]
     top = float(np.median(s[-60:]))
-    low = float(np.median(s[2:8]))
-    f_low = float(np.median(data.layout.f[2:8]))
+    low = float(np.median(s[first])) / MEDIAN_OF_ONE
+    f_low = float(np.median(data.layout.frequency[first]))
     excess = max(low - top, 0.1 * top)
     strong = max(excess, 0.3 * top)
     N = np.sqrt(top / 2)
@@ -113,10 +114,7 @@ def _filtered(data: Data, held, best: State) -> State:
     """The best state, or the likeliest base behind a filter in the sensor, where there is one."""
     levels = [c for c in best.items if c.signal is not None]
     for share in BELOW:
-        low = copy(best.cleaned)
-        low.layout = replace(
-            data.layout, nu=np.where(data.layout.f < share * data.fs, data.layout.nu, 0.0)
-        )
+        low = best.cleaned.below(share * data.fs)
         below = max(_families(low, held, best.drifts), key=_worth).settled()
         items = [*below.items, *levels]
         for item in CATALOGUE["low_pass"].candidates(State(data, below.base, items)):
@@ -192,44 +190,30 @@ def absorbed(state: State) -> list[str]:
     parameters, to first order in the effect's strength, and drifts that would show if its slow
     noises were not there.
     """
-    data, likelihood, fit = state.data, state.likelihood, state.fit
+    data, problem, fit = state.data, state.problem, state.fit
     names = [t.name for t in state.base]
-    s, c = likelihood.shapes(fit.vector)
-    slow_s = slow.spectrum(c)
-    weight = np.sqrt(0.5 * np.concatenate([likelihood.nu, np.ones(len(slow_s))]))
+    s = fit.expected
+    weight = np.sqrt(problem.stats.count / 2)
     own = sum(len(slot.names) for slot in state.base_slots)
-    a, b, _ = likelihood.directions(fit.vector)
-    basis, _ = np.linalg.qr((np.hstack([a, b])[:own] * weight).T)
+    basis, _ = np.linalg.qr((problem.slopes(fit.vector)[1][:own] / s * weight).T)
     for effect in SPECTRAL:
         if not effect.beside(fit.low_pass, data.fs):
             continue
         taken = []
         for process in effect.grid(data.fs, data.duration):
-            quick = (
-                fast.spectrum([process], fit.low_pass, data.layout, data.fs)[data.layout.slow :] / s
-            )
-            v = (
-                np.concatenate(
-                    [
-                        quick,
-                        slow.spectrum_difference(process.block_covariance(data.k, data.m, data.fs))
-                        / slow_s,
-                    ]
-                )
-                * weight
-            )
+            v = data.layout.shape(process, fit.low_pass) / s * weight
             taken.append(np.sum((basis.T @ v) ** 2) > SWALLOWED * np.sum(v**2))
         if np.mean(taken) > FAMILY:
             names.append(effect.name)
     # a drift that shows in the fast noise alone may be part of a fitted slow noise
-    quick = sum(
-        (t.block_covariance(data.k, data.m, data.fs) for t in fit.terms if t.fast), np.zeros(data.k)
-    )
+    quick = data.layout.spectrum([t for t in fit.terms if t.fast], fit.low_pass)
     for effect in DRIFTS:
         shapes = [] if effect.sharp else effect.shapes(data)
-        if shapes and quick[0] > 0:
-            d = np.diff(effect.columns(shapes, data), axis=0)
-            seen, alone = (np.sum(slow.whiten(v, d)[1] ** 2, axis=0) for v in (c, quick))
+        if shapes and np.all(quick > 0):
+            square = effect.columns(shapes, data) ** 2
+            seen, alone = (
+                np.sum(square / data.stats.slow_ordinates(v)[:, None], axis=0) for v in (s, quick)
+            )
             if np.mean(seen < SWALLOWED * alone) > FAMILY:
                 names.append(effect.name)
     if "gauss_markov" in names:  # two levels whose dwells are lost in the noise have its spectrum

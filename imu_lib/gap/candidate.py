@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from imu_lib.gap.engine import Slot
+from imu_lib.likelihood.slot import FILTER, Slot
 
 
 @dataclass(frozen=True)
@@ -20,8 +20,8 @@ class Candidate:
         The process or stage to start from; of a drift, with amplitude 1.
     slot : Slot, optional
         Its free parameters.
-    column : ndarray, shape (differences,), optional
-        Its column of the regression on the block differences.
+    column : ndarray, shape (orders,), optional
+        Its cosine coefficients, a column of the regression.
     signal : ndarray, shape (n,), optional
         What it takes out of the record.
     at : int, optional
@@ -80,10 +80,10 @@ class Assembly:
 
     def set_filter(self, candidate: Candidate):
         """The sensor's filter, its cutoff free where it has one."""
-        self._places[id(candidate)] = -1
+        self._places[id(candidate)] = FILTER
         self.low_pass = candidate.process
         if candidate.slot is not None:
-            self.slots[-1] = candidate.slot
+            self.slots[FILTER] = candidate.slot
 
     def free(self, candidate: Candidate):
         """A parameter of a held term, which starts at the value of an earlier fit."""
@@ -110,5 +110,5 @@ class Assembly:
 
     @property
     def matrix(self):
-        """The columns, shape (differences, columns), or None."""
+        """The columns, shape (orders, columns), or None."""
         return np.column_stack([c.column for c in self.columns]) if self.columns else None

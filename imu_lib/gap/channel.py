@@ -18,10 +18,10 @@ from imu_lib.gap import (
     verdict,
 )
 from imu_lib.gap.base_fit import absorbed, alternatives, free_base
+from imu_lib.gap.data import Data
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.base import ChannelView
 from imu_lib.gap.effects.resolution import grid_of
-from imu_lib.gap.engine import Data
 from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
@@ -132,7 +132,7 @@ def analyse(
             and (better > -slack or not alike)
             or fewer == 0
             and alike
-            and better > rounds.NEAR
+            and better > max(rounds.NEAR, slack)
         ):
             return other
         if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
@@ -280,7 +280,7 @@ def _analyse(
     if unexplained is not None:
         steps = [s.capped(DOUBTED) for s in steps]
     elif (
-        len(state.likelihood.slots) - len(state.base_slots) > 2
+        len(state.fit.slots) - len(state.base_slots) > 2
     ):  # so many noises draw any smooth spectrum
         steps = [s.capped(MANY) for s in steps]
     steps = _doubtful(steps, shared)

@@ -6,23 +6,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from imu_lib.gap import slow
-
 
 def scanner(state, columns):
     """Function of (effect, processes) that gives gain, amplitude and squared norm of drifts by
     generalised least squares under the fitted noise, beside `columns`.
     """
     data = state.cleaned
-    white = slow.whitening_matrix(state.likelihood.shapes(state.fit.vector)[1])
-    e = white @ data.d
+    white = 1.0 / np.sqrt(data.stats.slow_ordinates(state.fit.expected))
+    e = white * data.cosines
     basis = None
     if columns is not None:
-        basis, _ = np.linalg.qr(white @ columns)
+        basis, _ = np.linalg.qr(white[:, None] * columns)
         e = e - basis @ (basis.T @ e)
 
     def scan(effect, processes):
-        a = white @ np.diff(effect.columns(processes, data), axis=0)
+        a = white[:, None] * effect.columns(processes, data)
         if basis is not None:
             a = a - basis @ (basis.T @ a)
         norm = np.maximum(np.sum(a * a, axis=0), 1e-300)

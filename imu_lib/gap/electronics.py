@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imu_lib.gap import engine
+from imu_lib.gap.data import Data
 from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.saturation import Saturation
@@ -140,7 +140,7 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False, known=None) -> Cl
     x = first_fill(raw, missing)
     known = np.zeros(len(x)) if known is None else known
     coarse = known + gross_jumps(x - known, fs)
-    lines, _ = Sinusoid().find(engine.Data(x - coarse, fs))
+    lines, _ = Sinusoid().find(Data(x - coarse, fs))
     for _, signal in lines:
         coarse = coarse + signal
     smooth = Smooth(x - coarse, fs)
@@ -231,10 +231,10 @@ def may_be_of_integral(raw, step: float, fs: float) -> bool:
     at half the sampling rate.
     """
     smooth = Smooth(first_fill(raw, np.isnan(raw)), fs)
-    top = smooth.layout.f > 0.45 * fs
+    top = smooth.layout.frequency > 0.45 * fs
     return bool(
         np.mean(smooth.level[top])
-        > 0.9 * np.mean(OfIntegral.of_grid(step, fs).psd(smooth.layout.f[top], fs))
+        > 0.9 * np.mean(OfIntegral.of_grid(step, fs).psd(smooth.layout.frequency[top], fs))
     )
 
 

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.gap.engine import Data
+from imu_lib.gap.data import Data
 from imu_lib.gap.state import State
+from imu_lib.likelihood.slot import FILTER
 from imu_lib.processes import Stage, Sum
 
 #: Part of the record, from its beginning, that the held-out comparison is fitted on.
@@ -92,12 +93,13 @@ def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
             data.fs,
             white=data.white,
             temperature=first.temperature,
-            blind=np.interp(first.layout.f, data.layout.f, data.blind.astype(float)) > 0,
+            blind=np.interp(first.layout.frequency, data.layout.frequency, data.blind.astype(float))
+            > 0,
         )
     items = []
     for item in state.items:
         if item.column is not None:
-            column = np.diff(item.effect.columns([item.process], first)[:, 0])
+            column = item.effect.columns([item.process], first)[:, 0]
             if not np.any(column):
                 return []
             items.append(replace(item, column=column))
@@ -131,19 +133,19 @@ def _drawn(state, rng, count):
     """Fits whose parameters are drawn from the normal distribution about the state's own, within
     the bounds of each.
     """
-    fit, likelihood = state.fit, state.likelihood
+    fit, problem = state.fit, state.problem
     vectors, betas = np.zeros((count, 0)), np.zeros((count, 0))
     if len(fit.vector):
         # where the data say little the prior's width is what is left
         prior = np.diag(1.0 / np.concatenate([np.asarray(s.widths, float) for s in fit.slots]) ** 2)
-        low, high = likelihood.bounds()
-        cov = np.linalg.inv(np.linalg.pinv(fit.cov) + prior)
+        low, high = problem.low, problem.high
+        cov = np.linalg.inv(fit.information + prior)
         # a parameter at its bound says nothing: rounding may leave it a variance below zero
         size, axes = np.linalg.eigh(0.5 * (cov + cov.T))
         root = axes * np.sqrt(np.maximum(size, 0.0))
         vectors = fit.vector + rng.standard_normal((count, len(size))) @ root.T
         at = np.cumsum([0, *(len(s.names) for s in fit.slots)])
-        for k in (at[i] for i, s in enumerate(fit.slots) if s.index == -1):
+        for k in (at[i] for i, s in enumerate(fit.slots) if s.index == FILTER):
             # a filter's cutoff takes a few values only: its spectrum is made once for each
             grid = 0.5 * np.sqrt(cov[k, k])
             vectors[:, k] = fit.vector[k] + grid * np.round((vectors[:, k] - fit.vector[k]) / grid)
@@ -152,6 +154,6 @@ def _drawn(state, rng, count):
         betas = rng.multivariate_normal(fit.beta, fit.beta_cov, count, method="eigh")
     out = []
     for vector, beta in zip(vectors, betas):
-        terms, low_pass = likelihood.unpack(vector)
+        terms, low_pass = problem.unpack(vector)
         out.append(replace(fit, terms=tuple(terms), low_pass=low_pass, beta=beta))
     return out

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from imu_lib.gap.engine import Data, Likelihood
+from imu_lib.gap.data import Data
 from imu_lib.gap.grown import FITTED
 from imu_lib.gap.state import State
+from imu_lib.likelihood.problem import Problem
 
 #: Log-likelihood of the rest that an effect may cost there: two parameters fitted to one and a half
 #: times as much as the rest cost it 2/3 on average where they are right, with a spread of 1.
@@ -44,7 +45,7 @@ def _halves(state: State) -> tuple[Data, Data]:
 
 def _part(data: Data, x) -> Data:
     bare = Data(x, data.fs, white=data.white)
-    f, of = bare.layout.f, data.layout.f
+    f, of = bare.layout.frequency, data.layout.frequency
     blind = None if data.blind is None else np.interp(f, of, data.blind.astype(float)) > 0
     return Data(x, data.fs, white=data.white, extra=np.interp(f, of, data.extra), blind=blind)
 
@@ -52,7 +53,8 @@ def _part(data: Data, x) -> Data:
 def _foretold(state: State, rest: Data) -> float:
     """Log-likelihood of the rest under what was fitted to the first part."""
     fit = state.fit
-    return Likelihood(rest, fit.terms, (), low_pass=fit.low_pass).value(np.zeros(0))[0]
+    problem = Problem(rest.stats, fit.terms, low_pass=fit.low_pass, extra=rest.extra)
+    return problem.loglike(np.zeros(0))
 
 
 def steady(lines, cleaned: Data, data: Data) -> tuple[list, Data]:

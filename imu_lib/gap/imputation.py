@@ -8,8 +8,8 @@ import numpy as np
 from scipy.fft import irfft, rfft
 from scipy.special import ndtr, ndtri
 
-from imu_lib.gap import fast
 from imu_lib.gap.innovations import Smooth, padded_size
+from imu_lib.likelihood.tapered import bridge
 
 #: Samples that one which is thrown off makes surprising from which on clipped ones are drawn
 #: together, and how often.
@@ -65,7 +65,7 @@ def impute(
     if len(wrong) == 0:
         return out
     out[wrong] = first_fill(x, bad)[wrong]
-    base = fast._bridge(out)
+    base = bridge(out)
     size = padded_size(len(x))
     density = smooth.slow_too(size) * smooth.fs / 2
     inverse = 1.0 / density

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
-from imu_lib.gap import fast, slow
+from imu_lib.gap.data import block_length, statistics
 
 #: Degrees of freedom of a spectrum at the least: the reciprocal of what has one or two is now and
 #: then a hundred times too large, and whitening amplifies what little there is.
@@ -18,7 +18,8 @@ DEPTH = 1e-5
 
 def trend(x, m: int) -> np.ndarray:
     """The slow part of a record: straight lines between the means of blocks of `m` samples."""
-    means = slow.block_means(x, m)
+    k = len(x) // m
+    means = x[: k * m].reshape(k, m).mean(axis=1)
     centre = (np.arange(len(means)) + 0.5) * m - 0.5
     t = np.arange(len(x))
     out = np.interp(t, centre, means)
@@ -38,21 +39,18 @@ class Smooth:
 
     def __init__(self, x, fs: float, *, floor: float = 0.0):
         self.fs, self.n = fs, len(x)
-        m = slow.block_length(self.n, fs)
-        self.m = m
-        self.layout = fast.bins(self.n, fs, m)
-        power = np.abs(fast.transform(x)) ** 2 / fs
-        mean = fast.average(power, self.layout)
-        # a line lifts a few ordinates of its bin: cap the ordinates at what their bin's quiet mean
-        # allows
-        size = np.diff(self.layout.edge)
-        cap = np.repeat(12.0 * np.minimum(mean, _neighbours(mean)), size)
-        mean = fast.average(
-            np.minimum(power[: self.layout.edge[-1]][self.layout.edge[0] :], cap),
-            _shifted(self.layout),
-        )
-        k = self.layout.slow
-        mean[k:] = _pooled(mean[k:], self.layout.nu[k:])
+        self.m = block_length(self.n, fs)
+        stats = statistics(x, fs)
+        self.layout, self.count, mean = stats.layout, stats.count, stats.mean_power
+        # a line lifts a few ordinates of its band: cap the ordinates at what their band's quiet
+        # mean allows
+        k, quick = self.layout.slow, stats.stretches[1]
+        edges = quick.edges - quick.edges[0]
+        cap = 12.0 * np.minimum(mean, _neighbours(mean))[k:]
+        power = quick.coefficients[quick.edges[0] - 1 : quick.edges[-1] - 1] ** 2 / quick.times
+        power = np.minimum(power, np.repeat(cap, np.diff(edges)))
+        mean = np.concatenate([mean[:k], np.add.reduceat(power, edges[:-1]) / np.diff(edges)])
+        mean[k:] = _pooled(mean[k:], self.count[k:])
         quiet = np.median(mean[k : k + 10]) if len(mean) > k + 10 else mean[k:].mean()
         self.level = np.concatenate([np.full(k, quiet), mean[k:]]) + floor
         # with the slow end as it is, falling with frequency, for filling gaps in
@@ -86,12 +84,8 @@ class Smooth:
 
     def between(self, values, size: int) -> np.ndarray:
         """`values` in the bins at the ordinates of a real transform of `size` points."""
-        f = np.arange(size // 2 + 1) * self.fs / size
-        return np.exp(
-            np.interp(
-                np.log(np.maximum(f, self.layout.f[0])), np.log(self.layout.f), np.log(values)
-            )
-        )
+        f, own = np.arange(size // 2 + 1) * self.fs / size, self.layout.frequency
+        return np.exp(np.interp(np.log(np.maximum(f, own[0])), np.log(own), np.log(values)))
 
     def stop_band(self, size: int) -> np.ndarray:
         """Share of its power that whitening leaves at each ordinate: 1, and less in a filter's
@@ -147,12 +141,6 @@ def _pooled(mean, nu):
 def _neighbours(mean):
     wide = np.pad(mean, 4, mode="edge")
     return np.median(np.lib.stride_tricks.sliding_window_view(wide, 9), axis=1)
-
-
-def _shifted(layout):
-    from dataclasses import replace
-
-    return replace(layout, edge=layout.edge - layout.edge[0])
 
 
 def padded_size(n):

@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.gap import fast
 from imu_lib.gap.effects import CHANNEL
-from imu_lib.gap.engine import measured
+from imu_lib.likelihood.evaluate import with_extra
 
 
 def settled(view):
@@ -36,12 +35,12 @@ def scaled(view, scale):
 def model_level(clean, terms, low_pass, fs: float) -> float:
     """Variance of the fast noise as a multiple of what the given noises have."""
     layout = clean.smooth.layout
-    s = measured(
-        fast.spectrum(terms, low_pass, layout, fs),
+    s = with_extra(
+        layout.spectrum(terms, low_pass),
         clean.extra if clean.extra is not None else 2.0 * clean.white / fs,
     )
     k = layout.slow
-    return float(np.average(clean.smooth.level[k:] / s[k:], weights=layout.nu[k:]))
+    return float(np.average(clean.smooth.level[k:] / s[k:], weights=clean.smooth.count[k:]))
 
 
 def _levelled(x, scale, fs: float, given):

@@ -16,10 +16,10 @@ from imu_lib.gap import measured
 from imu_lib.gap.effects.common_mode import CommonMode
 from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.time_gaps import TimeGaps
-from imu_lib.gap.fast import taper
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
 from imu_lib.gap.steps import Step
+from imu_lib.likelihood.tapered import taper
 from imu_lib.processes import CommonMode as SharedNoise
 from imu_lib.processes import Sum, WhiteNoise
 

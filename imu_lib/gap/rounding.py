@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
-from imu_lib.gap import fast
+from imu_lib.gap.data import statistics
 from imu_lib.gap.innovations import trend
 
 #: Steps in standard deviations of the rounded noise from which on rounding is more than white
@@ -100,7 +100,7 @@ class Rounding:
                 else np.maximum(level - self.step**2 / (6 * fs), 0.02 * level)
             )
             return self._drawn(before, rng)[1]
-        noise = of_integral.psd(self.smooth.layout.f, fs)
+        noise = of_integral.psd(self.smooth.layout.frequency, fs)
         before, _ = self._drawn(np.maximum(level - noise, 0.02 * level), rng)
         return np.rint(of_integral.round(before, fs, rng) / self.step)
 
@@ -118,15 +118,8 @@ class Rounding:
             extra = np.zeros_like(level)
             for _ in range(draws):
                 before, after = self._drawn(level, rng)
-                extra += (
-                    fast.average(
-                        np.abs(fast.transform(after * self.step)) ** 2
-                        - np.abs(fast.transform(before)) ** 2,
-                        smooth.layout,
-                    )
-                    / smooth.fs
-                    / draws
-                )
+                after, before = (statistics(v, smooth.fs) for v in (after * self.step, before))
+                extra += (after.mean_power - before.mean_power) / draws
             # rounding changes a spectrum smoothly: average over neighbours, leave the slow end to
             # its own level
             extra = np.convolve(np.pad(extra, 7, mode="edge"), kernel, "valid")

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.data import SCREEN
 from imu_lib.gap.drifts import retuned
 from imu_lib.gap.effects import COMPETITORS
-from imu_lib.gap.engine import SCREEN
 from imu_lib.gap.state import EVIDENCE, GAIN, TEMPER, State
 
 #: Alternatives within this log evidence of the winner cannot be told from it.
@@ -144,7 +144,7 @@ def swap(state: State, *, exclude=(), passes: int = 2, reach: float = REACH) -> 
 def _held_against(w: Weighed) -> Weighed:
     """A rival of a filter, less what is held against it where it needs the white noise to vanish."""
     state = w.state
-    weakest = np.min(state.likelihood.shapes(state.fit.vector)[0])
+    weakest = np.min(state.fit.expected)
     free = [state.fit.terms[slot.index] for slot in state.base_slots]
     if w.item.name != "low_pass" and any(
         t.name == "white_noise" and 2.0 * t.N**2 < VANISHED * weakest for t in free

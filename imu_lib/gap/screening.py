@@ -4,58 +4,37 @@ from __future__ import annotations
 
 import numpy as np
 
-from imu_lib.gap import fast
-from imu_lib.gap.engine import Data, measured
-
 #: Strengths that are tried, in units of what the record could just show.
 STRENGTHS = np.geomspace(0.5, 3e5, 34)
-
-
-def power_without_drifts(state) -> np.ndarray:
-    """The binned periodogram, slow bins included, without what the fit knows of drifts."""
-    if not len(state.fit.beta):
-        return state.cleaned.power
-    return Data(state.cleaned.x - state.drift, state.cleaned.fs).power
 
 
 class Screening:
     """The spectrum of a fitted state against the record's, and what its free parameters may move."""
 
     def __init__(self, state):
-        data, fit = state.cleaned, state.fit
-        self.layout, self.fs, self.low_pass = data.layout, data.fs, fit.low_pass
-        self.power = power_without_drifts(state)
-        self.s0 = measured(fast.spectrum(fit.terms, fit.low_pass, self.layout, self.fs), data.extra)
-        self.free = self._directions(state) if len(fit.vector) else None
+        fit, problem = state.fit, state.problem
+        self.layout, self.low_pass, self.count = problem.layout, fit.low_pass, problem.stats.count
+        self.power, self.expected = fit.remaining, fit.expected
+        self._weight = np.sqrt(self.count / 2)
+        self.free = None
+        if len(fit.vector):  # what they move, orthonormal under the weights of the bands
+            moved = problem.slopes(fit.vector)[1] / self.expected
+            self.free = np.linalg.qr((moved * self._weight).T)[0]
 
     def gain(self, process) -> tuple[float, float]:
         """Best gain over the strength of a noise of that shape: (gain, squared strength)."""
-        shape = fast.spectrum([process], self.low_pass, self.layout, self.fs)
+        shape = self.layout.shape(process, self.low_pass)
         gain, strength = self._ladder(shape)
         if self.free is None:
             return gain, strength
         # what is there already may stand in for what is missing
         return max((gain, strength), self._score(shape))
 
-    def _directions(self, state) -> np.ndarray:
-        """Relative change of the spectrum in all bins by each free parameter of the state,
-        orthonormal under the bins' weights.
-        """
-        like, x, h, rows = state.likelihood, state.fit.vector, 2e-3, []
-        for i in range(len(x)):
-            step = h * (np.arange(len(x)) == i)
-            up, down = (
-                fast.spectrum(*like.unpack(x + sign * step), self.layout, self.fs)
-                for sign in (1, -1)
-            )
-            rows.append((up - down) / (2 * h) / self.s0)
-        return np.linalg.qr((np.array(rows) * np.sqrt(self.layout.nu / 2)).T)[0]
-
     def _ladder(self, shape):
-        s0, nu, power = self.s0, self.layout.nu, self.power
-        u = STRENGTHS / np.sqrt(0.5 * np.sum(nu * (shape / s0) ** 2))
+        s0, count, power = self.expected, self.count, self.power
+        u = STRENGTHS / np.sqrt(0.5 * np.sum(count * (shape / s0) ** 2))
         s1 = s0[None, :] + u[:, None] * shape[None, :]
-        gain = -0.5 * np.sum(nu * (np.log(s1 / s0) + power / s1 - power / s0), axis=1)
+        gain = -0.5 * np.sum(count * np.log(s1 / s0) + power / s1 - power / s0, axis=1)
         j = int(np.argmax(gain))
         return float(gain[j]), float(u[j])
 
@@ -63,8 +42,11 @@ class Screening:
         """Gain of a little of an added shape with the free parameters found anew beside it, to
         second order.
         """
-        weight = np.sqrt(self.layout.nu / 2)
-        h = weight * shape / self.s0
+        weight, s0 = self._weight, self.expected
+        h = weight * shape / s0
         h = h - self.free @ (self.free.T @ h)
-        g, information = h @ (weight * (self.power / self.s0 - 1.0)), max(h @ h, 1e-300)
+        excess = np.divide(
+            self.power / s0 - self.count, 2 * weight, out=np.zeros_like(s0), where=weight > 0
+        )
+        g, information = h @ excess, max(h @ h, 1e-300)
         return (float(0.5 * g * g / information), float(g / information)) if g > 0 else (0.0, 0.0)

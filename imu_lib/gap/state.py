@@ -9,9 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from imu_lib.gap.candidate import Assembly, Candidate
+from imu_lib.gap.data import Data, statistics
 from imu_lib.gap.drifts import scanner
-from imu_lib.gap.engine import Data, Fit, Likelihood
 from imu_lib.gap.screening import Screening
+from imu_lib.likelihood.evidence import Maximum, maximum
+from imu_lib.likelihood.problem import Problem
 
 #: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records,
 #: benchmarks/gap_null.py).
@@ -67,7 +69,7 @@ class State:
             base_slots=self.base_slots,
         )
         # the maximum is the same
-        out.__dict__.update(fit=self.fit, likelihood=self.likelihood)
+        out.__dict__.update(fit=self.fit, problem=self.problem)
         return out
 
     # -- the fit ---------------------------------------------------------------------------------
@@ -89,23 +91,38 @@ class State:
         return data
 
     @cached_property
-    def likelihood(self) -> Likelihood:
-        """What the fit is the maximum of."""
-        data, made = self.cleaned, self.assembly
-        slots, power = tuple(made.slots.values()), None
-        sharp = [i for i, c in enumerate(made.columns) if "edge" in c.note]
-        options = {"low_pass": made.low_pass, "columns": made.matrix}
-        if sharp:
-            first = Likelihood(data, made.terms, slots, **options)
-            _, beta, _ = first.value(first.start())
-            t = np.arange(data.n) / data.fs
-            signal = sum(beta[i] * made.columns[i].process.mean(t) for i in sharp)
-            power = Data(data.x - signal, data.fs, white=data.white).power
-        return Likelihood(data, made.terms, slots, power=power, **options)
+    def regressors(self):
+        """The columns of the drifts held against the record, or None."""
+        matrix = self.assembly.matrix
+        return None if matrix is None else self.cleaned.stats.regressors_of(matrix)
 
     @cached_property
-    def fit(self) -> Fit:
-        return self.likelihood.maximise()
+    def problem(self) -> Problem:
+        """What the fit is the maximum of."""
+        data, made = self.cleaned, self.assembly
+        options = {
+            "low_pass": made.low_pass,
+            "extra": data.extra,
+            "regressors": self.regressors,
+        }
+        problem = Problem(data.stats, made.terms, made.slots.values(), **options)
+        sharp = [i for i, c in enumerate(made.columns) if "edge" in c.note]
+        if not sharp:
+            return problem
+        beta, _ = self.regressors.solve(problem.density(problem.start()))
+        t = np.arange(data.n) / data.fs
+        signal = sum(beta[i] * made.columns[i].process.mean(t) for i in sharp)
+        stats = data.stats.with_fast(statistics(data.x - signal, data.fs))
+        return Problem(stats, made.terms, made.slots.values(), **options)
+
+    @cached_property
+    def fit(self) -> Maximum:
+        return maximum(self.problem)
+
+    @property
+    def mean_power(self) -> np.ndarray:
+        """Mean ordinate of each band without what the fit knows of drifts, (b,)."""
+        return self.fit.remaining / np.maximum(self.problem.stats.count, 1e-300)
 
     def free(self, place: int):
         """(slot of the term at `place`, where its parameters stand in the fit's vector)."""

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from imu_lib.gap import fast
 from imu_lib.gap.check import Check
 from imu_lib.gap.effects.noise_level_change import unsteady
-from imu_lib.gap.engine import measured
+from imu_lib.likelihood.evaluate import with_extra
 
 
 def stationarity(y, fs, smooth, *, coarse_steps: bool = False) -> list[Check]:
@@ -110,11 +109,12 @@ def resonances(state, y) -> list[Check]:
     if not found:
         return []
     out, layout, fs = [], state.data.layout, state.data.fs
-    whole = measured(fast.spectrum(state.fit.terms, None, layout, fs), state.data.extra)
+    whole = with_extra(layout.spectrum(state.fit.terms), state.data.extra)
     for term in found:
-        share = (term.psd(layout.f, fs) / whole)[layout.slow :]
-        on = layout.nodes[layout.slow :][share > 0.5 * share.max()]
-        low, high = on.min(), on.max()
+        share = (term.psd(layout.frequency, fs) / whole)[layout.slow :]
+        on = layout.slow + np.flatnonzero(share > 0.5 * share.max())
+        low = layout.frequency[on[0]] - layout.half[on[0]]
+        high = layout.frequency[on[-1]] + layout.half[on[-1]]
         m = int(2 ** np.floor(np.log2(min(32 * fs / max(high - low, 1e-3 * fs), len(y) / 32))))
         k = len(y) // m
         edges = np.unique(

@@ -5,12 +5,13 @@ sentence of where.
 from __future__ import annotations
 
 import numpy as np
+from scipy.fft import idct
 from scipy.stats import chi2, kurtosistest, norm
 
-from imu_lib.gap import fast, slow
 from imu_lib.gap.check import Check
-from imu_lib.gap.engine import measured
 from imu_lib.gap.steadiness import resonances, stationarity
+from imu_lib.likelihood import tapered
+from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.processes import Sum
 
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests,
@@ -32,11 +33,10 @@ def spectrum(state) -> Check:
     """Bins of the spectrum, singly and in runs of 3, 9 and 27, against the model; the model's own
     fit error is allowed for.
     """
-    s, _ = state.likelihood.shapes(state.fit.vector)
-    layout = state.data.layout
-    seen = state.likelihood.nu > 0
-    nu, ratio = state.likelihood.nu[seen], (state.likelihood.power / s)[seen]
-    f = layout.f[layout.slow :][seen]
+    layout, count = state.data.layout, state.problem.stats.count
+    seen = (count > 0) & (np.arange(len(count)) >= layout.slow)
+    nu, ratio = count[seen], (state.mean_power / state.fit.expected)[seen]
+    f = layout.frequency[seen]
     worst = Check("psd", 0.0, "")
     for width in (1, 3, 9, 27):
         kernel = np.ones(width)
@@ -64,16 +64,16 @@ MODEL = 0.004
 
 
 def bias(state) -> list[Check]:
-    """The whitened block differences: size, colour, outliers."""
-    data = state.cleaned
-    _, c = state.likelihood.shapes(state.fit.vector)
-    columns = (
-        np.zeros((data.k, 0)) if state.likelihood.columns is None else state.likelihood.columns
-    )
-    curves = _curves(data)
-    _, e = slow.whiten(c, np.column_stack([data.d, columns, curves]))
+    """The slow cosine coefficients over their expectation, and the bias of which they are the
+    transform: size, colour, outliers.
+    """
+    data, fit = state.cleaned, state.fit
+    white = 1.0 / np.sqrt(data.stats.slow_ordinates(fit.expected))
+    columns, curves = state.assembly.matrix, _curves(data)
+    columns = np.zeros((data.orders, 0)) if columns is None else columns
+    e = white[:, None] * np.column_stack([data.cosines, columns, curves])
     own = 1 + columns.shape[1]
-    r = e[:, 0] - e[:, 1:own] @ state.fit.beta
+    r = e[:, 0] - e[:, 1:own] @ fit.beta
     n = len(r)
     out = [
         Check(
@@ -82,38 +82,38 @@ def bias(state) -> list[Check]:
             "bias over the whole record: its innovations are larger or smaller than the model's",
         )
     ]
-    p = np.abs(np.fft.rfft(r))[1:] ** 2 / n
-    for width in (1, 5, 20, 60):
-        if width > len(p) // 2:
+    for width in (2, 10, 40, 120):
+        if width > n // 2:
             continue
-        total = np.convolve(2 * p, np.ones(width), "valid")
-        lp = _log10_chi2(total, 2 * width)
+        total = np.convolve(r**2, np.ones(width), "valid")
+        lp = _log10_chi2(total, width)
         i = int(np.argmin(lp))
-        f = np.array([i + 1, i + width]) / n * data.fs / data.m
-        decibel = 10 * np.log10(total[i] / (2 * width))
+        f = np.array([i + 1, i + width]) / (2 * data.duration)
+        decibel = 10 * np.log10(total[i] / width)
         out.append(
             Check(
                 "allan",
-                float(lp[i] + np.log10(len(p))),
+                float(lp[i] + np.log10(n)),
                 f"slow variation with periods of {1 / f[1]:.4g} to {1 / f[0]:.4g} s, "
                 f"{decibel:+.2g} dB from the fitted model",
             )
         )
-    j = int(np.argmax(np.abs(r)))
+    bare = idct(np.concatenate([[0.0], r]), norm="ortho")  # the bias in time, white
+    j = int(np.argmax(np.abs(bare)))
     out.append(
         Check(
             "mean",
-            float(_log10_normal(r[j]) + np.log10(n)),
-            f"mean of the signal: an unforeseen jump near {data.block_time[j + 1]:.0f} s",
+            float(_log10_normal(bare[j]) + np.log10(n)),
+            f"mean of the signal: an unforeseen jump near {(j + 0.5) / n * data.duration:.0f} s",
         )
     )
     # Anscombe and Glynn (1983): normal also where the record has few blocks
-    heavy = max(float(kurtosistest(r).statistic), 0.0)
+    heavy = max(float(kurtosistest(bare).statistic), 0.0)
     out.append(
         Check(
             "mean",
             float(_log10_normal(heavy)),
-            "mean of the signal: its jumps from block to block are not normally distributed",
+            "mean of the signal: its jumps are not normally distributed",
         )
     )
     if curves.shape[1]:
@@ -135,16 +135,14 @@ def bias(state) -> list[Check]:
 
 def _curves(data) -> np.ndarray:
     """Temperature, its square and lines that begin at its quartiles as columns of the regression,
-    shape (differences, 5); none
-    where it is not known."""
-    t = data.block_temperature
+    shape (orders, 5); none where it is not known.
+    """
+    t = data.grid_temperature
     if t is None or not np.ptp(t) > 0:
-        return np.zeros((data.k, 0))
+        return np.zeros((data.orders, 0))
     u = (t - t.mean()) / np.std(t)
-    return np.diff(
-        np.column_stack([u, u**2, *np.maximum(u - np.quantile(u, [[0.25], [0.5], [0.75]]), 0.0)]),
-        axis=0,
-    )
+    bends = np.maximum(u - np.quantile(u, [[0.25], [0.5], [0.75]]), 0.0)
+    return data.columns(np.column_stack([u, u**2, *bends]))
 
 
 def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[Check]:
@@ -183,19 +181,19 @@ def residual_autocorrelation(state, rest) -> Check:
     periodogram a short record would be correlated with itself.
     """
     data, layout = state.data, state.data.layout
-    size = fast.padded(data.n)
+    size, own = tapered.padded(data.n), layout.frequency
     f = np.arange(1, size // 2) * data.fs / size
     stages = () if state.fit.low_pass is None else (state.fit.low_pass,)
-    model = measured(
-        Sum(tuple(state.fit.terms), stages).psd(f, data.fs), np.interp(f, layout.f, data.extra)
+    model = with_extra(
+        Sum(tuple(state.fit.terms), stages).psd(f, data.fs), np.interp(f, own, data.extra)
     )
-    seen = np.interp(f, layout.f, layout.nu > 0) > 0.999
-    seen &= (f > layout.f[layout.slow]) & (model > MIN_SHARE_OF_MEAN * np.mean(model))
-    power = np.abs(fast.transform(rest)[1 : len(f) + 1]) ** 2 / data.fs
+    seen = np.interp(f, own, data.stats.count > 0) > 0.999
+    seen &= (f > own[layout.slow]) & (model > MIN_SHARE_OF_MEAN * np.mean(model))
+    power = np.abs(tapered.transform(rest)[1 : len(f) + 1]) ** 2 / data.fs
     excess = np.zeros(size // 2 + 1)
     excess[1 : len(f) + 1] = np.where(seen, power / model - 1.0, 0.0)
     lags = np.arange(MIN_LAG, min(MAX_LAG, data.n // 8))
-    sd = np.sqrt(2.0 * np.count_nonzero(seen) / fast.efficiency(data.n)) / size
+    sd = np.sqrt(2.0 * np.count_nonzero(seen) / tapered.efficiency(data.n)) / size
     z = np.fft.irfft(excess, size)[lags] / sd
     # noise that breathes scatters more at every lag, and has other checks
     z = z / max(1.0, 1.4826 * float(np.median(np.abs(z))))

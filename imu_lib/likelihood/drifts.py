@@ -152,7 +152,7 @@ def solve_drifts(stats, template, temperature, given):
 
 def _best(stats, noise, columns, given, grid):
     """(theta, log-likelihood, density) of the noise with these mean shapes solved for."""
-    problem = Problem(stats, noise, stats.regressors(np.hstack(columns)) if columns else None)
+    problem = Problem.of(stats, noise, stats.regressors(np.hstack(columns)) if columns else None)
     theta, value, _ = maximise(problem, given, grid=grid or not given, refine=2)
     return theta, value, problem.density(theta)
 

@@ -35,54 +35,19 @@ def density(stats, noise):
     """Expected mean ordinate of each band, shape (b,), unit^2/Hz, of the random terms behind the
     filter.
     """
-    return stats.collapse(noise.psd(stats.grid, stats.rate)) + quantization_ends(stats, noise)
+    ends = sum(stats.layout.ends(term) for term in noise.terms)
+    return stats.collapse(noise.psd(stats.grid, stats.rate)) + ends
 
 
-class Images:
-    """What a low-pass filter run above the sampling rate folds onto the grid: `Sum.psd`, with the
-    gains kept.
+#: Share of a model's own density that is left where coarse rounding takes some of it away.
+LEAST_LEFT = 1e-3
+
+
+def with_extra(density, extra):
+    """A model's `density` with what the electronics add to it; coarse rounding may add less than
+    nothing, but leaves a rest.
     """
-
-    def __init__(self, low_pass, grid, fs):
-        ratio = low_pass.ratio(fs)
-        self.rate = ratio * fs
-        at = np.mod(grid + fs * np.arange(ratio)[:, None], self.rate)
-        self.at = np.minimum(at, self.rate - at)
-        self.gain = low_pass.gain(self.at.ravel(), fs).reshape(self.at.shape)
-        self.cutoff = low_pass.cutoff or fs / 4
-
-    def psd(self, term):
-        """One-sided density of the term behind the filter, (g,).
-
-        The images of a process that is slow against the filter lie below a millionth of it and are
-        left out.
-        """
-        if (
-            term.name in ("random_walk", "flicker")
-            or getattr(term, "correlation_time", 0.0) * self.cutoff > 20
-        ):
-            return self.gain[0] * term.psd(self.at[0], self.rate)
-        return np.einsum("kg,kg->g", self.gain, term.psd(self.at, self.rate))
-
-
-def quantization_ends(stats, noise):
-    """What the two ends of a finite record add to quantization: 8 Q^2 fs / n cos^2, which its f^2
-    leaves out.
-
-    Exact for the samples, so it stands in for what the kernel, made for red spectra, gives the
-    first coefficients.
-    """
-    out = 0.0
-    for term in noise.terms:
-        if term.name == "quantization":
-            n = np.concatenate([np.full(len(s.edges) - 1, s.n) for s in stats.stretches])
-            psd = term.psd(stats.grid, stats.rate)
-            out = out + (
-                8 * term.Q**2 * stats.rate / n * np.cos(np.pi * stats.frequency / stats.rate) ** 2
-                + psd[: len(n)]
-                - stats.collapse(psd, bands=False)
-            )
-    return out
+    return np.maximum(density + extra, LEAST_LEFT * density)
 
 
 def gaussian(stats, expected, power=None):
@@ -183,7 +148,7 @@ __all__ = [
     "gaussian",
     "goodness",
     "log_likelihood",
-    "quantization_ends",
     "residuals",
+    "with_extra",
     "without_mean",
 ]

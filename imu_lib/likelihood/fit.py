@@ -97,7 +97,7 @@ def fit(x, fs, model, *, starts=(), temperature=None, estimates=True, grid=True)
     noise = template.noise
     given = [vector(noise, start) for start in starts]
     drifts = solve_drifts(stats, template, temperature, given)
-    problem = Problem(drifts.stats, noise, drifts.regressors)
+    problem = Problem.of(drifts.stats, noise, drifts.regressors)
     theta, value, information = maximise(problem, [*given, *drifts.starts], grid=grid or not given)
     found, theta, value, information = (
         intervals(problem, theta, value, information)
@@ -105,7 +105,7 @@ def fit(x, fs, model, *, starts=(), temperature=None, estimates=True, grid=True)
         else (plain(problem, theta), theta, value, information)
     )
     expected = problem.density(theta)
-    power = problem._value(expected)[1]
+    power = problem.remaining(expected)
     fitted, drift_estimates = drifts.finish(expected)
     parameters = {**found, **drift_estimates}
     zero = theta <= problem.floors(theta) + 1e-6

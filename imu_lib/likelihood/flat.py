@@ -22,7 +22,7 @@ def flat_level(fit):
     fitted.
     """
     stats, theta, noise = fit.statistics, fit.theta, fit.template.noise
-    problem = Problem(replace(stats, power=fit.power), noise)
+    problem = Problem.of(replace(stats, power=fit.power), noise)
     span = 1 / stats.rate, stats.duration / 3
     low, best = problem.floors(theta), problem.loglike(theta)
 

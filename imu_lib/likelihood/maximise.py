@@ -4,6 +4,8 @@ from itertools import combinations
 
 import numpy as np
 
+from .slot import FILTER
+
 STARTS = 8
 
 
@@ -63,8 +65,8 @@ def amplitudes(problem, theta, rounds=40):
     theta[ks] = 0.0
     rows, rest = problem.parts(theta)
     moving = [problem.free[k].index for k in ks]
-    shapes = rows[moving]
-    fixed = rest + rows.sum(axis=0) - shapes.sum(axis=0)
+    shapes = np.array([rows[i] for i in moving])
+    fixed = sum((row for i, row in rows.items() if i not in moving), rest)
     level = problem.scale / np.maximum(shapes.max(axis=1), 1e-300)
     m, power = problem.stats.count, problem.stats.power
     # start each where it explains all of the band in which it is largest against the data
@@ -86,19 +88,18 @@ def starts(problem, count=STARTS):
     base = np.zeros(len(free))
     if not shape:
         return [amplitudes(problem, base)]
-    processes = list(problem.template)
     grids = {}
     for k in shape:
         u = free[k]
         margin = 0.15 * (u.high - u.low)
-        if processes[u.index].name == "low_pass":
+        if u.index == FILTER:
             grids[k] = np.linspace(u.high - np.log(12), u.high - 0.1, 4)
         else:
             grids[k] = np.linspace(u.low + margin / 2, u.high - margin, count)
     # equal processes in ascending order of their times only
     groups = {}
     for k in shape:
-        groups.setdefault((processes[free[k].index].name, free[k].name), []).append(k)
+        groups.setdefault((type(problem.process(free[k].index)), free[k].name), []).append(k)
     choices = [np.zeros((1, 0))]
     columns = []
     for ks in groups.values():

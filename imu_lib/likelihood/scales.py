@@ -11,7 +11,9 @@ from scipy.ndimage import median_filter
 from scipy.signal import get_window
 from scipy.stats import chi2
 
-from .statistics import LINE_TAIL, WIDTH, Statistics, Stretch, _edges, _without_lines
+from .layout import WIDTH, Stretch, edges_of
+from .lines import LINE_TAIL, without_lines
+from .statistics import Statistics
 
 #: Ordinates that the level around one is taken from where lines are looked for.
 _AROUND = 31
@@ -36,23 +38,23 @@ def of_scales(slow, fast, fs, seam, *, exclude_lines=False, width=WIDTH) -> Stat
     """
     stretches, lines = [], []
     for n, c in slow:
-        stretch = Stretch(0, n, c * np.sqrt(2 / fs), _edges(n, fs, (0.0, seam), width))
+        stretch = Stretch(0, n, c * np.sqrt(2 / fs), edges_of(n, fs, (0.0, seam), width))
         if exclude_lines:
-            stretch, found = _without_lines(stretch, fs)
+            stretch, found = without_lines(stretch, fs)
             lines += found
         stretches.append(stretch)
     for size, count, power in fast:
         own, together = freedom(size, count)
         power = power[1:-1]
         dropped = np.zeros(0, int)
-        edges = _edges(size // 2, fs, (seam, fs / 2), width)
+        edges = edges_of(size // 2, fs, (seam, fs / 2), width)
         if exclude_lines:
             dropped, found = _lines(power, own, edges, fs / size, size)
             lines += found
         kept = np.sqrt(power * together)
         kept[dropped] = 0.0
-        stretches.append(Stretch(0, size // 2, kept, edges, dropped, times=together))
-    return Statistics._assemble(fs, tuple(stretches), 0.0, lines)
+        stretches.append(Stretch(0, size // 2, kept, edges, dropped, times=together, tapered=True))
+    return Statistics.assembled(fs, tuple(stretches), 0.0, lines)
 
 
 def freedom(size, count):

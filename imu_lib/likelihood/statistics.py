@@ -15,50 +15,20 @@ The slow end is kept coefficient by coefficient; from `1/WIDTH` on, neighbours a
 bands of relative width
 `WIDTH`, in which the density is a constant: seven hours at 100 Hz become about 450 numbers, and
 nothing is lost that a
-smooth spectrum could show. Slow and fast need no seam: they are one orthogonal transform.
+smooth spectrum could show. Slow and fast need no seam: they are one orthogonal transform
+(`Statistics.of`). Where a filter may be, the bare transform would fill its stop band with what it
+lets through, some 1/n of it: `Statistics.split` takes the fast end from a tapered periodogram, in
+the same units and the same formula.
 """
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.fft import dct
-from scipy.special import ndtri
 
-from .kernel import weights
-
-WIDTH = 1 / 40
-LINE_TAIL = 1e-9
-#: Where the low coefficients end, per stretch.
-SINGLES = 40
-#: From this share of the rate on a filter may bend the density within a band: three Gauss-Legendre
-#: points there.
-BENT = 1 / 50
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """One gap-free stretch: `n` samples from `start` (index into the record); its coefficients,
-    shape (n-1,), of which only those of `edges` are asked for.
-
-    A coefficient may stand for `times` degrees of freedom: the root of a sum of so many squares.
-    """
-
-    start: int
-    n: int
-    coefficients: np.ndarray = field(repr=False)
-    edges: np.ndarray = field(repr=False)
-    dropped: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0, int))
-    times: float = 1.0
-
-    @property
-    def count(self):
-        """Coefficients in each band that count, shape (b,)."""
-        out = np.searchsorted(self.dropped + 1, self.edges)
-        return np.diff(self.edges - out).astype(float) * self.times
-
-    def sums(self, values):
-        """Sum `values` (n-1, ...) over the bands -> (b, ...)."""
-        return np.add.reduceat(values[: self.edges[-1] - 1], self.edges[:-1] - 1, axis=0)
+from . import tapered
+from .layout import WIDTH, Layout, Stretch, edges_of, layout_of
+from .lines import without_lines
 
 
 @dataclass(frozen=True)
@@ -81,14 +51,12 @@ class Statistics:
         Frequency and rms amplitude of the spectral lines that were left out (`exclude_lines`).
     """
 
-    rate: float
-    frequency: np.ndarray = field(repr=False)
+    layout: Layout = field(repr=False)
     count: np.ndarray = field(repr=False)
     power: np.ndarray = field(repr=False)
     stretches: tuple = field(repr=False)
     mean: float = 0.0
     lines: tuple = ()
-    grid: np.ndarray = field(repr=False, default=None)
 
     @classmethod
     def of(cls, x, fs, *, band=None, exclude_lines=False, width=WIDTH):
@@ -130,41 +98,68 @@ class Statistics:
                 raise ValueError(
                     "`x` has samples that are not finite: pass the stretches between them as a list"
                 )
-            coefficients = dct(part - part.mean(), norm="ortho")[1:] * np.sqrt(2 / fs)
+            coefficients = cosines(part, fs)
             if not coefficients.any():
                 raise ValueError("`x` is constant: there is no noise to fit")
-            stretch = Stretch(start, len(part), coefficients, _edges(len(part), fs, band, width))
+            stretch = Stretch(start, len(part), coefficients, edges_of(len(part), fs, band, width))
             if exclude_lines:
-                stretch, found = _without_lines(stretch, fs)
+                stretch, found = without_lines(stretch, fs)
                 lines += found
             stretches.append(stretch)
             start += len(part)
-        return cls._assemble(fs, tuple(stretches), sum(map(np.sum, parts)) / start, lines)
+        return cls.assembled(fs, tuple(stretches), sum(map(np.sum, parts)) / start, lines)
 
     @classmethod
-    def _assemble(cls, fs, stretches, mean=0.0, lines=()):
-        frequency, count, power, nodes = [], [], [], []
-        for s in stretches:
-            middle = (s.edges[:-1] + s.edges[1:] - 1) / 2
-            frequency.append(middle * fs / (2 * s.n))
-            count.append(s.count)
-            power.append(s.sums(s.coefficients**2))
-            nodes.append(np.minimum(weights(_singles(s))[0] * fs / s.n, fs / 2))
-        frequency = np.concatenate(frequency)
-        half = np.concatenate([np.diff(s.edges) * fs / (4 * s.n) for s in stretches])
-        bent = (frequency > BENT * fs) & (np.concatenate(count) > 3)
-        side = np.sqrt(0.6) * half[bent]
-        grid = np.concatenate([frequency, frequency[bent] - side, frequency[bent] + side, *nodes])
+    def split(cls, x, fs, seam, *, width=WIDTH):
+        """Compress a channel whose spectrum may be steep, as behind a filter.
+
+        Below `seam` Hz the cosine coefficients count, which hear the drifts and the walks; above
+        it the ordinates of a tapered periodogram (`tapered`), which an untapered transform of a
+        short record would fill with what the filter lets through.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n,)
+        fs : float, Hz
+        seam : float, Hz
+        """
+        n = len(x)
+        edges = edges_of(n, fs, (0.0, seam), width)
+        slow = Stretch(0, n, cosines(x, fs)[: edges[-1] - 1].copy(), edges)
+        fast = tapered.stretch(x, fs, seam, width=width)
+        return cls.assembled(fs, (slow, fast), np.mean(x))
+
+    @classmethod
+    def assembled(cls, fs, stretches, mean=0.0, lines=()):
+        """From stretches and the lines that were left out of them."""
         return cls(
-            float(fs),
-            frequency,
-            np.concatenate(count),
-            np.concatenate(power),
+            layout_of(fs, stretches),
+            np.concatenate([s.count for s in stretches]),
+            np.concatenate([s.sums(s.coefficients**2) for s in stretches]),
             stretches,
             float(mean),
             tuple(sorted(lines, key=lambda line: -line[1])),
-            grid,
         )
+
+    @property
+    def rate(self):
+        """Hz."""
+        return self.layout.rate
+
+    @property
+    def frequency(self):
+        """Middle of each band, Hz, shape (b,)."""
+        return self.layout.frequency
+
+    @property
+    def grid(self):
+        """Where a spectrum is evaluated for `collapse`, Hz."""
+        return self.layout.grid
+
+    @property
+    def mean_power(self):
+        """Mean ordinate of each band, an estimate of the density, unit^2/Hz, shape (b,)."""
+        return self.power / np.maximum(self.count, 1e-300)
 
     @property
     def n(self):
@@ -177,30 +172,25 @@ class Statistics:
         return max(s.n for s in self.stretches) / self.rate
 
     def collapse(self, density, *, bands=True):
-        """Expected mean ordinate of each band, (..., b), from a one-sided density on `grid`, (...,
-        g).
-        """
-        b = len(self.frequency)
-        expected = np.array(density[..., :b])
-        bent = np.flatnonzero((self.frequency > BENT * self.rate) & (self.count > 3))
-        k = len(bent)
-        if bands:  # the mean over a bent band
-            expected[..., bent] = (
-                8 * expected[..., bent]
-                + 5 * density[..., b : b + k]
-                + 5 * density[..., b + k : b + 2 * k]
-            ) / 18
-        at, node = 0, b + 2 * k
-        for s in self.stretches:
-            k = _singles(s)
-            first = int(np.searchsorted(s.edges[:-1], k, side="right"))
-            u, matrix = weights(k)
-            low = s.edges[:first] - 1
-            if first:
-                expected[..., at : at + first] = density[..., node : node + len(u)] @ matrix[low].T
-            at += len(s.edges) - 1
-            node += len(u)
-        return expected
+        """Expected mean ordinate of each band; see `Layout.collapse`."""
+        return self.layout.collapse(density, bands=bands)
+
+    def without(self, bands):
+        """The statistics with the ordinates of some bands, a mask (b,), left out."""
+        return replace(
+            self, count=np.where(bands, 0.0, self.count), power=np.where(bands, 0.0, self.power)
+        )
+
+    def with_fast(self, other):
+        """The statistics with the tapered bands of others of the same layout."""
+        k = self.layout.slow
+        power = np.concatenate([self.power[:k], other.power[k:]])
+        return replace(self, power=np.where(self.count > 0, power, 0.0))
+
+    def slow_ordinates(self, values):
+        """`values` of the slow bands, (b,), at each cosine coefficient of the record, (p,)."""
+        sizes = np.diff(self.stretches[0].edges)
+        return np.repeat(values[: len(sizes)], sizes)
 
     def between(self, low, high):
         """The statistics of the bands that lie between two frequencies, Hz."""
@@ -214,7 +204,7 @@ class Statistics:
             raise ValueError(
                 f"`low` and `high` leave fewer than four bands between {low:g} and {high:g} Hz"
             )
-        return Statistics._assemble(self.rate, tuple(parts), self.mean, self.lines)
+        return Statistics.assembled(self.rate, tuple(parts), self.mean, self.lines)
 
     def subtract(self, mean):
         """The statistics of x - mean, `mean` (n,) over all samples in order."""
@@ -225,7 +215,7 @@ class Statistics:
             replace(s, coefficients=s.coefficients - self._transform(mean, s))
             for s in self.stretches
         )
-        return Statistics._assemble(self.rate, moved, self.mean - mean.mean(), self.lines)
+        return Statistics.assembled(self.rate, moved, self.mean - mean.mean(), self.lines)
 
     def regressors(self, columns):
         """Cross-products of mean shapes with the record, `columns` (n, q): what a fit of their
@@ -242,9 +232,26 @@ class Statistics:
             cross.append(s.sums(shape * s.coefficients[:, None]))
         return Regressors(np.concatenate(gram), np.concatenate(cross))
 
+    def regressors_of(self, shapes):
+        """As `regressors`, of shapes that are given by the cosine coefficients that count, (p, q),
+        and that reach into no other bands.
+        """
+        s, rest = self.stretches[0], len(self.power) - (len(self.stretches[0].edges) - 1)
+        own = s.coefficients[: len(shapes), None]
+        at, q = s.edges[:-1] - 1, shapes.shape[1]
+        seen = (self.count[: len(at)] > 0).astype(float)[:, None]
+        gram = np.add.reduceat(shapes[:, :, None] * shapes[:, None, :], at, axis=0)
+        gram, cross = gram * seen[:, :, None], np.add.reduceat(shapes * own, at, axis=0) * seen
+        return Regressors(
+            np.concatenate([gram, np.zeros((rest, q, q))]),
+            np.concatenate([cross, np.zeros((rest, q))]),
+        )
+
     def _transform(self, values, s):
+        if s.tapered:
+            raise ValueError("a tapered stretch keeps no phases: compress the difference instead")
         part = values[s.start : s.start + s.n]
-        shape = dct(part - part.mean(), norm="ortho")[1:] * np.sqrt(2 / self.rate)
+        shape = cosines(part, self.rate)
         shape[s.dropped] = 0.0
         return shape
 
@@ -274,46 +281,8 @@ class Regressors:
         return np.maximum(power - gone, 0.0)
 
 
-def _singles(s):
-    return min(SINGLES, s.n // 4)
-
-
-def _edges(n, fs, band, width):
-    """First index of each band and one past the last: single up to 1/width, then geometric."""
-    low, high = 1, n
-    if band is not None:
-        low = max(1, int(np.ceil(band[0] * 2 * n / fs)))
-        high = min(n, int(np.floor(band[1] * 2 * n / fs)) + 1)
-    if high - low < 4:
-        raise ValueError(f"`band` {band} leaves fewer than four coefficients of {n} samples")
-    edges = np.arange(1, min(n, int(1 / width) + 1) + 1)
-    tail = n / (1 + width) ** np.arange(int(np.log(n / edges[-1]) / np.log1p(width)) + 1)
-    edges = np.unique(np.concatenate([edges, np.rint(tail[tail > edges[-1]]).astype(int), [n]]))
-    return np.unique(np.concatenate([[low], edges[(edges > low) & (edges < high)], [high]]))
-
-
-def _without_lines(s, fs):
-    """The stretch without the ordinates beyond the LINE_TAIL point of their band's median level,
-    and the lines.
+def cosines(x, fs):
+    """Cosine coefficients 1 .. n-1 of a stretch (or columns), their squares in units of a one-sided
+    density.
     """
-    limit = ndtri(LINE_TAIL / 2) ** 2
-    ordinates = s.coefficients**2
-    top = np.maximum.reduceat(ordinates[: s.edges[-1] - 1], s.edges[:-1] - 1)
-    dropped, lines = [], []
-    for b in np.flatnonzero((s.count >= 12) & (top > limit / 3 * s.sums(ordinates) / s.count)):
-        inside = ordinates[s.edges[b] - 1 : s.edges[b + 1] - 1]
-        out = np.flatnonzero(inside > limit * np.median(inside) / 0.454936)
-        if len(out) and len(out) < len(inside) / 4:
-            dropped.append(s.edges[b] - 1 + out)
-            # neighbours are one line; ordinates 2 c^2/fs sum to the mean square times 2 n/fs
-            for group in np.split(out, np.flatnonzero(np.diff(out) > 3) + 1):
-                peak = s.edges[b] + group[np.argmax(inside[group])]
-                lines.append(
-                    (peak * fs / (2 * s.n), float(np.sqrt(inside[group].sum() * fs / 2 / s.n)))
-                )
-    if not dropped:
-        return s, []
-    dropped = np.concatenate(dropped)
-    kept = s.coefficients.copy()
-    kept[dropped] = 0.0
-    return replace(s, coefficients=kept, dropped=dropped), lines
+    return dct(x - x.mean(axis=0), norm="ortho", axis=0)[1:] * np.sqrt(2 / fs)

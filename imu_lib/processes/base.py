@@ -66,6 +66,11 @@ class Process:
     #: Fast noise: what a change of noise level scales.
     fast: ClassVar[bool] = False
 
+    @property
+    def behind_filter(self) -> bool:
+        """Whether it is added behind the low-pass filter of the output."""
+        return False
+
     # -- questions -------------------------------------------------------------------------------
     def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         """One-sided power spectral density, unit^2/Hz, at frequencies `f` in Hz, same shape.

@@ -41,6 +41,10 @@ class CommonMode(WhiteNoise):
             raise InputError("process common_mode: `channels` must be a list of channel names")
         object.__setattr__(self, "channels", tuple(self.channels))
 
+    @property
+    def behind_filter(self) -> bool:
+        return not self.filtered
+
     def to_json(self) -> dict[str, Any]:
         return {**super().to_json(), "channels": list(self.channels)}
 

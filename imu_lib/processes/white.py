@@ -101,6 +101,10 @@ class Quantization(Process):
         Parameter("rounded", "count", "1: by rounding the integrated output", optional=True),
     )
 
+    @property
+    def behind_filter(self) -> bool:
+        return bool(self.rounded)
+
     @classmethod
     def of_grid(cls, step: float, fs: float) -> Quantization:
         """That of an integrated output whose increments lie on a grid of `step`, signal unit, at

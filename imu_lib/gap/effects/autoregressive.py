@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from imu_lib.gap.engine import AMPLITUDE_WIDTH, Slot
+from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH
+from imu_lib.likelihood.slot import Slot
 from imu_lib.processes import Autoregressive as Process
 
 from .competitor import Spectral

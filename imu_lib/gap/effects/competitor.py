@@ -7,9 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from imu_lib.gap import fast
 from imu_lib.gap.candidate import Assembly, Candidate
-from imu_lib.gap.engine import AMPLITUDE_WIDTH, SCREEN, TIME_WIDTH, Slot, measured
+from imu_lib.gap.data import SCREEN
+from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH, TIME_WIDTH
+from imu_lib.likelihood.slot import Slot
 
 from .base import Effect
 
@@ -80,14 +81,10 @@ class Competitor(Effect):
     def where(self, state, candidate) -> str:
         """Where the model without the candidate and the record disagree, in physical words."""
         without = state.without(candidate)
-        layout, fs = state.data.layout, state.data.fs
-        a, b = (
-            measured(fast.spectrum(s.fit.terms, s.fit.low_pass, layout, fs), state.data.extra)
-            for s in (state, without)
-        )
+        a, b = state.fit.expected, without.fit.expected
         decibel = 10 * np.log10(np.maximum(a, 1e-300) / np.maximum(b, 1e-300))
         weight = np.abs(decibel)
-        f = layout.f[weight > 0.5 * weight.max()]
+        f = state.data.layout.frequency[weight > 0.5 * weight.max()]
         peak = decibel[int(np.argmax(weight))]
         side = "above" if peak > 0 else "below"
         text = (

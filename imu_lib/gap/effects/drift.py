@@ -1,4 +1,4 @@
-"""Deterministic drifts: columns of a regression on the block differences."""
+"""Deterministic drifts: columns of a regression on the slow cosine coefficients."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from imu_lib.gap.candidate import Candidate
-from imu_lib.gap.engine import SCREEN
+from imu_lib.gap.data import SCREEN
 
 from .competitor import Z95, Competitor, process_parameters
 
@@ -35,8 +35,9 @@ class Drift(Competitor):
         raise NotImplementedError
 
     def columns(self, processes, data) -> np.ndarray:
-        """Their block means, shape (blocks, len(processes))."""
-        return np.column_stack([p.mean(data.block_time, data.block_temperature) for p in processes])
+        """Their cosine coefficients, shape (orders, len(processes))."""
+        t, temperature = data.grid_time, data.grid_temperature
+        return data.columns(np.column_stack([p.mean(t, temperature) for p in processes]))
 
     def penalty(self, data, snr: float) -> float:
         """Log of posterior over prior width of the shape parameter at a signal-to-noise ratio."""
@@ -102,7 +103,7 @@ class Drift(Competitor):
                 process = near[i] if amplitude[i] >= 0 else self.upright(near[i])
             process, seen = self.sharpened(process, float(amplitude[i]), state)
             note |= seen
-        column = np.diff(self.columns([process], data)[:, 0])
+        column = self.columns([process], data)[:, 0]
         return Candidate(self, process, column=column, screen=float(gain[j]), note=note)
 
     def noted(self, gain) -> dict:

@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from imu_lib.gap import fast
 from imu_lib.gap.candidate import Candidate
-from imu_lib.gap.engine import SCREEN, Slot
-from imu_lib.gap.screening import power_without_drifts
+from imu_lib.gap.data import SCREEN
+from imu_lib.likelihood.layout import Images
+from imu_lib.likelihood.slot import FILTER, Slot
 from imu_lib.processes import LowPass as Stage
 from imu_lib.processes import WhiteNoise
 
@@ -50,18 +50,18 @@ class LowPass(Competitor):
 
     def slot(self, fs) -> Slot:
         """The cutoff of a filter of given order."""
-        return Slot(-1, ("cutoff",), (np.log(0.003 * fs),), (np.log(0.495 * fs),), (np.log(100.0),))
+        return Slot(
+            FILTER, ("cutoff",), (np.log(0.003 * fs),), (np.log(0.495 * fs),), (np.log(100.0),)
+        )
 
     def candidates(self, state):
         if state.fit.low_pass is not None:
             return []
-        data, k = state.cleaned, state.cleaned.layout.slow
-        power, nu = power_without_drifts(state)[k:], data.layout.nu[k:]
-        s0 = state.likelihood.shapes(state.fit.vector)[0]
+        data, s0 = state.cleaned, state.fit.expected
+        power, count = state.fit.remaining, state.problem.stats.count
         stages, gains = _gains(self, data.layout, data.fs)
-        extra = data.extra[k:]
-        s = np.maximum((s0 - extra) * gains + extra, 1e-9 * s0)
-        gain = 0.5 * np.sum(nu * (np.log(s0 / s) + power / s0 - power / s), axis=1)
+        s = np.maximum((s0 - data.extra) * gains + data.extra, 1e-9 * s0)
+        gain = 0.5 * np.sum(count * np.log(s0 / s) + power / s0 - power / s, axis=1)
         out, kinds = [], set()
         for i in np.argsort(-gain, kind="stable"):
             stage = stages[i]
@@ -89,7 +89,7 @@ class LowPass(Competitor):
     def report(self, state, candidate):
         process, intervals = state.fit.low_pass, {}
         if candidate.slot is not None:
-            _, at = state.free(-1)
+            _, at = state.free(FILTER)
             sd = np.sqrt(max(state.fit.cov[at[0], at[0]], 0.0))
             intervals["cutoff"] = factor(process.cutoff, sd)
         return process_parameters(process), intervals
@@ -102,10 +102,12 @@ def _behind(term, stage, fs) -> bool:
 
 @lru_cache(maxsize=4)
 def _gains(effect, layout, fs):
-    """The filters of the catalogue and their power gains in the fast bins, shape (filters, bins)."""
+    """The filters of the catalogue and their power gains in the bands, shape (filters, b)."""
     stages = effect.filters(fs)
-    unit = [WhiteNoise(N=np.sqrt(0.5))]  # one-sided density 1 before the filter
-    return stages, np.array([fast.spectrum(unit, s, layout, fs)[layout.slow :] for s in stages])
+    white = WhiteNoise(N=1.0)  # of the one-sided density 2 before the filter
+    return stages, np.array(
+        [0.5 * layout.collapse(Images(s, layout.grid, fs).psd(white)) for s in stages]
+    )
 
 
 EFFECTS = (LowPass(),)

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.gap.candidate import Candidate
-from imu_lib.gap.engine import SCREEN, Likelihood, Slot
+from imu_lib.gap.data import SCREEN
+from imu_lib.likelihood.problem import Problem
+from imu_lib.likelihood.slot import Slot
 
 from .competitor import Competitor, factor
 
@@ -57,22 +59,22 @@ class ParameterChange(Competitor):
         )
         if index in state.assembly.slots:
             return [Candidate(self, None, slot, at=index, screen=SCREEN)]
-        like = Likelihood(
-            state.cleaned,
+        problem = Problem(
+            state.problem.stats,
             state.fit.terms,
             (slot,),
             low_pass=state.fit.low_pass,
-            columns=state.assembly.matrix,
-            power=state.likelihood.power_full,
+            extra=state.problem.extra,
+            regressors=state.regressors,
         )
-        x = like.start()
-        g, info = like._derivatives(x, like.shapes(x))
+        x = problem.start()
+        now, g, info = problem.score(x)
         screened = 0.5 * g[0] ** 2 / max(info[0, 0], 1e-12)
         if parameter.kind == "time":
             # a time far from the given one is not seen from its slope there
             trials = np.clip(x + TIMES_TRIED, slot.low[0], slot.high[0])
-            values = [like.value(np.array([v]))[0] for v in trials]
-            gain = max(values) - like.value(x)[0]
+            values = [problem.loglike(np.array([v])) for v in trials]
+            gain = max(values) - now
             if gain > max(screened, SCREEN):
                 there = float(np.exp(trials[int(np.argmax(values))]))
                 moved = state.fit.terms[index].with_(**{parameter.name: there})

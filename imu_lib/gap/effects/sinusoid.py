@@ -6,7 +6,7 @@ import numpy as np
 from scipy.fft import rfft
 from scipy.ndimage import median_filter
 
-from imu_lib.gap import fast
+from imu_lib.likelihood import tapered
 from imu_lib.processes import Sinusoid as Process
 
 from .base import Effect, Finding
@@ -21,7 +21,7 @@ INDEPENDENT = 1.25
 THRESHOLD = 20.0
 
 
-def local_level(power, layout) -> np.ndarray:
+def local_level(power) -> np.ndarray:
     """A level around every ordinate that lines do not lift: running medians, wider the higher the
     frequency.
     """
@@ -48,8 +48,8 @@ class Sinusoid(Effect):
         """Frequencies (Hz) and power over level of the strongest lines, on a grid twice as fine as
         the ordinates.
         """
-        n, size = data.n, 2 * fast.padded(data.n)
-        z = rfft(fast.taper(n) * (data.x - fast._bridge(data.x)), size)
+        n, size = data.n, 2 * tapered.padded(data.n)
+        z = rfft(tapered.taper(n) * (data.x - tapered.bridge(data.x)), size)
         ratio = np.abs(z) ** 2 * (2.0 / n / data.fs) / np.repeat(level, 2)[: len(z)]
         ratio[: 2 * FIRST] = 0.0
         ratio[-16:] = 0.0
@@ -59,10 +59,10 @@ class Sinusoid(Effect):
     def refine(self, data, f: float):
         """Least-squares sinusoid near `f` Hz: amplitude, frequency, phase and the fitted signal."""
         fs, n = data.fs, data.n
-        x = data.x - fast._bridge(data.x)
-        w = fast.taper(n)
+        x = data.x - tapered.bridge(data.x)
+        w = tapered.taper(n)
         t = np.arange(n)
-        size = fast.padded(n)
+        size = tapered.padded(n)
         width = 0.4 * fs / size
         # demodulate into ~256 pieces around the trial frequency, then work on those
         pieces = min(n, 512)
@@ -91,7 +91,7 @@ class Sinusoid(Effect):
         """Why the line is not one steady sinusoid, or None: power left beside it, or an amplitude
         that changes.
         """
-        size = fast.padded(data.n)
+        size = tapered.padded(data.n)
         i = int(round(process.frequency * size / data.fs))
         z2 = np.abs(data.z) ** 2 / data.fs
         reach = 40
@@ -105,13 +105,13 @@ class Sinusoid(Effect):
     def find(self, data, *, most: int = 6, threshold: float = THRESHOLD):
         """All lines, strongest first: list of (Finding, signal) and the data without them."""
         found = []
-        level = local_level(np.abs(data.z) ** 2 / data.fs, data.layout)
+        level = local_level(np.abs(data.z) ** 2 / data.fs)
         for _ in range(most):
             f, ratio = self.strongest(data, level)
             if ratio < 0.6 * threshold:
                 break
             process, signal = self.refine(data, f)
-            size = fast.padded(data.n)
+            size = tapered.padded(data.n)
             i = min(int(round(f * size / data.fs)), len(level) - 1)
             clean = data.minus(signal)
             density = max(

@@ -26,7 +26,7 @@ class SlowSinusoid(Drift):
 
     def shapes(self, data):
         cycles = np.arange(FEWEST, FIRST + 1.25, 0.5)
-        if cycles[-1] > 0.4 * data.k:
+        if cycles[-1] > 0.4 * data.orders:
             return []
         return [
             Process(amplitude=1.0, frequency=float(c / data.duration), phase=float(p))

@@ -20,14 +20,15 @@ class Step(Drift):
     fall = 3.0  # an edge is where it is, or a sample beside it
 
     def shapes(self, data):
-        return [
-            Process(amplitude=1.0, time=float(t))
-            for t in (np.arange(1, data.k + 1) * data.m / data.fs)[1:-1]
-        ]
+        blocks = np.arange(2, data.n // data.m - 1)
+        return [Process(amplitude=1.0, time=float(t)) for t in blocks * data.m / data.fs]
 
     def columns(self, processes, data):
-        edge = np.array([p.time for p in processes]) * data.fs / data.m
-        return np.clip(np.arange(1, data.k + 2)[:, None] - edge[None, :], 0.0, 1.0)
+        # a sum of cosines from the edge on, whose first sample is the first at or after its time
+        edge = np.ceil(np.array([p.time for p in processes]) * data.fs - 1e-6)
+        half = 0.5 * np.pi * np.arange(1, data.orders + 1) / data.n
+        scale = -np.sqrt(1.0 / (data.n * data.fs)) / np.sin(half)
+        return scale[:, None] * np.sin(2 * half[:, None] * edge[None, :])
 
     def around(self, process, data, reach, points):
         block = data.m / data.fs
@@ -44,7 +45,7 @@ class Step(Drift):
 
     def sharpened(self, process, amplitude, state):
         data = state.cleaned
-        s = state.likelihood.shapes(state.fit.vector)[0]
+        s = state.fit.expected[data.layout.slow :]
         # red noise has edges of its own
         density = max(float(np.median(s)), float(np.median(s[:20]))) / 2
         edge = sharpen(data.x, data.fs, process.time, data.m / data.fs, amplitude, density)

@@ -8,9 +8,9 @@ import numpy as np
 from numba import njit
 from scipy.fft import dct, idct
 
-from imu_lib.gap import fast
 from imu_lib.gap.candidate import Candidate
-from imu_lib.gap.engine import amplitude_occam, measured
+from imu_lib.likelihood.evaluate import with_extra
+from imu_lib.likelihood.evidence import amplitude_occam
 from imu_lib.processes import Telegraph as Process
 
 from .competitor import Z95, Competitor, process_parameters
@@ -175,7 +175,7 @@ class Telegraph(Competitor):
 
     def beside_base(self, state):
         """Two levels beside a fitted base, which may have taken them for a red noise of its own."""
-        duration, sd = state.data.duration, np.std(state.cleaned.means)
+        duration, sd = state.data.duration, state.cleaned.slow_sd
         return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
 
     def _decoded(self, state, starts):
@@ -183,7 +183,7 @@ class Telegraph(Competitor):
             return []
         data, fit = state.cleaned, state.fit
         # before a filter, which takes nothing from a dwell
-        s = measured(fast.spectrum(fit.terms, None, data.layout, data.fs), data.extra)
+        s = with_extra(data.layout.spectrum(fit.terms), data.extra)
         s = s[data.layout.slow :]
         density = min(float(np.median(s[:40])), float(np.median(s))) / 2
         drift = [t for t in fit.terms if t.name not in QUICK]
@@ -215,7 +215,7 @@ class Telegraph(Competitor):
                 if rate <= data.fs / MIN_DWELL_SAMPLES:
                     starts += [(2 * process.sigma, rate), (2 * process.sigma, 0.4 * rate)]
             elif len(starts) < 4:
-                sd = np.std(data.means)
+                sd = data.slow_sd
                 starts += [(2 * sd, 10 / data.duration), (2 * sd, 60 / data.duration)]
         return starts
 

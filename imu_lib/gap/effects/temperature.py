@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from imu_lib.gap.candidate import Candidate
-from imu_lib.gap.engine import SCREEN
+from imu_lib.gap.data import SCREEN
 from imu_lib.processes import Temperature as Process
 
 from .drift import Drift
@@ -25,9 +25,9 @@ class Temperature(Drift):
     amplitude = "slope"
 
     def shapes(self, data):
-        if data.temperature is None or not np.ptp(data.block_temperature) > 0:
+        if data.temperature is None or not np.ptp(data.grid_temperature) > 0:
             return []
-        return [Process(slope=1.0, reference=float(np.mean(data.block_temperature)))]
+        return [Process(slope=1.0, reference=float(np.mean(data.grid_temperature)))]
 
     def candidates(self, state):
         """As a straight line, and with a curvature, a lag or both; a fitted base may have taken so
@@ -40,7 +40,7 @@ class Temperature(Drift):
             for best, intervals, odds in self.bent(process, state.scan, data):
                 gain = float(state.scan(self, [best])[0][0])
                 if gain > SCREEN:
-                    column = np.diff(self.columns([best], data)[:, 0])
+                    column = self.columns([best], data)[:, 0]
                     note = {"intervals": intervals}
                     out.append(
                         Candidate(self, best, column=column, screen=gain, bonus=odds, note=note)
@@ -59,7 +59,7 @@ class Temperature(Drift):
         """(process, 95 % intervals, log odds against it) with a curvature, with a lag and with
         both, at their best by `scan(effect, processes)`, which fits the amplitude.
         """
-        middle, sd = process.reference, float(np.std(data.block_temperature))
+        middle, sd = process.reference, float(np.std(data.grid_temperature))
 
         def made(v, curved, lagged):
             angle = v[0] if curved else 0.0
@@ -109,7 +109,7 @@ class Temperature(Drift):
     @staticmethod
     def _referred(process, data):
         """The same characteristic with its slope at the usual reference temperature."""
-        t = data.block_temperature
+        t = data.grid_temperature
         if process.curvature is None or not t.min() - NEAR < USUAL < t.max() + NEAR:
             return process
         slope = 1.0 + 2.0 * process.curvature * (USUAL - process.reference)

@@ -1,0 +1,140 @@
+"""A clean channel and what the likelihood needs of it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from imu_lib.likelihood import tapered
+from imu_lib.likelihood.statistics import Statistics, cosines
+
+#: Gain in log-likelihood below which a screened candidate is not fitted.
+SCREEN = 4.0
+#: The drifts are heard in periods of two blocks and longer: a block has four seconds at least, a
+#: record this many blocks at the most and at the least.
+SHORTEST_BLOCK, MOST_BLOCKS, FEWEST_BLOCKS = 4.0, 640, 48
+#: Points to a block on which a drift is evaluated.
+FINE = 4
+
+
+def block_length(n: int, fs: float) -> int:
+    """Samples in a block."""
+    samples = max(SHORTEST_BLOCK * fs, n / MOST_BLOCKS)
+    return int(max(1, min(round(samples), n // FEWEST_BLOCKS)))
+
+
+def statistics(x, fs: float) -> Statistics:
+    """What the likelihood knows of samples: cosine coefficients below one cycle in two blocks, the
+    tapered periodogram above.
+    """
+    return Statistics.split(x, fs, fs / (2 * block_length(len(x), fs)))
+
+
+class Data:
+    """A clean, evenly sampled channel.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    fs : float, Hz
+    white : float
+        Variance that the electronics add to every sample (rounding), unit^2.
+    extra : ndarray, optional
+        One-sided density that the electronics add in the bands, where it is not 2 white / fs.
+    blind : ndarray of bool, optional
+        Bands that tell nothing: the stop band of a filter, where samples that were filled in are
+        stronger than the signal.
+    """
+
+    def __init__(
+        self, x, fs: float, *, white: float = 0.0, temperature=None, extra=None, blind=None
+    ):
+        self.x, self.fs, self.white, self.blind = x, float(fs), white, blind
+        self.n = len(x)
+        self.m = block_length(self.n, self.fs)
+        self.duration = self.n / self.fs
+        self.temperature = temperature
+        self._extra = extra
+
+    def minus(self, signal) -> Data:
+        """The channel without a deterministic signal."""
+        return Data(
+            self.x - signal,
+            self.fs,
+            white=self.white,
+            temperature=self.temperature,
+            extra=self._extra,
+            blind=self.blind,
+        )
+
+    def below(self, frequency: float) -> Data:
+        """The channel with what is above a frequency in Hz left out."""
+        out = Data(self.x, self.fs, white=self.white, temperature=self.temperature)
+        out._extra, above = self._extra, self.layout.frequency >= frequency
+        out.blind = above if self.blind is None else above | self.blind
+        out.__dict__["z"] = self.z
+        return out
+
+    # -- what it says ----------------------------------------------------------------------------
+    @cached_property
+    def stats(self) -> Statistics:
+        """The statistics, with the blind bands left out."""
+        stats = statistics(self.x, self.fs)
+        return stats if self.blind is None else stats.without(self.blind)
+
+    @property
+    def layout(self):
+        """Its bands."""
+        return self.stats.layout
+
+    @cached_property
+    def extra(self):
+        """Density that the electronics add in the bands, shape (b,)."""
+        if self._extra is not None:
+            return self._extra
+        return np.full(len(self.layout.frequency), 2.0 * self.white / self.fs)
+
+    @cached_property
+    def z(self):
+        """Transform of the tapered record."""
+        return tapered.transform(self.x)
+
+    # -- drifts ----------------------------------------------------------------------------------
+    @property
+    def orders(self) -> int:
+        """Cosine coefficients in which drifts are heard."""
+        return len(self.stats.stretches[0].coefficients)
+
+    @property
+    def cosines(self):
+        """These coefficients of the record, shape (orders,)."""
+        return self.stats.stretches[0].coefficients
+
+    @property
+    def slow_sd(self) -> float:
+        """Standard deviation of the part of the record that these coefficients are."""
+        return float(np.sqrt(np.sum(self.cosines**2) * self.fs / (2 * self.n)))
+
+    @cached_property
+    def _cells(self):
+        count = min(self.n, FINE * (self.n // self.m))
+        return np.rint(np.linspace(0, self.n, count + 1)).astype(int)
+
+    @cached_property
+    def grid_time(self):
+        """Times in s at which drifts are evaluated: the middles of equal parts of the record."""
+        count = len(self._cells) - 1
+        return ((np.arange(count) + 0.5) * self.n / count - 0.5) / self.fs
+
+    @cached_property
+    def grid_temperature(self):
+        """Mean temperature in these parts, or None."""
+        if self.temperature is None:
+            return None
+        return np.add.reduceat(self.temperature, self._cells[:-1]) / np.diff(self._cells)
+
+    def columns(self, values) -> np.ndarray:
+        """Cosine coefficients, shape (orders, q), of drifts (parts, q) given on the grid."""
+        scale = np.sqrt(self.n / len(values))
+        return cosines(values, self.fs)[: self.orders] * scale
