@@ -49,23 +49,53 @@ def level(force):
     return np.arctan2(-force[1], -force[2]), np.arctan2(force[0], np.hypot(force[1], force[2]))
 
 
-def velocity_of(fixes: Fixes, *, span=1.0):
-    """NED velocity at each fix, (m, 3): as received, or from positions `span` s apart where there
-    is none (NaN at the ends).
+def velocity_of(fixes: Fixes, *, span=None):
+    """NED velocity at each fix, (m, 3): as received, or the slope of the positions over `span` s
+    where there is none (NaN at the ends; None: as long as their scatter asks for).
     """
     has = (fixes.use & 2) > 0
     if has.any():
         of = np.full((int(fixes.index.max()) + 1, 3), np.nan)
         of[fixes.index[has]] = fixes.value[has, 3:]
         return of[fixes.index]
+    span = _span(fixes) if span is None else span
     out = np.full((fixes.time.size, 3), np.nan)
     after = np.searchsorted(fixes.time, fixes.time + span)
     before = np.searchsorted(fixes.time, fixes.time - span, side="right") - 1
     for i in np.flatnonzero((after < fixes.time.size) & (before >= 0)):
-        gap = fixes.time[after[i]] - fixes.time[before[i]]
-        if gap < 6.0 * span:
-            out[i] = earth.meters(fixes.value[after[i], :3], fixes.value[before[i], :3]) / gap
+        part = slice(before[i], after[i] + 1)
+        time = fixes.time[part] - fixes.time[part].mean()
+        if fixes.time[after[i]] - fixes.time[before[i]] < 6.0 * span:
+            moved = earth.meters(fixes.value[part, :3], fixes.value[before[i], :3])
+            out[i] = time @ moved / (time @ time)
     return out
+
+
+def _scatter(fixes: Fixes):
+    """Horizontal scatter of the positions from one fix to the next, m: of their second differences,
+    which hardly move with the vehicle where fixes are dense.
+    """
+    p = fixes.value[(fixes.use & 1) > 0, :3]
+    if len(p) < 10:
+        return 0.0
+    moved = earth.meters(p, p[0])[:, :2]
+    return float(np.median(np.abs(np.diff(moved, 2, axis=0))) * 1.48 / np.sqrt(6.0))
+
+
+def _slope_sd(fixes: Fixes, span):
+    """Standard deviation of a velocity that `velocity_of` takes from positions, m/s."""
+    if ((fixes.use & 2) > 0).any():
+        return 0.0
+    interval = max(float(np.median(np.diff(np.unique(fixes.time)))), 1e-3)
+    count = 2.0 * span / interval + 1.0
+    return _scatter(fixes) / (span * np.sqrt(max(count, 2.0) / 3.0))
+
+
+def _span(fixes: Fixes):
+    """Half of the time over which positions are made a velocity, s: the shortest that does not make
+    a standing car move.
+    """
+    return next((s for s in (1.0, 1.5, 2.0) if _slope_sd(fixes, s) < 0.1), 3.0)
 
 
 def align(
@@ -89,6 +119,7 @@ def align(
         raise InputError(
             f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to start the filter from"
         )
+    noise = _slope_sd(fixes, _span(fixes))
     velocity = velocity_of(fixes)[index]
     time = fixes.time[index]
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
@@ -98,8 +129,8 @@ def align(
     span = max(int(round(0.5 / np.median(stretch.dt))), 1)
     with np.errstate(invalid="ignore"):
         first_known = int(np.argmax(np.isfinite(speed))) if np.isfinite(speed).any() else 0
-        moved = np.flatnonzero(speed > STANDING)
-        quick = np.flatnonzero(speed > MOVING)
+        moved = np.flatnonzero(speed > max(STANDING, 4.0 * noise))
+        quick = np.flatnonzero(speed > max(MOVING, 8.0 * noise))
     begin = 0 if time[0] - stretch.time[0] < 2.0 else int(epochs[0])
     leaves = int(epochs[max(moved[0] - 1, 0)]) if moved.size else int(epochs[-1])
     standstill = (
@@ -149,12 +180,7 @@ def align(
     e = int(epochs[k])
     now = velocity[k] if np.isfinite(velocity[k]).all() else np.zeros(3)
     yaw = np.arctan2(now[1], now[0]) if heading is None else heading
-    near = [i for i in range(k - 1, k + 2) if 0 <= i < time.size and np.isfinite(velocity[i]).all()]
-    acceleration = (
-        (velocity[near[-1]] - velocity[near[0]]) / (time[near[-1]] - time[near[0]])
-        if len(near) > 1
-        else np.zeros(3)
-    )
+    acceleration = _slope(time, velocity, k)
     around = force[max(e - span, 0) : e + span].mean(axis=0)
     ahead, aside = (
         np.cos(yaw) * acceleration[0] + np.sin(yaw) * acceleration[1],
@@ -173,6 +199,18 @@ def align(
         0.0,
         float(time[k]),
     )
+
+
+def _slope(time, velocity, k, width=1.0):
+    """Acceleration at fix k, (3,): of the velocities within `width` s, or of its neighbours."""
+    near = np.flatnonzero(np.abs(time - time[k]) <= width)
+    if near.size < 3:
+        near = np.arange(max(k - 1, 0), min(k + 2, time.size))
+    near = near[np.isfinite(velocity[near]).all(axis=1)]
+    if near.size < 2:
+        return np.zeros(3)
+    t = time[near] - time[near].mean()
+    return t @ velocity[near] / (t @ t)
 
 
 def _yaw_since(angles, rate, dt, marks):
