@@ -5,17 +5,11 @@ Earth-centred frame, where the navigation package works in north-east-down. Erro
 too, effect by effect, from the definitions of the file format alone.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
+from drive_motion import FINE, motion, radii
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
-A, F, OMEGA = 6378137.0, 1 / 298.257223563, 7.292115e-5
-E2 = F * (2 - F)
-FINE = 400.0  # Hz, of the grid on which motion is built
 DEG = np.pi / 180
 
 MODEL = {
@@ -35,120 +29,6 @@ MODEL = {
         for a in "xyz"
     },
 }
-
-
-@dataclass
-class Motion:
-    """True motion on the fine grid."""
-
-    t: np.ndarray
-    lla: np.ndarray
-    velocity: np.ndarray
-    attitude: Rotation
-    euler: np.ndarray
-    gyro: np.ndarray
-    accel: np.ndarray
-
-
-def commands(kind, t, rng):
-    """Speed m/s, course rad, slope rad on the grid: "town" excites, "motorway" little, "straight"
-    never turns.
-    """
-    n = t.size
-
-    def steps(low, high, shortest, longest, values=None):
-        out, k = np.empty(n), 0
-        while k < n:
-            m = int(rng.uniform(shortest, longest) * FINE)
-            out[k : k + m] = rng.uniform(low, high) if values is None else rng.choice(values)
-            k += m
-        return out
-
-    if kind == "town":
-        speed = steps(4.0, 17.0, 8.0, 25.0)
-        stops = steps(0, 1, 6.0, 14.0, [0, 0, 0, 0, 1]) > 0
-        speed[stops] = 0.0
-        turn = steps(0, 0, 3.0, 7.0, [0, 0, 0, 0.25, -0.25, 0.12, -0.12, 0.4, -0.4])
-    elif kind == "motorway":
-        speed = steps(26.0, 34.0, 20.0, 60.0)
-        turn = steps(-0.02, 0.02, 10.0, 30.0)
-    else:
-        speed = steps(10.0, 25.0, 15.0, 40.0)
-        turn = np.zeros(n)
-    standing = t < 20.0
-    speed[standing], turn[standing] = 0.0, 0.0
-    speed = gaussian_filter1d(speed, 2.2 * FINE)
-    speed = np.maximum(speed - 0.02, 0.0)
-    speed = gaussian_filter1d(speed, 0.2 * FINE)
-    turn = gaussian_filter1d(turn, 0.8 * FINE) * np.minimum(speed / 5.0, 1.0)
-    slope = gaussian_filter1d(steps(-0.04, 0.04, 10.0, 40.0), 4.0 * FINE)
-    course = rng.uniform(-np.pi, np.pi) + np.cumsum(turn) / FINE
-    return speed, course, slope
-
-
-def radii(lat):
-    w = 1 - E2 * np.sin(lat) ** 2
-    return A * (1 - E2) / w**1.5, A / np.sqrt(w)
-
-
-def ned_to_ecef(lat, lon):
-    """Rotation matrices (n, 3, 3)."""
-    sl, cl, so, co = np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon)
-    z = np.zeros_like(lat)
-    return np.stack(
-        [
-            np.stack([-sl * co, -so, -cl * co], -1),
-            np.stack([-sl * so, co, -cl * so], -1),
-            np.stack([cl, z, -sl], -1),
-        ],
-        -2,
-    )
-
-
-def plumb(lat, h):
-    """Normal gravity, m/s^2 (Somigliana, second order in height)."""
-    s2 = np.sin(lat) ** 2
-    g0 = 9.7803253359 * (1 + 1.931852652458e-3 * s2) / np.sqrt(1 - E2 * s2)
-    m = OMEGA**2 * A**3 * (1 - F) / 3.986004418e14
-    return g0 * (1 - 2 / A * (1 + F * (1 - 2 * s2) + m) * h + 3 * h**2 / A**2)
-
-
-def motion(kind, duration, rng, origin=(0.84, 0.15, 300.0)):
-    """A car's motion: nose along the path, a little roll in curves."""
-    t = np.arange(int((duration + 2.0) * FINE)) / FINE
-    speed, course, slope = commands(kind, t, rng)
-    v = np.stack(
-        [
-            speed * np.cos(slope) * np.cos(course),
-            speed * np.cos(slope) * np.sin(course),
-            -speed * np.sin(slope),
-        ],
-        -1,
-    )
-
-    def total(x):
-        return np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1])) / FINE])
-
-    h = origin[2] + total(-v[:, 2])
-    lat = origin[0] + total(v[:, 0]) / (radii(origin[0])[0] + origin[2])
-    for _ in range(3):
-        lat = origin[0] + total(v[:, 0] / (radii(lat)[0] + h))
-    lon = origin[1] + total(v[:, 1] / ((radii(lat)[1] + h) * np.cos(lat)))
-    lateral = speed * np.gradient(course, t)
-    euler = np.stack([-0.004 * gaussian_filter1d(lateral, 0.3 * FINE), slope, course], -1)
-    c_nb = Rotation.from_euler("ZYX", euler[:, ::-1])
-    c_en = ned_to_ecef(lat, lon)
-    v_e = np.einsum("nij,nj->ni", c_en, v)
-    a_e = CubicSpline(t, v_e)(t, 1)
-    w = np.array([0.0, 0.0, OMEGA])
-    g_e = c_en[:, :, 2] * plumb(lat, h)[:, None]  # gravity holds the centrifugal part already
-    f_e = a_e + 2 * np.cross(w, v_e) - g_e
-    c_eb = Rotation.from_matrix(c_en) * c_nb
-    accel = c_eb.inv().apply(f_e)
-    spin = Rotation.from_rotvec(t[:, None] * w)  # Earth-fixed axes seen from inertial ones
-    c_ib = spin * c_eb
-    gyro = np.vstack([(c_ib[:-1].inv() * c_ib[1:]).as_rotvec() * FINE, np.zeros(3)])
-    return Motion(t, np.stack([lat, lon, h], -1), v, c_nb, euler, gyro, accel)
 
 
 def imu_means(m, rate, clock=0.0):
@@ -204,10 +84,21 @@ def make(
     temperature=True,
     moving_start=False,
     noiseless=False,
+    rough=0.0,
+    slip=0.0,
+    imu_gap=0.0,
+    tunnels=0,
+    stated=True,
+    held_sd=1.0,
 ):
-    """Arrays of a drive, for effects [(name, parameters)] and unknown ones by name (see below)."""
+    """Arrays of a drive, for effects [(name, parameters)] and unknown ones by name (see below).
+
+    imu_gap : s without readings in mid-drive; tunnels : stretches of 15 s without fixes; stated :
+    whether the standard deviations of the fixes are in the file; held_sd : factor by which they
+    wander between good and bad sky, said by the file as it goes
+    """
     rng = np.random.default_rng(seed)
-    m = motion(kind, duration, rng)
+    m = motion(kind, duration, rng, rough=rough, slip=slip)
     found = dict(effects)
     scale_clock = found.get("imu_clock", {}).get("scale", 0.0)
     t, gyro, accel = imu_means(m, rate)
@@ -291,7 +182,10 @@ def make(
         slow = lfilter([alpha], [1, alpha - 1], m.velocity, axis=0)
         vel = np.stack([np.interp(stamps, m.t, c) for c in slow.T], -1)
     q = stamps.size
-    psd, vsd = np.array(position_sd), np.array(velocity_sd)
+    psd, vsd = np.tile(position_sd, (q, 1)), np.tile(velocity_sd, (q, 1))
+    if held_sd > 1.0:
+        sky = np.exp(gauss_markov(q, 1 / gnss_rate, np.log(held_sd), 40.0, rng))[:, None]
+        psd, vsd = psd * sky, vsd * sky
     ratio = {"position": 1.0, "velocity": 1.0}
     for name, e in effects:
         if name == "gnss_noise":
@@ -335,15 +229,34 @@ def make(
         accel=out_a,
         gnss_time=stamps - start,
         gnss_position=fixes,
-        gnss_position_sd=np.tile(psd, (q, 1)),
         reference_time=(t - start)[sub],
         reference_position=np.stack([np.interp(t, m.t, c) for c in m.lla.T], -1)[sub],
         reference_velocity=np.stack([np.interp(t, m.t, c) for c in m.velocity.T], -1)[sub],
         reference_attitude=angles,
         lever_arm=np.zeros(3),
     )
+    if stated:
+        arrays["gnss_position_sd"] = psd
     if velocity:
-        arrays |= dict(gnss_velocity=vel + v_error, gnss_velocity_sd=np.tile(vsd, (q, 1)))
+        arrays["gnss_velocity"] = vel + v_error
+        if stated:
+            arrays["gnss_velocity_sd"] = vsd
     if temperature:
         arrays["temperature"] = warmth
+    return with_holes(arrays, imu_gap, tunnels, rng)
+
+
+def with_holes(arrays, imu_gap, tunnels, rng):
+    """The arrays without some readings, and without the fixes of a few stretches."""
+    end = arrays["time"][-1]
+    if imu_gap:
+        begin = rng.uniform(0.4, 0.7) * end
+        keep = (arrays["time"] < begin) | (arrays["time"] > begin + imu_gap)
+        for key in ("time", "gyro", "accel", "temperature"):
+            if key in arrays:
+                arrays[key] = arrays[key][keep]
+    for begin in rng.uniform(0.3, 0.9, tunnels) * end:
+        keep = (arrays["gnss_time"] < begin) | (arrays["gnss_time"] > begin + 15.0)
+        for key in [k for k in arrays if k.startswith("gnss_")]:
+            arrays[key] = arrays[key][keep]
     return arrays

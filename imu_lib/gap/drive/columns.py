@@ -43,12 +43,13 @@ IMU = (
     *_six("other: biases follow the speed", 2e-4, 0.01),
     *_six("other: biases step in mid-drive", 2e-3, 0.05),
 )
+#: s, of the low passes whose sum stands for any
+SMOOTHED = (0.15, 0.4, 0.8, 1.6)
 FIX = (
     Column("gnss_time_offset", "offset", 0.5),
     Column("gnss_time_offset", "velocity_offset", 0.5),
     *_three("lever_arm", "arm", 1.5),
-    Column("other: receiver's velocity is smoothed", "0.3 s", 1.0),
-    Column("other: receiver's velocity is smoothed", "1 s", 1.0),
+    *[Column("other: receiver's velocity is smoothed", f"{tau} s", 1.0) for tau in SMOOTHED],
     *[
         Column(f"other: fixes are displaced after {part}", f"{a}", 5.0)
         for part in ("a third", "half", "two thirds")

@@ -163,7 +163,8 @@ def innovations(
     use (f, 6); d (f, 6, P); sens: whether to carry the parameters.
     held (P,): values taken as known, beyond what the path was built with; fraction, wild_scale: of wild positions, m; a fix is taken for wild where that is likelier
     returns : e (f, 6) whitened, s (f, 6) variance of the innovations, j (f, 6, P) whitened,
-    wild (f,) bool
+    wild (f,) bool, doubt (f,) nats by which one of wild and tame is likelier (infinite where no fix
+    can be wild)
     """
     m, count = output.shape[1], d.shape[2]
     n = 9 + m + 3
@@ -176,6 +177,7 @@ def innovations(
     f, h = np.zeros((n, n)), np.zeros(n)
     imu = force.shape[1]
     wild = np.zeros(y.shape[0], np.bool_)
+    doubt = np.full(y.shape[0], np.inf)
     for node in range(begins.size):
         if begins[node]:
             x[:9] = 0.0
@@ -221,6 +223,7 @@ def innovations(
                     tame -= 0.5 * (apart / var + np.log(var))
                     other -= 0.5 * (apart / more + np.log(more))
                 wild[fix] = other > tame
+                doubt[fix] = np.abs(other - tame)
             for i in range(6):
                 if not use[fix, i]:
                     continue
@@ -248,4 +251,4 @@ def innovations(
                     for b in range(n):
                         p[a, b] -= gain_k[a] * ph[b]
         p = 0.5 * (p + p.T)
-    return e, s, jac, wild
+    return e, s, jac, wild, doubt

@@ -102,11 +102,7 @@ def close(
     state = search.State(
         right, noise, theta, withhold=tuple((w.start, w.duration) for w in windows)
     )
-    late, likeness, _ = gross.best_match(correct.corrected(right, theta))
-    if abs(late) > SEEN:
-        theta[columns.of("gnss_time_offset")] += late
-        state.kept = ("gnss_time_offset",)
-        say(f"fixes are about {late:.1f} s late (turns agree by {likeness:.2f})")
+    _start_time(state, say)
     first = replace(state, theta=np.zeros_like(theta), kept=())
     first.rebuild()
     if not given:
@@ -170,10 +166,62 @@ def _enough(drive):
         )
 
 
+def _start_time(state, say):
+    """Start where the turns of the fixes match those felt best, if the innovations agree: on roads
+    without turns, or where fixes jump, a match is chance.
+    """
+    late, likeness, _ = gross.best_match(correct.corrected(state.drive, state.theta))
+    if abs(late) < SEEN:
+        return
+    moved = replace(state, theta=state.theta.copy(), kept=("gnss_time_offset",))
+    moved.theta[columns.of("gnss_time_offset")] += late
+    costs = []
+    for tried in (state, moved):
+        tried.rebuild()
+        costs.append(tried.cost() / tried.use.sum())
+    if costs[1] < costs[0]:
+        state.theta, state.kept, state.result = moved.theta, moved.kept, None
+        say(f"fixes are about {late:.1f} s late (turns agree by {likeness:.2f})")
+    else:
+        state.result = None
+
+
+def _one_solution(drive, notes):
+    """The drive with the fixes of those codes whose velocities are the ones at which their positions
+    move, where the others' are not: a file may hold two solutions in turn.
+    """
+    if drive.gnss_velocity is None or drive.gnss_fix is None:
+        return drive
+    codes = np.asarray(drive.gnss_fix)
+    shares = {}
+    for code in np.unique(codes[np.isfinite(codes)]):
+        mine = codes == code
+        if mine.sum() > max(FEWEST, 0.02 * codes.size):
+            shares[code] = float(np.mean(gross.contradicted(_fixes(drive, mine))))
+    good = [c for c, share in shares.items() if share < 0.3 * CONTRADICTED]
+    rest = [c for c, share in shares.items() if share > CONTRADICTED]
+    kept = np.isin(codes, good)
+    if not rest or kept.sum() < max(FEWEST, 0.3 * codes.size):
+        return drive
+    notes.append(
+        f"Fixes of code {', '.join(f'{c:g}' for c in rest)} are another solution, whose velocities are not those at which "
+        f"its positions move: those of code {', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
+    )
+    return _fixes(drive, kept)
+
+
+def _fixes(drive, kept):
+    """The drive with some of its fixes."""
+    names = ("time", "position", "velocity", "position_sd", "velocity_sd", "fix")
+    values = {f"gnss_{n}": getattr(drive, f"gnss_{n}") for n in names}
+    return drive.with_(**{k: None if v is None else np.asarray(v)[kept] for k, v in values.items()})
+
+
 def _without_other_solutions(drive, notes):
     """The drive with its positions alone where many of its velocities are not those at which the
     positions move.
     """
+    drive = _one_solution(drive, notes)
     if drive.gnss_velocity is None:
         return drive
     share = float(np.mean(gross.contradicted(drive)))

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
+from scipy.spatial.transform import Rotation
 
 from imu_lib.navigation import attitude, earth
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
@@ -12,6 +13,7 @@ from . import columns, condense
 from .problem import Noise, Problem, for_search, turn_on_of
 
 LONGEST = 0.5  # s between nodes
+JOLT = 1e6  # times the white noise, about a shock: readings that clip say nothing
 LINEAR_STEP = 0.05  # s of one linear step
 
 
@@ -41,6 +43,10 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     prepared = engine.prepared
     fixes = prepared.fixes
     _trust_velocities(fixes, split=bool(velocity_shift))
+    for stretch in prepared.stretches:
+        for when in restarts:
+            near = (stretch.time[:-1] > when - 0.3) & (stretch.time[:-1] < when + 0.3)
+            stretch.extra_noise[near] = JOLT
     end = min(float(drive.time[-1]), float(fixes.time[-1])) - 1.0
     solution = engine.solve(moments=[end])
     rate = prepared.rate
@@ -230,13 +236,22 @@ def _fill(mine, fixes, stretch, epochs, at, log, lever, y, arm_rows, use, d, ext
     """Predicted minus measured, its rows and columns, at the fixes of a stretch."""
     w, f, f_all = at
     pos, vel, quat = log.at(epochs)
-    c = attitude.matrix(attitude.euler(quat))
+    # columns are what was known before the fix: its own noise in them would look like an effect
+    before = np.maximum(epochs - 1, log.first)
+    _, vel_before, quat_before = log.at(before)
+    step = np.where(epochs > before, stretch.dt[before], 0.0)[:, None]
+    turned = Rotation.from_rotvec(w * step).as_matrix()
+    c, now = (
+        attitude.matrix(attitude.euler(quat_before)) @ turned,
+        attitude.matrix(attitude.euler(quat)),
+    )
     gravity = np.array([earth.gravity(p[0], p[2]) for p in pos])
     acc = np.einsum("nij,nj->ni", c, f)
     acc[:, 2] += gravity
     delay = stretch.time[epochs] - fixes.time[mine]
-    arm = np.einsum("nij,j->ni", c, lever)
-    spin = np.einsum("nij,nj->ni", c, np.cross(w, lever))
+    vel_before = vel_before + acc * step
+    arm = np.einsum("nij,j->ni", now, lever)
+    spin = np.einsum("nij,nj->ni", now, np.cross(w, lever))
     value = fixes.value[mine]
     back = (vel * delay[:, None]) - 0.5 * acc * delay[:, None] ** 2
     y[mine, :3] = earth.meters(pos, value[:, :3]) + arm - back
@@ -258,24 +273,25 @@ def _fill(mine, fixes, stretch, epochs, at, log, lever, y, arm_rows, use, d, ext
     at_time = fixes.time[mine]
     out = d[mine]
     first = len(columns.IMU)
-    out[:, :3, first] = vel
+    out[:, :3, first] = vel_before
     out[:, 3:, first + 1] = acc
     for i in range(3):
         unit = np.zeros(3)
         unit[i] = 1.0
         out[:, :3, first + 2 + i] = -c[:, :, i]
         out[:, 3:, first + 2 + i] = -np.einsum("nij,nj->ni", c, np.cross(w, unit))
-    out[:, :3, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * vel
+    out[:, :3, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * vel_before
     out[:, 3:, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * acc
-    for k, tau in enumerate((0.3, 1.0)):
-        out[:, 3:, first + 5 + k] = _smoothing_lack(log, at_time, tau)
+    smooth = columns.of("other: receiver's velocity is smoothed")
+    for k, tau in zip(smooth, columns.SMOOTHED):
+        out[:, 3:, k] = _smoothing_lack(log, at_time, tau)
     span = drive.time[-1] - drive.time[0]
     for k, part in enumerate((1 / 3, 1 / 2, 2 / 3)):
         after = at_time > drive.time[0] + part * span
         for i in range(3):
-            out[:, i, first + 7 + 3 * k + i] = -after.astype(float)
+            out[:, i, smooth[-1] + 1 + 3 * k + i] = -after.astype(float)
     for i in range(3):
-        out[:, 3 + i, first + 16 + i] = -1.0
+        out[:, 3 + i, smooth[-1] + 10 + i] = -1.0
     d[mine] = out
     speed = np.hypot(vel[:, 0], vel[:, 1])
     course = np.arctan2(vel[:, 1], vel[:, 0])

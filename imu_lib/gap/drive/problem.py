@@ -93,7 +93,7 @@ class Problem:
         powers, walks = _powers(sensors, a["counts"])
         variance = self.stated * np.repeat([noise.position**2, noise.velocity**2], 3)
         density = np.array([w if n is None else n**2 for w, n in zip(sensors.white, noise.still)])
-        e, s, jac, wild = condense.innovations(
+        e, s, jac, wild, doubt = condense.innovations(
             a["begins"], a["phi"], a["gain"], a["noise"], a["force"], a["jump"], a["kind"],
             powers, walks, output, START**2, sensors.initial, density,
             np.asarray(noise.per_speed, float) ** 2, a["node_speed"], a["bias"],
@@ -106,7 +106,8 @@ class Problem:
         if noise.fraction > 0.0:
             seen = (self.use if use is None else use)[:, 0]
             share = np.where(wild[seen], noise.fraction, 1.0 - noise.fraction)
-            value += float(np.log(share).sum())
+            # a fix may be either: the density is the sum of both
+            value += float(np.log(share).sum() + np.log1p(np.exp(-doubt[seen])).sum())
         return Innovations(e, s, jac if sens else None, value, wild)
 
 

@@ -12,6 +12,7 @@ from .problem import Noise, Problem
 from .select import PER_EFFECT, PER_PARAMETER
 
 _TRIES = 35
+PRIOR = 2.0  # of the logarithm of a parameter: a factor of seven is usual, a million is none
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Change:
         def loss(x):
             with np.errstate(over="ignore"):
                 value = state.evaluate(self.enter(noise, np.exp(x))).log_likelihood
-            pull = 0.5 * float(np.sum(((x - np.log(self.start)) / 4.0) ** 2))
+            pull = 0.5 * float(np.sum(((x - np.log(self.start)) / PRIOR) ** 2))
             return -value + pull if np.isfinite(value) else 1e12
 
         start = np.log(self.start)
@@ -151,20 +152,25 @@ def _white(model, channel):
     )
 
 
+#: by which the first parameter is tried; other effects are tried at their start
+_FACTORS = {"gnss_noise": (0.4, 0.67, 1.5, 3.0), "bias_model": (0.67, 1.5, 6.0)}
+
+
 def screen(state, noise, base, options):
-    """Gain of a doubling and a halving of each change's first parameter (of its start itself where
-    it is not yet there), the best first: [(gain, change)].
+    """Gain of a few values of each change's first parameter, the best first, one for each key:
+    [(gain, change)].
     """
-    ranked = []
+    ranked = {}
     for change in options:
         gains = []
-        absent = change.effect in ("gnss_correlated", "gnss_outliers", "vibration")
-        factors = (1.0, 0.25) if absent else (1.5, 0.67)
+        factors = _FACTORS.get(change.effect, (1.0, 0.25))
         for factor in factors:
             v = np.array(change.start, float)
             v[0] *= factor
             tried = replace(change, start=tuple(v))
             value = state.evaluate(change.enter(noise, v)).log_likelihood - base
             gains.append((value if np.isfinite(value) else -np.inf, tried))
-        ranked.append(max(gains, key=lambda g: g[0]))
-    return sorted(ranked, key=lambda g: -g[0])
+        top = max(gains, key=lambda g: g[0])
+        if change.key not in ranked or ranked[change.key][0] < top[0]:
+            ranked[change.key] = top
+    return sorted(ranked.values(), key=lambda g: -g[0])

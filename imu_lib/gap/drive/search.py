@@ -5,84 +5,20 @@ log-likelihood; a shock is a restart of the filter. What stays at the end is wha
 removal improves.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.drive import Drive
+from . import columns, random_effects, select
+from .problem import Problem
+from .state import Change, State
 
-from . import columns, correct, random_effects, select
-from .path import build
-from .problem import Noise, Problem
-
-ROUNDS = 10
+ROUNDS = 14
 FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
+DOUBTED = 8.0  # times its price: effects that gain less are tried without
+SLACK = 2.0  # nats by which a path of its own may disappoint
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
-
-
-@dataclass
-class Change:
-    """An accepted change of what is random: its `random_effects.Change`, values and gain."""
-
-    change: object
-    values: np.ndarray
-    gain: float
-    before: Noise
-    rivals: list = field(default_factory=list)
-
-
-@dataclass
-class State:
-    """What is held, and the drive under it."""
-
-    drive: Drive
-    noise: Noise
-    theta: np.ndarray
-    other: np.ndarray = field(default_factory=lambda: np.zeros(len(columns.ALL)))
-    kept: tuple = ()
-    changes: list = field(default_factory=list)
-    restarts: tuple = ()
-    problem: Problem | None = None
-    result: object = None
-    use: np.ndarray | None = None
-    reg: object = None
-    withhold: tuple = ()
-    heading: float | None = None
-
-    def rebuild(self):
-        """The path, innovations and regression at what is held now; fixes that the last path could
-        not follow are trusted less for the next.
-        """
-        loose = np.ones(2)
-        if self.result is not None:
-            e2 = np.where(self.use, self.result.e, np.nan) ** 2
-            for k in (0, 1):
-                part = e2[:, 3 * k : 3 * k + 3]
-                if np.isfinite(part).any():
-                    loose[k] = np.clip(np.sqrt(np.nanmean(part)), 1.0, 30.0)
-        self.problem = build(
-            correct.corrected(self.drive, self.theta),
-            self.noise,
-            heading=self.heading,
-            velocity_shift=correct.velocity_shift(self.theta),
-            restarts=self.restarts,
-            loose=loose,
-        )
-        away = np.zeros(self.problem.time.size, bool)
-        for start, duration in self.withhold:
-            away |= (self.problem.time > start) & (self.problem.time <= start + duration)
-        self.use = self.problem.use & ~away[:, None]
-        self.weigh()
-
-    def weigh(self):
-        """Innovations and regression under the noise held now, on the path as it is."""
-        self.result = self.evaluate(self.noise, sens=True)
-        self.reg = select.regression(self.problem, self.result, self.theta + self.other, self.use)
-
-    def evaluate(self, noise, sens=False):
-        """Innovations under a noise, causes outside the catalogue taken out."""
-        return self.problem.evaluate(noise, sens=sens, use=self.use, held=self.other)
 
 
 def candidates(problem: Problem):
@@ -96,9 +32,12 @@ def candidates(problem: Problem):
 def run(state: State, *, given: bool, random=True, say=lambda text: None) -> State:
     """Search until nothing more is asked for."""
     state.rebuild()
-    seen = {}
+    for _ in range(2):  # a path that chases noisy fixes is no path to be linear about
+        if state.size() > 1.5:
+            state.rebuild()
+    seen, refused = {}, set()
     for number in range(ROUNDS):
-        names = candidates(state.problem)
+        names = [n for n in candidates(state.problem) if n not in refused]
         # a path that is still far off looks like many things at once
         most = number + 1 if number < 2 and state.reg.temper > FAR else 8
         kept, _ = select.best(state.reg, names, most)
@@ -109,26 +48,33 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
         if seen[key] > 3:
             moved = False
         say(f"round {number + 1}: {', '.join(kept) or 'no linear effect'}")
+        # what gains most comes first: under a wrong noise, or past a shock, all looks like an effect
+        promise = _promise(state, kept) if moved else 0.0
+        if random and not moved:
+            _refit(state)
+        noise = _noise_step(state, given) if random and (not moved or _far(state)) else None
+        gain = noise.gain if noise is not None else 0.0
         shock = _shock_step(state)
-        if shock is not None and shock[0] > (0.0 if shock[2] or not moved else np.inf):
+        if shock is not None and shock[0] > max(promise, gain):
             state.restarts = (*state.restarts, shock[1])
             say(f"a shock at {shock[1]:.1f} s, {shock[0]:.0f} nats")
             state.rebuild()
             continue
-        if moved:
-            _hold(state, kept)
+        if noise is not None and gain > promise:
+            _accept(state, noise)
+            say(f"{noise.change.key}: {noise.gain:.1f} nats")
             state.rebuild()
             continue
-        if not random:
-            break
-        _refit(state)
-        noise = _noise_step(state, given)
-        if noise is None:
-            break
-        _accept(state, noise)
-        say(f"{noise.change.key}: {noise.gain:.1f} nats")
-        state.weigh()
+        if moved and _held(state, kept):
+            continue
+        if moved and set(kept) - set(state.kept):
+            refused |= set(kept) - set(state.kept)
+            say("no better on a path of its own: " + ", ".join(set(kept) - set(state.kept)))
+            continue
+        break
     _prune(state, say)
+    if state.changes:
+        _prune_linear(state, say)
     return state
 
 
@@ -141,15 +87,47 @@ def _step(state, kept):
     return x if np.any(np.abs(x - now) > _MOVED * np.maximum(sd, 1e-12)) else None
 
 
-def _hold(state, kept):
+def _far(state):
+    """Whether innovations are so far from white ones of unit size that a noise may be the cause, under
+    which everything looks like an effect.
+    """
+    return abs(np.log(max(state.size(), 1e-6))) > 0.2 or state.reg.temper > 1.2
+
+
+def _promise(state, kept):
+    """Nats that a set of linear effects promises beyond what is held, the innovations taken as they
+    are: to be compared with what a change of the noise gains.
+    """
+    index = sorted({i for e in (*kept, *state.kept) for i in select.GROUPS[e]})
+    x, _, _ = state.reg.solve([i for e in kept for i in select.GROUPS[e]])
+    values = np.zeros(len(columns.ALL))
+    values[[i for e in kept for i in select.GROUPS[e]]] = x
+    delta = (values - state.theta - state.other)[index]
+    return 0.5 * float(delta @ state.reg.information[np.ix_(index, index)] @ delta)
+
+
+def _held(state, kept, freely=False):
+    """Hold a set of effects and build the path anew, with half the change where the whole makes the
+    innovations worse, and with none where that does too (freely: the whole in any case): whether something was held.
+    """
     index = [i for e in kept for i in select.GROUPS[e]]
     x, _, _ = state.reg.solve(index)
-    theta, state.other = np.zeros(len(columns.ALL)), np.zeros(len(columns.ALL))
+    theta, other = np.zeros(len(columns.ALL)), np.zeros(len(columns.ALL))
     for i, value in zip(index, x):
         outside = columns.ALL[i].effect.startswith("other")
-        (state.other if outside else theta)[i] = value
+        (other if outside else theta)[i] = value
     theta = _bounded(theta)
-    state.theta, state.kept = theta, tuple(kept)
+    before, cost = replace(state), state.cost()
+    for share in (1.0, 0.5):
+        state.theta = before.theta + share * (theta - before.theta)
+        state.other = before.other + share * (other - before.other)
+        state.kept = tuple(kept)
+        state.rebuild()
+        if freely or state.cost() < cost + SLACK:
+            return True
+    for name in ("theta", "other", "kept", "problem", "result", "use", "reg"):
+        setattr(state, name, getattr(before, name))
+    return False
 
 
 def _bounded(theta):
@@ -269,6 +247,30 @@ def _prune(state, say):
             state.noise, state.changes = noise, rest
             state.weigh()
             again = True
+
+
+def _prune_linear(state, say):
+    """Take out every linear effect that a noise fitted without it makes up for: the two were found
+    one after the other, and what came first may have taken what belongs to the second.
+    """
+    for effect in state.kept:
+        part = select.GROUPS[effect]
+        without = replace(
+            state, other=state.other.copy(), changes=[replace(c) for c in state.changes]
+        )
+        without.other[part] = -state.theta[part]
+        loss = state.result.log_likelihood - without.evaluate(state.noise).log_likelihood
+        price = select.PER_PARAMETER * len(part) + select.PER_EFFECT
+        if loss > DOUBTED * price:
+            continue
+        without.weigh()
+        _refit(without)
+        _refit(without)
+        if state.result.log_likelihood - without.result.log_likelihood > price:
+            continue
+        say(f"{effect} taken out: the noise accounts for it")
+        state.noise, state.changes = without.noise, without.changes
+        _held(state, tuple(e for e in state.kept if e != effect), freely=True)
 
 
 def _without(state, found):

@@ -5,7 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from imu_lib.units import DEG
 
-from . import columns, correct, random_effects, select
+from . import columns, correct, posterior, random_effects, select
 from .battery import SURE, battery
 from .effects import CATALOGUE, LINEAR
 
@@ -116,11 +116,7 @@ def _random_step(state, found, first, gaps):
             "channel": parameters["channel"], "process": parameters["process"],
             "name": parameters["name"], "from": _stated(first, parameters), "to": parameters["to"],
         }  # fmt: skip
-    sd = _curvature(state, found)
-    low, high = (change.describe(found.values * np.exp(s * 1.96 * sd)) for s in (-1.0, 1.0))
-    intervals = {
-        k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]
-    }
+    intervals = posterior.intervals(state, found)
     prices = random_effects.penalty(change)
     rivals = [(e, v) for e, v, key in found.rivals if e != change.effect or key[0] == "bias_model"]
     weights = [np.exp(min(v, 0.0)) for _, v in rivals] + [np.exp(-max(found.gain - prices, 0.0))]
@@ -140,30 +136,6 @@ def _stated(model, parameters):
         if process.name == parameters["process"]:
             return float(getattr(process, parameters["name"]))
     return None
-
-
-def _curvature(state, found):
-    """Standard deviations of the logarithms of a change's parameters."""
-    x = np.log(found.values)
-    h = 0.1
-
-    def at(shift):
-        noise = found.change.enter(state.noise, np.exp(x + shift))
-        return state.evaluate(noise).log_likelihood
-
-    here = at(np.zeros(x.size))
-    hessian = np.zeros((x.size, x.size))
-    for i in range(x.size):
-        for j in range(i + 1):
-            a, b = np.eye(x.size)[i] * h, np.eye(x.size)[j] * h
-            if i == j:
-                hessian[i, i] = (at(a) - 2 * here + at(-a)) / h**2
-            else:
-                mixed = at(a + b) - at(a - b) - at(b - a) + at(-a - b)
-                hessian[i, j] = hessian[j, i] = mixed / (4 * h**2)
-    information = -hessian + np.eye(x.size) / 16.0
-    size, turn = np.linalg.eigh(information)
-    return np.sqrt(np.diag(turn @ np.diag(1.0 / np.maximum(size, 1e-2)) @ turn.T))
 
 
 def axes(permutation, sure, runner, gain, alike, before):

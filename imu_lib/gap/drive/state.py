@@ -1,0 +1,88 @@
+"""What the search on a drive holds at a moment: values, noise, and the path, innovations and regression
+under them.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from imu_lib.drive import Drive
+
+from . import columns, correct, select
+from .path import build
+from .problem import Noise, Problem
+
+
+@dataclass
+class Change:
+    """An accepted change of what is random: its `random_effects.Change`, values and gain."""
+
+    change: object
+    values: np.ndarray
+    gain: float
+    before: Noise
+    rivals: list = field(default_factory=list)
+
+
+@dataclass
+class State:
+    """What is held, and the drive under it."""
+
+    drive: Drive
+    noise: Noise
+    theta: np.ndarray
+    other: np.ndarray = field(default_factory=lambda: np.zeros(len(columns.ALL)))
+    kept: tuple = ()
+    changes: list = field(default_factory=list)
+    restarts: tuple = ()
+    problem: Problem | None = None
+    result: object = None
+    use: np.ndarray | None = None
+    reg: object = None
+    withhold: tuple = ()
+    heading: float | None = None
+
+    def rebuild(self):
+        """The path, innovations and regression at what is held now; fixes that the last path could
+        not follow are trusted less for the next.
+        """
+        loose = np.ones(2)
+        if self.result is not None:
+            e2 = np.where(self.use, self.result.e, np.nan) ** 2
+            for k in (0, 1):
+                part = e2[:, 3 * k : 3 * k + 3]
+                if np.isfinite(part).any():
+                    loose[k] = np.clip(np.sqrt(np.nanmean(part)), 1.0, 30.0)
+        self.problem = build(
+            correct.corrected(self.drive, self.theta),
+            self.noise,
+            heading=self.heading,
+            velocity_shift=correct.velocity_shift(self.theta),
+            restarts=self.restarts,
+            loose=loose,
+        )
+        away = np.zeros(self.problem.time.size, bool)
+        for start, duration in self.withhold:
+            away |= (self.problem.time > start) & (self.problem.time <= start + duration)
+        self.use = self.problem.use & ~away[:, None]
+        self.weigh()
+
+    def size(self):
+        """Mean square of the innovations."""
+        return float(np.mean(self.result.e[self.use & np.isfinite(self.result.e)] ** 2))
+
+    def cost(self):
+        """Misfit of the innovations, nats, of which those far out are not let decide."""
+        good = self.use & np.isfinite(self.result.e)
+        e, s = np.abs(self.result.e[good]), self.result.s[good]
+        far = np.where(e < select.HUBER, 0.5 * e**2, select.HUBER * (e - 0.5 * select.HUBER))
+        return float(np.mean(far + 0.5 * np.log(s))) * self.use.sum()
+
+    def weigh(self):
+        """Innovations and regression under the noise held now, on the path as it is."""
+        self.result = self.evaluate(self.noise, sens=True)
+        self.reg = select.regression(self.problem, self.result, self.theta + self.other, self.use)
+
+    def evaluate(self, noise, sens=False):
+        """Innovations under a noise, causes outside the catalogue taken out."""
+        return self.problem.evaluate(noise, sens=sens, use=self.use, held=self.other)

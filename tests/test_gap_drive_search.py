@@ -1,0 +1,71 @@
+"""What leads a search on a drive astray: each once found on a drive of the blind score."""
+
+import drive_generator as generator
+import numpy as np
+
+from imu_lib.drive import from_arrays
+from imu_lib.gap import drive as gap_drive
+from imu_lib.gap.drive import columns, loop, posterior, search, select
+from imu_lib.gap.drive.problem import Noise
+from imu_lib.model import Model
+from imu_lib.navigation.filter import FilterModel, LooselyCoupled
+
+MODEL = Model.from_json(generator.MODEL)
+
+
+def made(seed, effects=(), **options):
+    return from_arrays(generator.make(seed, effects=effects, **{"duration": 240.0, **options}), "x")
+
+
+def test_a_fix_is_not_in_its_own_columns():
+    # the attitude after a fix holds its noise, with which time and smoothing together explained it:
+    # 25 nats on a drive without effects; four parameters gain two by chance
+    state = search.State(
+        made(43000, kind="motorway", duration=120.0), Noise(MODEL), np.zeros(len(columns.ALL))
+    )
+    state.rebuild()
+    both = ("gnss_time_offset", "other: receiver's velocity is smoothed")
+    assert state.reg.solve([i for e in both for i in select.GROUPS[e]])[2] < 10.0
+
+
+def test_start_from_noisy_positions():
+    # 2 m at 5 Hz are no speed of 3 m/s: the heading was 40 degrees off, the tilt 30
+    effects = [("gnss_noise", {"ratio": 2.5, "of": "position"})]
+    for moving in (False, True):
+        drive = made(52000, effects, velocity=False, moving_start=moving, duration=150.0)
+        engine = LooselyCoupled(drive, FilterModel("x", MODEL))
+        start = engine._aligned(engine.prepared.stretches[0], [])
+        k = np.searchsorted(drive.reference_time, engine.prepared.stretches[0].time[start.epoch])
+        apart = start.attitude - drive.reference_attitude[k]
+        apart[2] = (apart[2] + np.pi) % (2 * np.pi) - np.pi
+        assert np.all(np.abs(apart) < np.radians([6.0, 6.0, 25.0]))  # two sd of what is stated
+
+
+def test_noise_is_found_before_it_looks_like_effects():
+    effects = [("gnss_noise", {"ratio": 2.5, "of": "position"})]
+    drive = made(52000, effects, velocity=False, gnss_rate=2.0)
+    found = gap_drive.close(drive, MODEL, judge=False)
+    assert [s["effect"] for s in found.steps] == ["gnss_noise"]
+    low, high = found.steps[0]["intervals"]["ratio"]
+    assert 2.2 < low < 2.5 < high < 2.8
+
+
+def test_two_solutions_in_turn_are_parted_by_their_code():
+    drive = made(9, gnss_rate=5.0, duration=150.0)
+    code = np.ones(len(drive.gnss_time))
+    code[1::2] = 4
+    velocity = np.array(drive.gnss_velocity)
+    velocity[1::2, :2] *= -1.0
+    mixed = drive.with_(gnss_velocity=velocity, gnss_fix=code)
+    notes = []
+    one = loop._without_other_solutions(mixed, notes)
+    assert set(one.gnss_fix) == {1.0} and one.gnss_velocity is not None
+    assert "--accept" in notes[0]
+
+
+def test_intervals_of_a_skewed_likelihood():
+    # a gamma density of the logarithm: its quantiles are known
+    x = np.linspace(-8.0, 8.0, 4001)
+    weight = np.exp(3.0 * x - np.exp(x))  # of log(g), g of shape 3
+    low, high = posterior._quantiles(x, weight)
+    assert abs(np.exp(low) - 0.6187) < 0.01 and abs(np.exp(high) - 7.2247) < 0.03
