@@ -175,7 +175,11 @@ def files(folder):
     for name, rate in (("logs", (100, 50)), ("even", (100, 100))):
         (folder / name).mkdir()
         for k, fs in enumerate(rate):
-            np.savez(folder / name / f"{k}.npz", time=np.arange(400) / fs, gyro=GYRO)
+            np.savez(
+                folder / name / f"{k}.npz",
+                time=10 * k + np.arange(400) / fs,
+                gyro=GYRO[:: 1 - 2 * k],
+            )
     model = {"gyro_x": [{"process": "white_noise", "N": 2e-4}]}
     (folder / "model.json").write_text(json.dumps(model))
     hot = {
