@@ -8,6 +8,8 @@ naming its address.
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -145,8 +147,11 @@ class _Here:
 
 
 def _on_dask(function, tasks, address):
+    from concurrent import futures
+
     try:
         from distributed import Client, KilledWorker, as_completed
+        from distributed.comm import CommClosedError
     except ImportError:
         raise InputError(
             "A Dask cluster needs the package distributed; install imu_lib[cluster]."
@@ -158,6 +163,8 @@ def _on_dask(function, tasks, address):
             f"--scheduler {address}: no Dask scheduler answers ({str(error).splitlines()[0][:90]}); "
             "start one with `dask scheduler` and give the address that it prints."
         ) from None
+    # a scheduler that goes away is told in one sentence below
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     with client:
         source = enumerate(tasks)
         threads = max(sum(client.nthreads().values()), 1)
@@ -173,14 +180,20 @@ def _on_dask(function, tasks, address):
                 numbers[future.key] = number
                 pending.add(future)
 
-        submit(2 * threads)
-        for future in pending:
-            try:
-                result = future.result()
-            except KilledWorker:
-                result = Lost()
-            yield numbers.pop(future.key), result
-            submit(1)
+        try:
+            submit(2 * threads)
+            for future in pending:
+                try:
+                    result = future.result()
+                except KilledWorker:
+                    result = Lost()
+                yield numbers.pop(future.key), result
+                submit(1)
+        except (futures.CancelledError, asyncio.CancelledError, CommClosedError):
+            raise InputError(
+                f"The Dask scheduler at {address} is gone; what has ended until now is kept. Start it "
+                "again and give the same command with its address: it goes on from there."
+            ) from None
 
 
 def shared(function: Callable, tasks: list[tuple], workers: int) -> Iterator[object]:
