@@ -65,12 +65,12 @@ def _row(entry, **values):
 
 def _found(entry, gap):
     from imu_lib.characterise import characterise
-    from imu_lib.long_record import open_long
+    from imu_lib.long_record import open_converted, open_long
+    from imu_lib.long_record.record import SHORTEST
     from imu_lib.readers import read_record
-    from imu_lib.stream import LONG
 
-    record = open_long(entry.path, **entry.reading)
-    if record is None or record.longest <= LONG:
+    record = open_long(entry.path, **entry.reading) or open_converted(entry.path, **entry.reading)
+    if record is None or record.longest < SHORTEST:
         record = read_record(entry.path, **entry.reading)
     result = characterise(record, workers=1)
     about = {"rate": float(result.rate), "duration": float(result.duration)}
