@@ -9,7 +9,7 @@ from imu_lib import faults
 from imu_lib.cli.main import main
 from imu_lib.errors import InputError
 from imu_lib.gap import close
-from imu_lib.gap.faulty import DETECTED
+from imu_lib.gap.faulty import DETECTED, ready
 from imu_lib.model import Model
 from imu_lib.processes import from_json
 from imu_lib.record import CHANNELS, Record
@@ -100,3 +100,13 @@ def test_confidence_is_the_share_of_right_names_in_the_stored_score():
     score = json.loads((ROOT / "benchmarks/results/fault_score.json").read_text())
     stored = {k: (v["of"], v["count"]) for k, v in score["right_of_those_named"].items()}
     assert stored == DETECTED
+
+
+def test_the_means_of_half_a_minute_of_bursts_are_enough():
+    """Four samples at 960 Hz, forty times a second, for 23 s: 930 bursts."""
+    rng = np.random.default_rng(3)
+    k = np.arange(3_720)
+    time = (k // 4) * 0.025 + (k % 4) / 960
+    channels = {c: 1e-3 * rng.standard_normal(k.size) for c in ("gyro_x", "gyro_y")}
+    made = ready(Record(channels, 960.0, time=time))
+    assert 900 <= made.record.n <= 930 and not made.left_out
