@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfilt
 
-from imu_lib.gap import close, record_level
+from imu_lib.gap import close
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects.saturation import Saturation
 from imu_lib.gap.innovations import Smooth, whitened
+from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.verdict import stationarity
 from imu_lib.model import Model
 from imu_lib.processes import (
@@ -81,7 +82,7 @@ def test_spectra_of_two_filtered_channels_do_not_cohere():
         + sosfilt(butter(order, cutoff, fs=FS, output="sos"), rng.standard_normal(N))
         for name, order, cutoff in (("gyro_x", 2, 10.0), ("gyro_y", 4, 13.0))
     }
-    assert record_level.shared_noise(channels, FS) == (None, {}, None)
+    assert shared_noise(channels, FS) == (None, {}, None)
 
 
 def test_noise_that_alternates_is_no_quantization():

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from imu_lib.gap import ensemble, faulty, record_level, shaken
+from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
 from imu_lib.record import Record
@@ -148,7 +149,7 @@ def _in_common(about: Prepared) -> Prepared:
     )
     calm = {name: x - known.get(name, 0.0) for name, x in about.raw.items()}
     bases = None if about.model is None else about.model.channels
-    shared, note, left = record_level.shared_noise(calm, about.fs, about.held, bases)
+    shared, note, left = shared_noise(calm, about.fs, about.held, bases)
     noise = {
         name: float(np.sqrt(sum(p.N**2 for p in _all(about.held, shared) if name in p.channels)))
         for name in about.raw
