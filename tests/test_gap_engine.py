@@ -41,31 +41,6 @@ PROCESSES = [
 ]
 
 
-@pytest.mark.parametrize("process", PROCESSES, ids=lambda p: f"{p.name}")
-def test_block_covariance_is_the_integral_of_the_spectrum(process):
-    """The closed form against the numerical integral of the process's own spectrum through the
-    block differences.
-    """
-    c = process.block_covariance(40, M, FS)
-    f = (np.arange(400_000) + 0.5) / 400_000 * FS / 2
-    gain = (
-        (np.sin(np.pi * f * M / FS) / (M * np.sin(np.pi * f / FS))) ** 2
-        * 4
-        * np.sin(np.pi * f * M / FS) ** 2
-    )
-    density = process.psd(f, FS) * gain
-    lags = np.array([0, 1, 2, 3, 10, 30])
-    integral = (
-        np.array([np.sum(density * np.cos(2 * np.pi * f * j * M / FS)) for j in lags])
-        * FS
-        / 2
-        / 400_000
-    )
-    # the continuous limit inside a block differs from its samples by about 1 / M^2, flicker's by
-    # its logarithm
-    assert np.allclose(c[lags], integral, atol=3e-5 * c[0])
-
-
 def test_parameters_of_a_known_sum_are_recovered_within_their_intervals():
     rng = np.random.default_rng(20240101)
     truth = [WhiteNoise(1e-3), GaussMarkov(3e-4, 30.0)]

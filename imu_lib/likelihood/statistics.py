@@ -24,11 +24,14 @@ the same units and the same formula.
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.fft import dct
+from scipy.fft import dct, idct
 
 from . import tapered
 from .layout import WIDTH, Layout, Stretch, edges_of, layout_of
 from .lines import without_lines
+
+#: Part of the way to the seam from which on the slow end fades into the fast one.
+FADED = 0.5
 
 
 @dataclass(frozen=True)
@@ -125,8 +128,13 @@ class Statistics:
         """
         n = len(x)
         edges = edges_of(n, fs, (0.0, seam), width)
-        slow = Stretch(0, n, cosines(x, fs)[: edges[-1] - 1].copy(), edges)
-        fast = tapered.stretch(x, fs, seam, width=width)
+        coefficients = dct(x - np.mean(x), norm="ortho")
+        kept = coefficients[1 : edges[-1]] * np.sqrt(2 / fs)
+        slow = Stretch(0, n, kept, edges)
+        # what is slow has gone where the taper, short as it is, would let it into the bands above
+        p = np.arange(edges[-1])
+        coefficients[: edges[-1]] *= np.clip((p / edges[-1] - FADED) / (1 - FADED), 0.0, 1.0)
+        fast = tapered.stretch(idct(coefficients, norm="ortho"), fs, seam, width=width)
         return cls.assembled(fs, (slow, fast), np.mean(x))
 
     @classmethod

@@ -13,7 +13,6 @@ from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError, UndefinedFormError
 
 from .base import FREE, Parameter, Process, StateSpace
-from .blocks import from_transition
 from .sampled import avar_from_transition, cluster_size
 
 if TYPE_CHECKING:
@@ -103,12 +102,6 @@ class Autoregressive(Process):
         for k in np.unique(d):
             values[k] = space.H @ np.linalg.matrix_power(space.F, int(k)) @ right
         return np.vectorize(values.get, otypes=[float])(d)
-
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        space = self.state_space()
-        size = cluster_size(m / self._at(fs), self.rate)
-        half = float(avar_from_transition(space.F, space.P0, space.H, size))
-        return from_transition(space.F, space.P0, space.H, n, m, half)
 
     def simulate(
         self,

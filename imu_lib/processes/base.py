@@ -102,21 +102,6 @@ class Process:
         """
         raise UndefinedFormError(f"{self.name} is not stationary, so it has no autocovariance")
 
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        """Autocovariance, unit^2, of the differences of neighbouring means of `m` samples at `fs`
-        Hz, lags 0 to n - 1 blocks, shape (n,).
-
-        Where a process has no closed form of its own its spectrum is integrated.
-
-        Raises
-        ------
-        UndefinedFormError
-            If the process has no spectral density either.
-        """
-        from . import blocks
-
-        return blocks.from_psd(lambda f: self.psd(f, fs), n, m, fs)
-
     def simulate(
         self,
         n: int,

@@ -13,7 +13,6 @@ from scipy.special import digamma
 from imu_lib.arrays import Array, ArrayLike
 
 from .base import FREE, Parameter, Process
-from .blocks import from_semivariogram
 from .sampled import avar_from_semivariogram, cluster_size
 
 #: Flat Allan variance over B^2, 2 ln2 / pi = 0.664^2 (IEEE Std 952-1997, Annex C.1.2).
@@ -61,18 +60,6 @@ class Flicker(Process):
         self._require()
         return self.B**2 / np.pi * (digamma(np.asarray(d) + 0.5) - digamma(0.5))
 
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        # beyond some blocks the logarithm of the lag is that of continuous time
-        self._require()
-        j = np.arange(n + 2.0)
-        g = np.zeros(n + 2)
-        g[1:] = j[1:] ** 2 * np.log(j[1:]) / (2.0 * np.pi)
-        c = np.zeros(n)
-        c[2:] = (g[4:] - 4 * g[3:-1] + 6 * g[2:-2] - 4 * g[1:-3] + g[:-4])[: n - 2]
-        first = _first_blocks(m)[:n]
-        c[: len(first)] = first
-        return self.B**2 * c
-
     def simulate(
         self,
         n: int,
@@ -104,16 +91,6 @@ def _amplitudes(half: int) -> Array:
     out = np.sqrt(np.maximum(rfft(np.concatenate([r, r[-2:0:-1]])).real, 0.0) * half)
     out.setflags(write=False)
     return out
-
-
-@lru_cache(maxsize=8)
-def _first_blocks(m: int) -> Array:
-    """Covariances of the differences of block means for B = 1, exact, up to two blocks or 1024
-    samples apart.
-    """
-    n = 3 + 1024 // m
-    s = (digamma(np.arange((n + 1) * m) + 0.5) - digamma(0.5)) / np.pi
-    return from_semivariogram(s, n, m)
 
 
 def _avar_of_unit(m: Array) -> Array:

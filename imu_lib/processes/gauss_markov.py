@@ -11,7 +11,6 @@ from scipy.signal import lfilter
 from imu_lib.arrays import Array, ArrayLike
 
 from .base import FREE, Parameter, Process, StateSpace
-from .blocks import from_means
 from .sampled import avar_from_semivariogram, cluster_size
 
 _PARAMETERS = (
@@ -61,16 +60,6 @@ class GaussMarkov(Process):
     def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         return self.sigma**2 * np.exp(-np.abs(np.asarray(lag, dtype=float)) / self.correlation_time)
-
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        self._require()
-        b = 1.0 / (fs * self.correlation_time)
-        q = -np.expm1(-m * b)
-        a = self.sigma**2 * np.exp(-b) * (q / (m * -np.expm1(-b))) ** 2
-        half = float(self.avar(m / fs, fs))
-        c = -a * q**2 * np.exp(-m * b * (np.arange(n) - 2.0).clip(0.0))
-        c[:2] = np.array([2.0 * half, a * q - half])[:n]
-        return c
 
     def simulate(
         self,
@@ -190,16 +179,6 @@ class GaussMarkov2(Process):
         self._require()
         x = self.beta * np.abs(np.asarray(lag, dtype=float))
         return self.sigma**2 * (1.0 + x) * np.exp(-x)
-
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        # the sum over all pairs of two blocks j apart, the fall by a block taken out of it
-        self._require()
-        b, lag = self.beta / fs, m + np.arange(1.0 - m, m)
-        pairs = (m - np.abs(lag - m)) * np.exp(-b * lag)
-        level, slope = pairs.sum(), b * (pairs @ lag)
-        j = (np.arange(n + 1) - 1.0).clip(0.0) * m * b
-        r = self.sigma**2 / m**2 * np.exp(-j) * (level * (1.0 + j) + slope)
-        return from_means(r, float(self.avar(m / fs, fs)))
 
     def simulate(
         self,

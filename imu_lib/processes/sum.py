@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 
 from imu_lib.errors import InputError, UndefinedFormError
 
-from . import blocks, filter_memory
+from . import filter_memory
 from .base import Process, StateSpace
 from .heavy_tails import HeavyTails
 from .low_pass import LowPass
@@ -206,19 +206,6 @@ class Sum:
         if self.low_pass is not None:
             out = np.maximum(out + avar_from_short_memory(self._filter_effect(fs), m), 0.0)
         return out + self._added(fs) / m
-
-    def block_covariance(self, n: int, m: int, fs: float) -> np.ndarray:
-        """Autocovariance of the differences of block means; see `Process.block_covariance`."""
-        self._closed("the covariance of block means")
-        out = np.zeros(n)
-        for term in self.terms:
-            if term.name != "constant":
-                out += term.block_covariance(n, m, fs)
-        if self.low_pass is not None:
-            out += blocks.from_short_memory(self._filter_effect(fs), n, m)
-        white = self._added(fs) / m
-        out[:2] += np.array([2.0 * white, -white])[:n]
-        return out
 
     def _filter_effect(self, fs):
         """Autocovariance that the filter adds (negative: removes), shape (k,), zero beyond."""

@@ -56,9 +56,6 @@ class Telegraph(Process):
         """The Gauss-Markov process of the same second-order statistics (best linear filter)."""
         return self.twin.state_space()
 
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        return self.twin.block_covariance(n, m, fs)
-
     def simulate(
         self,
         n: int,

@@ -48,13 +48,6 @@ class RandomWalk(Process):
         m = cluster_size(tau, fs)
         return self.K**2 / fs * (2.0 * m**2 + 1.0) / (6.0 * m)
 
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        # of the increments the covariances add up to K^2 T
-        self._require()
-        c = np.zeros(n)
-        c[:2] = np.array([4.0 + 2.0 / m**2, 1.0 - 1.0 / m**2])[:n] * self.K**2 * m / (6.0 * fs)
-        return c
-
     def simulate(
         self,
         n: int,

@@ -48,12 +48,6 @@ class WhiteNoise(Process):
             )
         return np.where(np.abs(np.asarray(lag, dtype=float)) * fs < 0.5, self.N**2 * fs, 0.0)
 
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        self._require()
-        c = np.zeros(n)
-        c[:2] = np.array([2.0, -1.0])[:n] * self.N**2 * fs / m
-        return c
-
     def simulate(
         self,
         n: int,
@@ -137,12 +131,6 @@ class Quantization(Process):
             )
         d = np.rint(np.abs(np.asarray(lag, dtype=float)) * fs)
         return (self.Q * fs) ** 2 * (2.0 * (d == 0) - 1.0 * (d == 1))
-
-    def block_covariance(self, n: int, m: int, fs: float) -> Array:
-        self._require()
-        c = np.zeros(n)
-        c[:3] = np.array([6.0, -4.0, 1.0])[:n] * (self.Q * fs / m) ** 2
-        return c
 
     def simulate(
         self,
