@@ -1,6 +1,7 @@
 """A confidence is a frequency: of a likelihood's odds, or of the right names in the blind scores."""
 
 import json
+import sys
 from collections import Counter
 from pathlib import Path
 
@@ -11,6 +12,10 @@ from imu_lib.gap import measured
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.steps import Step
 from imu_lib.processes import Sum, WhiteNoise
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "benchmarks"))
+import gap_reliability  # noqa: E402
 
 RESULTS = Path(__file__).resolve().parents[1] / "benchmarks" / "results"
 
@@ -53,3 +58,27 @@ def test_what_has_no_likelihood_is_detected_with_its_evidence():
     )
     assert entry["confidence"] == pytest.approx(measured.share("saturation"), abs=1e-4)
     assert measured.share("unheard of") == 0.5
+
+
+def test_names_are_as_sure_as_the_stored_scores_were_right():
+    """The shares beside something unexplained are counted again, and every bin of the reliability
+    diagram that holds twenty findings is within five points of its confidence or has it in its
+    95 % interval.
+    """
+    assert gap_reliability.beside_unexplained() == measured.BESIDE
+    rows = [
+        (min(sure, measured.beside_unexplained(effect)) if left else sure, right)
+        for effect, sure, right, left, _ in gap_reliability.findings()
+    ]
+    for bin_ in gap_reliability.table(rows):
+        low, high = bin_["interval"]
+        near = abs(bin_["right"] - bin_["confidence"]) <= 0.05 or low <= bin_["confidence"] <= high
+        assert near or bin_["findings"] < 20
+
+
+def test_the_weights_of_a_winner_and_its_rivals_are_shares():
+    """A weight of nine in ten was right nine times in ten; order and bounds are kept."""
+    weights = [0.0, 0.05, 0.3, 0.6, 0.9, 0.99, 1.0]
+    sure = [measured.calibrated(w) for w in weights]
+    assert sure == sorted(sure) and 0 <= sure[0] and sure[-1] <= 1
+    assert abs(measured.calibrated(0.9) - 0.9) < 0.02

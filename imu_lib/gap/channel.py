@@ -12,6 +12,7 @@ from imu_lib.gap import (
     effects,
     electronics,
     held_out,
+    measured,
     noise_level,
     rounds,
     steadiness,
@@ -278,7 +279,7 @@ def _analyse(
         unexplained = doubts[0]
     steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals)
     if unexplained is not None:
-        steps = [s.capped(DOUBTED) for s in steps]
+        steps = [s.capped(measured.beside_unexplained(s.effect)) for s in steps]
     elif (
         len(state.fit.slots) - len(state.base_slots) > 2
     ):  # so many noises draw any smooth spectrum

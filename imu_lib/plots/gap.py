@@ -123,3 +123,25 @@ def score(table, *, ax=None):
     ax.set_xlim(0, 1.03)
     ax.invert_yaxis()
     return ax
+
+
+@style.styled
+def reliability(table, *, ax=None):
+    """Share of right names over the confidence with which they were told, with 95 % intervals, one
+    point for each bin of a table of `benchmarks/gap_reliability.py`.
+    """
+    ax = style.axes(ax, x="confidence", y="share of right names", size=(4.8, 4.2))
+    said, right = (np.array([r[k] for r in table]) for k in ("confidence", "right"))
+    interval = np.array([r["interval"] for r in table])
+    ax.plot([0, 1], [0, 1], color=style.GREY, lw=0.8, ls="--")
+    ax.errorbar(
+        said,
+        right,
+        yerr=np.maximum([right - interval[:, 0], interval[:, 1] - right], 0),
+        fmt="o",
+        color=style.BLUE,
+        capsize=2,
+    )
+    ax.set_xlim(-0.02, 1.02)
+    ax.set_ylim(-0.02, 1.02)
+    return ax
