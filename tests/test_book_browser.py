@@ -99,6 +99,23 @@ def test_a_computed_table_sorts(pages, window):
     assert len(found) == 3 and found == sorted(found)
 
 
+def test_a_chapter_shows_itself_as_slides(pages, window):
+    window.open((pages / "nbs/spectrum.html").as_uri() + "#slides", WIDTHS[0])
+    count = "document.querySelector('.deck-count').textContent"
+    seen = "[...document.querySelectorAll('.deck-block')].filter((b) => b.offsetParent).length"
+    first, of = window.evaluate(count).split(" / ")
+    assert first == "1" and int(of) > 15
+    press = "document.body.dispatchEvent(new KeyboardEvent('keydown', {key: '%s', bubbles: true}))"
+    shown = []
+    for _ in range(int(of) - 1):
+        window.evaluate(press.replace("%s", "ArrowRight"))
+        shown.append(window.evaluate(seen))
+        assert not window.evaluate(WIDE)
+    assert window.evaluate(count) == f"{of} / {of}" and 1 <= min(shown) and max(shown) <= 6
+    window.evaluate(press.replace("%s", "Escape"))
+    assert window.evaluate(seen) > max(shown) and not window.problems
+
+
 # opens a page's figures to zoom, one after the other, and says where a point of each lies in the window
 OPENED = """(async (number) => {
   const bar = document.querySelectorAll('.explore-bar')[number], stage = bar.nextElementSibling;

@@ -2,7 +2,7 @@
 (function () {
   "use strict";
   const HEADS = "h1, h2, h3, h4";
-  const BLOCKS = HEADS + ", p, ul, ol, dl, figure, blockquote, div.cell, div.math, div.admonition, div.exercise, div.solution, .pst-scrollable-table-container, table";
+  const BLOCKS = HEADS + ", p, ul, ol, dl, figure, blockquote, div.cell, div.math, div.admonition, div.exercise, div.solution, .pst-scrollable-table-container, table, div.citation-list";
   let slides = null, at = 0;
 
   // every block of the page that lies in no other block
@@ -74,7 +74,7 @@
     const act = { ArrowRight: () => show(at + 1), PageDown: () => show(at + 1), " ": () => show(at + 1), ArrowLeft: () => show(at - 1),
       PageUp: () => show(at - 1), Home: () => show(0), End: () => show(slides.length - 1), Escape: stop,
       c: () => document.body.classList.toggle("deck-code") }[event.key];
-    if (act && !event.target.closest("input, textarea")) {
+    if (act && !(event.target.closest && event.target.closest("input, textarea"))) {
       event.preventDefault();
       event.stopPropagation();
       act();
