@@ -99,6 +99,22 @@ def test_the_pages_are_quiet(page, tmp_path):
         window.close()
 
 
+def test_a_drive_gets_a_drives_book(tmp_path):
+    from imu_lib.exercise import drives
+
+    drives.draw(np.random.default_rng([5, 1]), minutes=2.2).drive.save(tmp_path / "round trip.npz")
+    assert main(["book", str(tmp_path / "round trip.npz"), "--out", str(tmp_path / "mine")]) == 0
+    pages = tmp_path / "mine/own"
+    text = words(pages / "verdict.html")
+    assert "round trip.npz: verdict" in text and "Greatest horizontal error over" in text
+    assert "There is no reference" in text and "Traceback" not in text and "Left out" not in text
+    assert "imu-lib outages" in text and (tmp_path / "mine/downloads/model.json").is_file()
+    for name in ("the_drive_from_above", "health_of_the_drive", "simulation_gap_of_the_drive"):
+        assert (pages / f"{name}.html").is_file()
+    for path in pages.glob("*.html"):
+        assert not OTHERS.search(words(path)), (path.name, OTHERS.search(words(path)))
+
+
 def subject(path):
     return own.Subject("short", "short.npz", path, "3 samples, 0.02 s", (("record", "short"),))
 

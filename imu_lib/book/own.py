@@ -230,7 +230,7 @@ def slug_of(heading: str) -> str:
 
 def downloads(folder: Path) -> str:
     """Links to what lies in the folder of downloads, as HTML that Sphinx leaves alone."""
-    if not folder.is_dir():
+    if not folder.is_dir() or not any(folder.iterdir()):
         return "Nothing could be written for other programs: the fit was left out."
     items = "".join(
         f'<li><a href="../{DOWNLOADS}/{html.escape(p.name)}" download>{html.escape(p.name)}</a></li>'

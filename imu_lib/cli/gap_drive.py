@@ -103,6 +103,12 @@ def _outages(result) -> str:
     line = (
         f"outages of {result.duration:.0f} s that the search has not seen ({len(result.windows)}): "
     )
+    if ratio is None and "before" in medians:
+        return (
+            line
+            + f"error {medians['before']:.3g} m before, {medians['after']:.3g} m after; one outage is "
+            + "too few for an interval of their ratio"
+        )
     if ratio is None:
         return (
             line + f"median error {medians['after']:.3g} m after; before, the filter does not run"

@@ -11,6 +11,7 @@ from imu_lib.gap import table
 TIMES = 200.0
 OFF = 0.005  # share of gravity by which |f| may be off without a word
 UNLIKELY = 1e-3
+SHOWN = 4  # places of one effect that a verdict lists
 
 
 def means(record) -> list[str]:
@@ -63,8 +64,11 @@ def anomalies(health, found=None) -> list[str]:
         places.setdefault(parameters, []).append((name, step))
     for (effect, cause), places in told.items():
         name = effect.replace("_", " ").capitalize()
-        seen = "; ".join(_place(parameters, steps) for parameters, steps in places.items())
-        out.append(f"{name}. {cause} Seen in {seen}.")
+        seen = [_place(parameters, steps) for parameters, steps in places.items()]
+        more = len(seen) - SHOWN
+        if more > 0:
+            seen[SHOWN:] = [f"and {more} more of the kind (the page on the gap has all)"]
+        out.append(f"{name}. {cause} Seen in {'; '.join(seen)}.")
     for step in (s for r in reports for s in r.record_steps):
         text = f"{' '.join(table.describe(step, 'record').split())}: {step.where}."
         out.append(text[0].upper() + text[1:])
@@ -74,6 +78,8 @@ def anomalies(health, found=None) -> list[str]:
                 out.append(f"{name}, unexplained in {what}: {channel.result.unexplained}.")
         if look.record_unexplained:
             out.append(f"Unexplained in {what}: {look.record_unexplained}.")
+    if told and any(line for line in out if "unexplained in" in line.lower()):
+        out.append("Beside something unexplained no name is given a confidence of more than 0.5.")
     return out + [found.note] * bool(found.note)
 
 

@@ -65,7 +65,8 @@ def _drift(result, sensor) -> str:
     if shown:
         value, name = max(shown)
         factor, unit = units.datasheet("B", name)
-        return f"; bias instability up to {report.number(value / factor, 3)} {unit}"
+        axis = "" if len(found) == 1 else f" on {name[-1]}, the highest that shows"
+        return f"; bias instability {report.number(value / factor, 3)} {unit}{axis}"
     if found:
         high, name = max((e.high, name) for e, name in found)
         factor, unit = units.datasheet("B", name)

@@ -16,7 +16,7 @@ from imu_lib.gap.found import Report
 from imu_lib.record import Record
 
 #: Samples that are looked at as they are, at the full rate of a longer record, and of block means.
-LONGEST, PART, MEANS = 100_000, 60_000, 20_000
+LONGEST, PART, MEANS = 90_000, 45_000, 20_000
 #: What the means may name: the rest is noise, which the part at the full rate has seen.
 DRIFTS = ("step", "ramp", "warm_up", "temperature", "slow_sinusoid", "telegraph")
 

@@ -30,8 +30,10 @@ class Outages:
         }
 
     def ratio(self):
-        """After over before: {value, low, high}, geometric mean with Student's interval."""
-        if "before" not in self.study.models:
+        """After over before: {value, low, high}, geometric mean with Student's interval; None where
+        one outage has no interval.
+        """
+        if "before" not in self.study.models or len(self.windows) < 2:
             return None
         before, after = (self.study.errors(n, against=self.against) for n in ("before", "after"))
         pair = paired(after, before, ("after", "before"))
