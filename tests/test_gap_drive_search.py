@@ -69,3 +69,16 @@ def test_intervals_of_a_skewed_likelihood():
     weight = np.exp(3.0 * x - np.exp(x))  # of log(g), g of shape 3
     low, high = posterior._quantiles(x, weight)
     assert abs(np.exp(low) - 0.6187) < 0.01 and abs(np.exp(high) - 7.2247) < 0.03
+
+
+def test_no_scale_factor_of_a_quarter():
+    # what asks for one is something else: its component is left out, the others stay
+    x, y, z = columns.of("accel_scale")
+    information = np.zeros((len(columns.ALL),) * 2)
+    information[[x, y, z], [x, y, z]] = 1e6
+    score = np.zeros(len(columns.ALL))
+    score[[x, z]] = 0.03e6, 0.25e6
+    reg = select.Regression(information, score, 1.0, 1000)
+    value, cov, _ = reg.solve([x, y, z])
+    assert abs(value[0] - 0.03) < 1e-4 and value[2] == 0.0
+    assert np.sqrt(cov[2, 2]) == columns.ALL[z].prior

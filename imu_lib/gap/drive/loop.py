@@ -126,7 +126,7 @@ def close(
     if given_yaw is None and drive.reference_attitude is not None:
         given_yaw = float(drive.reference_attitude[0, 2])
     if given_yaw is not None:
-        apart = vehicle.heading_error(state.problem, given_yaw, mount, attitude_sd)
+        apart = vehicle.heading_error(state.problem, given_yaw, mount)
         found += [] if apart is None else steps.heading(*apart, after)
     steps.arm_of_vehicle(found, right, mount)
     fitted = [] if given else _ratios(noise, drive)
@@ -143,6 +143,12 @@ def close(
     if result is not None and (result.ratio() or {"low": 0.0})["low"] > 1.0:
         # nothing is taken that does not predict what the search has not seen
         whole, unexplained = original, steps.worse(found, result.ratio()["value"], unexplained)
+    elif found and result is not None and (result.ratio() or {"value": 0.0})["value"] > 1.0:
+        ratio = result.ratio()
+        notes.append(
+            "What was found makes the innovations righter, but not the withheld outages better: their errors are "
+            f"{ratio['value']:.2g} times those before [{ratio['low']:.2g}, {ratio['high']:.2g}]."
+        )
     strange = state.restarts or any(e.startswith("other: ") for e in state.kept)
     if after.index > UNSURE or strange:
         for step in found:

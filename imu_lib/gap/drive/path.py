@@ -58,7 +58,7 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     use = np.zeros((shape, 6), bool)
     extra = {k: np.zeros(shape) for k in ("course", "speed", "turn", "ahead", "aside", "warmth")}
     d = np.zeros((shape, 6, len(columns.ALL)))
-    path = {"time": [], "position": [], "velocity": [], "attitude": []}
+    path = {"time": [], "position": [], "velocity": [], "attitude": [], "attitude_sd": []}
     temperature = drive.temperature
     for stretch in prepared.stretches:
         inside = (solution.time > stretch.time[0] - 1e-9) & (
@@ -124,6 +124,7 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
         path["position"].append(pos)
         path["velocity"].append(vel)
         path["attitude"].append(attitude.euler(quat))
+        path["attitude_sd"].append(log.sd[np.clip(node - first, 0, len(log.sd) - 1)])
     arrays = _join(parts, bias)
     node_time = np.concatenate([p["time"] for p in parts])
     arrays["begins"][[k for k in np.searchsorted(node_time, restarts) if k < node_time.size]] = True
@@ -185,6 +186,7 @@ class _Log:
         self.position = solution.position[inside]
         self.velocity = solution.velocity[inside]
         self.angles = solution.attitude[inside]
+        self.sd = solution.sd[inside, 6:9]
 
     def at(self, epochs):
         k = np.clip(epochs - self.first, 0, len(self.position) - 1)
@@ -284,7 +286,8 @@ def _fill(mine, fixes, stretch, epochs, at, log, lever, y, arm_rows, use, d, ext
     out[:, 3:, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * acc
     smooth = columns.of("other: receiver's velocity is smoothed")
     for k, tau in zip(smooth, columns.SMOOTHED):
-        out[:, 3:, k] = _smoothing_lack(log, at_time, tau)
+        # its delay is the velocity's time offset, which the filter knows
+        out[:, 3:, k] = _smoothing_lack(log, at_time, tau) - tau * acc
     span = drive.time[-1] - drive.time[0]
     for k, part in enumerate((1 / 3, 1 / 2, 2 / 3)):
         after = at_time > drive.time[0] + part * span

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 
 from imu_lib.processes import Sum
 from imu_lib.record import CHANNELS
@@ -12,6 +12,7 @@ from .problem import Noise, Problem
 from .select import PER_EFFECT, PER_PARAMETER
 
 _TRIES = 35
+LEAST = 0.02  # ratio of errors of fixes to the stated ones: what is below is no noise of a receiver
 PRIOR = 2.0  # of the logarithm of a parameter: a factor of seven is usual, a million is none
 
 
@@ -38,6 +39,15 @@ class Change:
 
         start = np.log(self.start)
         k = start.size
+        if k == 1:
+            near = (float(start[0]) - 3.0, float(start[0]) + 3.0)
+            found = minimize_scalar(
+                lambda v: loss(np.array([v])), bounds=near, method="bounded",
+                options={"xatol": 0.01, "maxiter": 18},
+            )  # fmt: skip
+            values = np.exp(np.atleast_1d(found.x))
+            noise = self.enter(noise, values)
+            return values, state.evaluate(noise).log_likelihood - base, noise
         simplex = np.vstack([start, start + 0.5 * np.eye(k)])
         found = minimize(
             loss, start, method="Nelder-Mead",
@@ -75,8 +85,8 @@ def changes(problem: Problem, noise: Noise, given: bool):
                     "gnss_noise",
                     ("gnss_noise", of),
                     (getattr(noise, of),),
-                    lambda n, v, of=of: n.with_(**{of: float(v[0])}),
-                    lambda v, of=of: {"ratio": float(v[0]), "of": of},
+                    lambda n, v, of=of: n.with_(**{of: max(float(v[0]), LEAST)}),
+                    lambda v, of=of: {"ratio": max(float(v[0]), LEAST), "of": of},
                 )  # fmt: skip
             )
     if problem.use[:, 0].any():

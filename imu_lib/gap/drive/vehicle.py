@@ -56,7 +56,7 @@ CARRIED = 90.0  # s over which the gyros carry a heading back to the start
 DRIFT = 2e-4  # rad/s that the gyros' bias may still be off
 
 
-def heading_error(problem, given, mount, attitude_sd):
+def heading_error(problem, given, mount):
     """Given heading at the first sample minus the path's own, in the vehicle's axes, and its
     standard deviation, rad; None where the drive has a hole there. The path's early heading is the
     later one carried back by the gyros.
@@ -79,4 +79,6 @@ def heading_error(problem, given, mount, attitude_sd):
     c = Rotation.from_euler("ZYX", path["attitude"][node][::-1]) * turned[0].inv()
     yaw = (c * Rotation.from_euler("ZYX", mount[::-1]).inv()).as_euler("ZYX")[0]
     apart = (given - yaw + np.pi) % (2 * np.pi) - np.pi
-    return float(apart), float(np.hypot(attitude_sd[2], DRIFT * (until - drive.time[0])))
+    return float(apart), float(
+        np.hypot(path["attitude_sd"][node, 2], DRIFT * (until - drive.time[0]))
+    )
