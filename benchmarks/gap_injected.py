@@ -2,13 +2,14 @@
 
     python benchmarks/gap_injected.py --cases 2 --log injected.jsonl     # every effect; resumes
     python benchmarks/gap_injected.py --effects ramp,spikes --cases 1 --print
+    python benchmarks/gap_injected.py --drawn --together 3 --cases 2 --name gap_strange
 
 A stretch of a real record is run as it is and with one effect put into it (`gap_put`, which shares
 nothing with the package), rounded to the digits of its file again. The effect counts as named where
 it is a step of that channel (or of the record with that channel) that was not there before; `new`
 counts steps of high confidence on other channels that were not there before. Cases whose effect
 gains less than 20 in log-likelihood over the spectrum of the stretch are counted apart, and so are
-those that the stretch has already or that the fitted base says that it may have absorbed. Needs the folder of recorded data, IMU_LIB_DATA. The table goes
+those that the stretch has already, or that the fitted base says that it may have absorbed. Needs the folder of recorded data, IMU_LIB_DATA. The table goes
 to benchmarks/results/gap_injected.json.
 """
 
@@ -24,9 +25,10 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
+sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks"), str(ROOT / "tests")]
 
 import gap_put  # noqa: E402
+import gap_strange  # noqa: E402
 import numpy as np  # noqa: E402
 from statsmodels.stats.proportion import proportion_confint  # noqa: E402
 
@@ -110,58 +112,76 @@ def _looked_at(channels, fs, temperature=None, time=None):
     }
 
 
+def _put_all(effects, channels, fs, temperature, rng):
+    """(channels, time stamps or None, [(effect, channels it is on, gain, what was put in)])."""
+    out, clock, truths = dict(channels), None, []
+    for effect in sorted(effects, key=gap_put.EFFECTS.index):
+        target = list(channels)[int(rng.integers(len(channels)))]
+        out, on, gain, told = gap_put.put(effect, out, fs, target, rng, temperature)
+        clock = out.pop("time", clock)
+        truths.append((effect, on, gain, told))
+    return out, clock, truths
+
+
 def run(case, data, before):
-    """One case; `before` holds what was found in stretches as they are."""
+    """Rows of one case, one for each effect; `before` holds what was found in stretches as they
+    are.
+    """
     rng = np.random.default_rng([case["seed"], 13])
-    effect = case["effect"]
-    file, fs, start, channels = stretch(data, case["stretch"], effect == "tilt")
-    if effect == "tilt" and len(channels) < 6 or effect == "vibration" and len(channels) < 2:
-        return {**case, "record": file, "skipped": "too few channels"}
-    temperature = None
+    effects = {case["effect"], *case.get("with", ())}
+    if data is None:
+        file, start = "drawn", 0
+        fs, channels = gap_strange.record(case["stretch"], six="tilt" in effects)
+    else:
+        file, fs, start, channels = stretch(data, case["stretch"], "tilt" in effects)
+    if "tilt" in effects and len(channels) < 6 or "vibration" in effects and len(channels) < 2:
+        return [{**case, "record": file, "skipped": "too few channels"}]
     n = len(next(iter(channels.values())))
-    if effect == "temperature":
-        temperature = _warmth(n, fs, rng)
-    target = list(channels)[int(rng.integers(len(channels)))]
-    changed, on, gain, told = gap_put.put(effect, channels, fs, target, rng, temperature)
-    clock = changed.pop("time", None)
-    if effect == "common_mode" and len(on) < 2:
-        return {**case, "record": file, "skipped": "one channel of a kind"}
-    key = f"{case['stretch']} {effect if effect in ('tilt', 'temperature') else ''}"
+    temperature = _warmth(n, fs, rng) if "temperature" in effects else None
+    changed, clock, truths = _put_all(effects, channels, fs, temperature, rng)
+    if any(e == "common_mode" and len(on) < 2 for e, on, _, _ in truths):
+        return [{**case, "record": file, "skipped": "one channel of a kind"}]
+    key = f"{case['stretch']} {' '.join(sorted(effects & {'tilt', 'temperature'}))}"
     if key not in before:
         before[key] = _looked_at(channels, fs, temperature)
     old, new = before[key], _looked_at(changed, fs, temperature, clock)
+    about = {"record": file, "start": start, "key": key, "before": old, "after": new}
+    touched = {c for _, on, _, _ in truths for c in on}
+    more = {"touched": sorted(touched), "untouched": len(set(channels) - touched)}
+    return [
+        {**case, **about, **more, **_judged(truth, truths, old, new, first=k == 0)}
+        for k, truth in enumerate(truths)
+    ]
+
+
+def _judged(truth, truths, old, new, *, first: bool) -> dict:
+    """Whether an effect was named, and (once a record) what else was new."""
+    effect, on, gain, told = truth
     names = gap_put.NAMES.get(effect, (effect,))
     fresh = {
         c: {e: s for e, s in found.items() if e not in old["names"].get(c, {})}
         for c, found in new["names"].items()
     }
-    had = any(e in old["names"].get(c, {}) for c in on for e in (effect,))
-    other = [
-        f"{c} {e}"
-        for c, found in fresh.items()
-        for e, sure in found.items()
-        if c not in on and sure >= SURE
-    ]
+    touched = {c for _, where, _, _ in truths for c in where}
     hit = any(e in names for c in on for e in fresh.get(c, {}))
     return {
-        **case,
-        "record": file,
-        "start": start,
-        "target": target,
+        "effect": effect,
         "on": on,
         "gain": round(float(gain), 1),
         "put_in": told,
-        "key": key,
-        "before": old,
-        "after": new,
-        "already": had,
-        "absorbed": not hit and effect in new["absorbed"].get(target, ()),
+        "already": any(effect in old["names"].get(c, {}) for c in on),
+        "absorbed": not hit and any(effect in new["absorbed"].get(c, ()) for c in on),
         "named": hit,
         "named_sure": any(
             e in names and sure >= SURE for c in on for e, sure in fresh.get(c, {}).items()
         ),
-        "new": other,
-        "untouched": len([c for c in channels if c not in on]),
+        "new": [
+            f"{c} {e}"
+            for c, found in (fresh if first else {}).items()
+            for e, sure in found.items()
+            if c not in touched and sure >= SURE
+        ],
+        "first": first,
     }
 
 
@@ -175,7 +195,7 @@ def summary(rows):
         if not every:
             continue
         right = sum(r["named"] for r in some)
-        clean = sum(r["untouched"] for r in every)
+        clean = sum(r["untouched"] for r in every if r.get("first", True))
         new = sum(len({n.split()[0] for n in r["new"]}) for r in every)
         low, high = proportion_confint(right, len(some), method="wilson") if some else (0, 1)
         table.append(
@@ -212,17 +232,20 @@ def _counts(row):
     return row["gain"] >= gap_put.DETECTABLE and not (row["already"] or row["absorbed"])
 
 
-def _plan(effects, cases, first):
-    """Effects take turns; `SHARED` cases in a row look at one stretch."""
-    return [
-        {
-            "effect": e,
-            "seed": first + i * len(effects) + k,
-            "stretch": first + (i * len(effects) + k) // SHARED,
-        }
-        for i in range(cases)
-        for k, e in enumerate(effects)
-    ]
+def _plan(effects, cases, first, together):
+    """Effects take turns; `SHARED` cases in a row look at one stretch. With more than one
+    `together` others are drawn beside each.
+    """
+    out = []
+    for i in range(cases):
+        for k, effect in enumerate(effects):
+            seed = first + i * len(effects) + k
+            rng = np.random.default_rng([seed, 17])
+            others = [e for e in effects if e not in (effect, "tilt", "time_gaps")]
+            drawn = rng.choice(others, min(together - 1, len(others)), replace=False)
+            case = {"effect": effect, "seed": seed, "stretch": first + (seed - first) // SHARED}
+            out.append({**case, "with": sorted(map(str, drawn))} if together > 1 else case)
+    return out
 
 
 def main():
@@ -231,27 +254,31 @@ def main():
     parser.add_argument("--first", type=int, default=500)
     parser.add_argument("--effects", default=",".join(gap_put.EFFECTS))
     parser.add_argument("--log", help="JSON lines; what is there already is not run again")
+    parser.add_argument("--drawn", action="store_true", help="records that are drawn")
+    parser.add_argument("--together", type=int, default=1, help="effects in a record")
+    parser.add_argument("--name", default="gap_injected", help="of the stored table")
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
     parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
-    data = Path(os.environ["IMU_LIB_DATA"])
+    data = None if args.drawn else Path(os.environ["IMU_LIB_DATA"])
     log = Path(args.log) if args.log else None
     rows = [json.loads(r) for r in log.read_text().splitlines()] if log and log.exists() else []
-    have = {(r["effect"], r["seed"]) for r in rows}
+    have = {r["seed"] for r in rows}
     before = {r["key"]: r["before"] for r in rows if "key" in r}
     started = time.time()
-    for case in _plan(args.effects.split(","), args.cases, args.first):
-        if (case["effect"], case["seed"]) in have:
+    for case in _plan(args.effects.split(","), args.cases, args.first, args.together):
+        if case["seed"] in have:
             continue
         if time.time() - started > 60 * args.minutes:
             break
-        row = run(case, data, before)
-        rows.append(row)
+        new = run(case, data, before)
+        rows += new
         if log:
             with log.open("a") as handle:
-                handle.write(json.dumps(row) + "\n")
-        if "skipped" not in row:
-            _tell(row)
+                handle.writelines(json.dumps(row, default=float) + "\n" for row in new)
+        for row in new:
+            if "skipped" not in row:
+                _tell(row)
     table = summary(rows)
     for line in table:
         print(line)
@@ -267,7 +294,7 @@ def main():
                 if "skipped" not in r
             ],
         }
-        (RESULTS / "gap_injected.json").write_text(json.dumps(content, indent=1) + "\n")
+        (RESULTS / f"{args.name}.json").write_text(json.dumps(content, default=float) + "\n")
 
 
 def _tell(row):

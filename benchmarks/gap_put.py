@@ -52,7 +52,7 @@ class Stretch:
         k = np.arange(1, len(power) + 1)
         turn = 4 * np.sin(np.pi * k / len(d)) ** 2
         # level over constant shares of the frequency, by the mean
-        edges = np.unique(np.r_[0, np.geomspace(6, len(power), 60).astype(int)])
+        edges = np.unique(np.r_[0, np.geomspace(12, len(power), 60).astype(int)])
         level = [np.mean(power[a:b] / turn[a:b]) for a, b in zip(edges[:-1], edges[1:])]
         middle = [np.sqrt((a + 1) * b) for a, b in zip(edges[:-1], edges[1:])]
         log = np.interp(np.log(k), np.log(middle), np.log(level))

@@ -1,0 +1,120 @@
+"""What the gap workflow finds in the recorded signals as they are: verdict, causes, what is left.
+
+    python benchmarks/gap_real.py --log real.jsonl          # resumes; stores the table
+    python benchmarks/gap_real.py --names vn100_still --simulations 100 --print
+
+No model is given. Ten minutes of the long ones, all of the others. Needs the folder of recorded data,
+IMU_LIB_DATA. The table goes to benchmarks/results/gap_real.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from datetime import date
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT)]
+
+from imu_lib import read_record  # noqa: E402
+from imu_lib.gap import close  # noqa: E402
+
+RESULTS = ROOT / "benchmarks" / "results"
+#: File, what it needs to be read, and the stretch that is looked at, s.
+RECORDS = {
+    "vn100_still": ({"rate": 40.0}, None),
+    "sony_cxd5602": ({}, None),
+    "xsens_dot": ({"rate": 120.0}, None),
+    "memsense_gyros": ({"rate": 250.0}, None),
+    "xsens_mtx": ({"rate": 200.0}, None),
+    "mtig_gyro_x": ({"rate": 100.0}, (0.0, 600.0)),
+    "mpu6050_10min": ({}, (0.0, 600.0)),
+    "hipnuc_ch104": ({"rate": 100.0}, (600.0, 1200.0)),
+    "sbg_ig500n": ({}, None),
+    "adis16405_1": ({"rate": 100.0}, (600.0, 1200.0)),
+    "adis16405_2": ({"rate": 100.0}, (600.0, 1200.0)),
+    "adis16405_3": ({"rate": 100.0}, (600.0, 1200.0)),
+    "phone": ({}, None),
+}
+
+
+def opened(data: Path, name: str):
+    """The record, or the stretch of it that is looked at."""
+    options, stretch = RECORDS[name]
+    if name == "phone":
+        record = read_record(
+            gyro=data / "static" / "phone_gyro.txt", accel=data / "static" / "phone_accel.txt"
+        )
+    else:
+        record = read_record(data / "static" / f"{name}.npz", **options)
+    return record if stretch is None else record.slice(*stretch)
+
+
+def run(name: str, data: Path, simulations: int) -> dict:
+    """What was found in one record."""
+    started = time.perf_counter()
+    found = close(opened(data, name), simulations=simulations, jobs=1)
+    out = found.to_json()
+    return {
+        "record": name,
+        "duration": round(found.record.duration, 2),
+        "rate": round(found.record.rate, 3),
+        "simulations": simulations,
+        "verdict": out["verdict"],
+        "channels": {
+            c: {
+                "steps": [[s["effect"], s["confidence"], s["where"]] for s in r["steps"]],
+                "unexplained": r["unexplained"],
+                "gap_before": r["gap_before"],
+                "gap_after": r["gap_after"],
+                "held_out": r["gap_held_out"],
+            }
+            for c, r in out["channels"].items()
+        },
+        "on_record": [
+            [s["effect"], s["confidence"], s["where"], s["parameters"].get("channels")]
+            for s in out["record"]["steps"]
+        ],
+        "left_on_record": out["record"]["unexplained"],
+        "model": found.model.to_json(),
+        "seconds": round(time.perf_counter() - started, 1),
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--names", default=",".join(RECORDS))
+    parser.add_argument("--simulations", type=int, default=0, help="of the gap index; 0: none")
+    parser.add_argument("--log", help="JSON lines; what is there already is not run again")
+    parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
+    parser.add_argument("--print", action="store_true", help="store nothing")
+    args = parser.parse_args()
+    data, log = Path(os.environ["IMU_LIB_DATA"]), Path(args.log) if args.log else None
+    rows = [json.loads(r) for r in log.read_text().splitlines()] if log and log.exists() else []
+    started = time.time()
+    for name in args.names.split(","):
+        if any(r["record"] == name for r in rows) or time.time() - started > 60 * args.minutes:
+            continue
+        row = run(name, data, args.simulations)
+        rows.append(row)
+        if log:
+            with log.open("a") as handle:
+                handle.write(json.dumps(row) + "\n")
+        print(name, " ".join(row["verdict"]), row["seconds"], flush=True)
+    if not args.print:
+        rows.sort(key=lambda r: list(RECORDS).index(r["record"]))
+        found = {
+            "command": "python " + " ".join(["benchmarks/gap_real.py", *sys.argv[1:]]),
+            "date": date.today().isoformat(),
+            "records": rows,
+        }
+        (RESULTS / "gap_real.json").write_text(json.dumps(found, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
