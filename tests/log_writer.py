@@ -11,8 +11,9 @@ import numpy as np
 
 DEG = np.pi / 180
 G = 9.80665
-GYRO = {"rad/s": 1.0, "deg/s": DEG, "mdps": 1e-3 * DEG, "deg/h": DEG / 3600}
-ACCEL = {"m/s^2": 1.0, "g": G, "mg": 1e-3 * G}
+GYRO = {"rad/s": 1.0, "deg/s": DEG, "mdps": 1e-3 * DEG, "deg/h": DEG / 3600,
+        "mrad/s": 1e-3, "degrees per second": DEG}  # fmt: skip
+ACCEL = {"m/s^2": 1.0, "g": G, "mg": 1e-3 * G, "cm/s^2": 1e-2, "m·s⁻²": 1.0}
 NAMES = {
     "short": ("g{}", "a{}"),
     "long": ("gyro_{}", "accel_{}"),
@@ -22,10 +23,14 @@ NAMES = {
     "one": ("gyr{1}", "acc{1}"),
     "brackets": ("gyro[{0}]", "accel[{0}]"),
     "phone": ("Gyroscope {}", "Accelerometer {}"),
+    "chip": ("LSM6DSO_gyr_{}", "LSM6DSO_acc_{}"),
+    "german": ("Drehrate {}", "Beschleunigung {}"),
+    "forces": ("w{}", "f{}"),
     "omega": ("omega_{}", "alpha_{}"),
 }
 STAMPS = ("s", "epoch_s", "ms", "boot_ms", "epoch_ms", "us", "boot_us", "ns", "min",
-          "secs_nsecs", "iso", "split", "dmy", "mdy", "ampm", "colon_ms", "counter", "none", "wrap_us", "coarse", "hms")  # fmt: skip
+          "secs_nsecs", "iso", "split", "dmy", "mdy", "ampm", "colon_ms", "counter", "none", "wrap_us", "coarse", "hms",
+          "day", "filetime", "compact", "two_times")  # fmt: skip
 
 
 @dataclass
@@ -45,6 +50,10 @@ class Plan:
     order: tuple = (0, 1, 2)  # of time, gyro, accel
     extras: tuple = ()
     layout: str = "plain"  # plain, held, interleaved, twice
+    held_by: int = 4  # rows of a held reading
+    dress: str = (
+        "plain"  # plain, comment, preamble, quoted, bom, crlf, utf-16, footer, labels, cells
+    )
     gap: int = 0  # samples lost in the middle
     seed: int = 1
     flags: dict = field(default_factory=dict)
@@ -72,10 +81,20 @@ def stamp_columns(plan, t):
         return [], [], rate
     if kind == "counter":
         return ["sample"], [[str(17 + int(k)) for k in np.rint(t * plan.rate)]], rate
+    if kind == "filetime":
+        tenths = 132_594_191_990_000_000 + np.rint(t * 1e7).astype(np.int64)
+        return ["timestamp"], [[str(v) for v in tenths]], {"time_unit": "ticks:1e7"}
+    if kind == "two_times":  # of arrival, uneven, beside the sensor's own
+        late = np.sort(t + np.random.default_rng(plan.seed).uniform(0.0, 2.0 / plan.rate, len(t)))
+        own = 7_000_000 + np.rint(t * 1e6).astype(np.int64)
+        return ["host_time [s]", "device_time [us]"], [[f"{1.6e9 + v:.6f}" for v in late], [str(v) for v in own]], {}
+    if kind == "day":
+        days = [f"{44197.25 + v / 86400:.12f}" for v in t]
+        return ["time [day]" if plan.named_time else "datetime"], [days], {"time_unit": "day"}
     if kind == "secs_nsecs":
         ns = 1_600_000_000_999_000_000 + np.rint(t * 1e9).astype(np.int64)
         return ["secs", "nsecs"], [[str(v // 10**9) for v in ns], [str(v % 10**9) for v in ns]], {}
-    if kind in ("iso", "split", "dmy", "mdy", "ampm", "colon_ms", "hms"):
+    if kind in ("iso", "compact", "split", "dmy", "mdy", "ampm", "colon_ms", "hms"):
         start = dt.datetime(2021, 3, 4, 23, 59, 59) if kind != "hms" else dt.datetime(2021, 3, 4, 10, 58, 59)
         if kind == "ampm":
             start = dt.datetime(2021, 3, 4, 11, 59, 59)
@@ -83,6 +102,8 @@ def stamp_columns(plan, t):
         clock = [w.strftime("%H:%M:%S.%f") for w in when]
         if kind == "iso":
             return ["timestamp"], [[w.isoformat(timespec="microseconds") for w in when]], {}
+        if kind == "compact":
+            return ["timestamp"], [[w.strftime("%Y%m%dT%H%M%S.%f") for w in when]], {}
         if kind == "split":
             return ["date", "time"], [[w.strftime("%Y-%m-%d") for w in when], clock], {}
         if kind == "dmy":
@@ -121,7 +142,11 @@ def write(path, plan):
     heads, stamps, answers = stamp_columns(plan, t)
     shape = NAMES[plan.names]
     gyro, accel = gyro / GYRO[plan.gyro_unit], accel / ACCEL[plan.accel_unit]
-    held = (np.arange(plan.n) // 4) * 4 if plan.layout == "held" else np.arange(plan.n)
+    held = (
+        (np.arange(plan.n) // plan.held_by) * plan.held_by
+        if plan.layout == "held"
+        else np.arange(plan.n)
+    )
     groups = [[(h, c, None) for h, c in zip(heads, stamps)]]
     for form, unit, values, kind in (
         (shape[0], plan.gyro_unit, gyro, 0),
@@ -167,9 +192,53 @@ def write(path, plan):
     rows = [sep.join(marked(c[k]) for _, c, _ in columns) for k in range(plan.n)]
     if plan.layout == "twice":
         rows = [r for row in rows for r in (row, row)]
-    path.write_text("\n".join(lines + rows) + "\n", encoding="utf-8")
+    path.write_bytes(_dressed(plan, lines, rows, columns, marked))
     flags = dict(answers)
     if plan.unit_style == "flag":
         flags |= {"gyro_unit": plan.gyro_unit, "accel_unit": plan.accel_unit}
     return flags
     # fmt: on
+
+
+def _dressed(plan, lines, rows, columns, marked):
+    """The bytes of the file: what stands above and below, quotes, labels, cells of three."""
+    end, encoding = "\n", "utf-8"
+    if plan.dress == "comment":
+        lines = [f"# {line}" for line in lines]
+    elif plan.dress == "preamble":
+        lines = ["Logger 2.0", "Serial;1234", "", *lines]
+    elif plan.dress == "footer":
+        rows = [*rows, "", "Stopped by the user, all is well"]
+    elif plan.dress == "crlf":
+        end = "\r\n"
+    elif plan.dress == "bom":
+        encoding = "utf-8-sig"
+    elif plan.dress == "utf-16":
+        encoding = "utf-16"
+    elif plan.dress == "quoted":
+        rows = [plan.delimiter.join(f'"{f}"' for f in row.split(plan.delimiter)) for row in rows]
+    elif plan.dress == "labels":
+        lines = []
+        rows = [" ".join(f"{name.replace(' ', '_')}={c[k]}" for name, c, _ in columns) for k in range(plan.n)]  # fmt: skip
+    elif plan.dress == "cells":
+        lines, rows = _cells(plan, columns, marked)
+    return (end.join([*lines, *rows]) + end).encode(encoding)
+
+
+def _cells(plan, columns, marked):
+    """Three axes in a cell: `[0.1, 0.2, 0.3]`."""
+    heads, cells, at = [], [], 0
+    while at < len(columns):
+        name, text, unit = columns[at]
+        if unit in GYRO or unit in ACCEL:
+            word = "gyro" if unit in GYRO else "accel"
+            heads.append(f"{word} [{unit}]" if plan.unit_style in ("brackets", "round") else word)
+            three = columns[at : at + 3]
+            cells.append(["[" + " ".join(c[k] for _, c, _ in three) + "]" for k in range(plan.n)])
+            at += 3
+            continue
+        heads.append(name)
+        cells.append([marked(v) for v in text])
+        at += 1
+    sep = plan.delimiter
+    return [sep.join(heads)], [sep.join(c[k] for c in cells) for k in range(plan.n)]

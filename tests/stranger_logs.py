@@ -89,6 +89,13 @@ def logs():
     for n, (gyro, accel, scale_g, scale_a) in enumerate(UNITS):
         heads = [f"G{x} {gyro}" for x in "XYZ"] + [f"A{x} {accel}" for x in "XYZ"]
         out[f"units_{n}.csv"] = (table("time [s]," + ",".join(heads), T, GYRO * scale_g, ACCEL * scale_a, form="%.10g"), "", 100)
+    out["demonstration.txt"] = ("Initialization of the sensor returned: All is well.\n" + _lines(lambda k, w, a: f"Scaled. Acc (mg) [ {_three(a / G * 1000, '%013.6f')} ], Gyr (DPS) [ {_three(w * DEG, '%013.8f')} ], Mag (uT) [ -00041.10, 00033.30, 00011.25 ], Tmp (C) [ 00024.05 ]"), "--rate 33", 33)
+    out["dictionaries.txt"] = (_lines(lambda k, w, a: str({"t": k / 50, "gyro": dict(zip("xyz", map(float, w))), "accel": dict(zip("xyz", map(float, a)))})), SI, 50)
+    out["brackets_only.txt"] = (_lines(lambda k, w, a: f"{k * 10 + 77} ({_three(w)}) ({_three(a)})"), SI + " --columns time[ms],gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z", 100)
+    out["labels_between.txt"] = (_lines(lambda k, w, a: "Gyro\t" + _three(w, sep="\t") + "\tAccel\t" + _three(a, sep="\t") + f"\tms\t{k * 10 + 100}"), SI, 100)
+    out["seconds_in_cells.csv"] = (head + "\n" + _lines(lambda k, w, a: f"{k / 100} sec,{_three(w, sep=',')},{_three(a, sep=',')}"), SI, 100)
+    out["step_above.txt"] = ("dt = 0.005 s\ngx gy gz ax ay az\n" + table("", GYRO, ACCEL, sep=" "), SI, 200)
+    out["body_rates.csv"] = (table("t,q0,q1,q2,q3,p,q,r,ax,ay,az", T, T * 0 + 1, T * 0, T * 0, T * 0, GYRO, ACCEL), SI, 100)
     out["no_reading.csv"] = (head + "\n" + "\n".join(r if k % 97 else f"{k / 100},{','.join(['-999.0'] * 6)}" for k, r in enumerate(lines)) + "\n", SI, 100)
     return out
     # fmt: on

@@ -22,11 +22,27 @@ PLANS = st.builds(
     accel_unit=st.sampled_from(list(log_writer.ACCEL)),
     unit_style=st.sampled_from(["brackets", "round", "row", "flag"]),
     names=st.sampled_from(list(log_writer.NAMES)),
-    delimiter=st.sampled_from([",", ";", "\t", "|"]),
+    delimiter=st.sampled_from([",", ";", "\t", "|", " "]),
     comma=st.booleans(),
     order=st.permutations([0, 1, 2]).map(tuple),
     extras=st.lists(st.sampled_from(["mag", "text", "temp", "roll"]), unique=True).map(tuple),
     layout=st.sampled_from(["plain", "plain", "held", "interleaved", "twice"]),
+    held_by=st.sampled_from([2, 3, 4, 5, 8]),
+    dress=st.sampled_from(
+        [
+            "plain",
+            "plain",
+            "comment",
+            "preamble",
+            "quoted",
+            "bom",
+            "crlf",
+            "utf-16",
+            "footer",
+            "labels",
+            "cells",
+        ]
+    ),
     gap=st.sampled_from([0, 0, 3, 40]),
     seed=st.integers(0, 10_000),
 )
@@ -44,6 +60,23 @@ def possible(plan):
         return False
     if plan.stamps == "coarse" and (plan.gap or plan.rate < 40 or plan.layout != "plain"):
         return False
+    if plan.delimiter == " " and (
+        plan.layout == "interleaved"
+        or plan.unit_style in ("brackets", "round")
+        or plan.names in ("board", "phone", "german")
+        or plan.stamps in ("ampm", "two_times", "day")
+        or " " in plan.gyro_unit
+        or plan.extras
+    ):
+        return False  # blanks inside of fields, or empty ones
+    if plan.dress in ("labels", "cells"):
+        one = plan.dress == "cells"
+        if plan.comma or plan.layout != "plain" or plan.extras or plan.unit_style == "row":
+            return False
+        if one and (plan.delimiter == " " or plan.names in ("zero", "one", "brackets", "omega")):
+            return False
+        if not one and (plan.stamps not in ("s", "us", "ms", "ns") or plan.unit_style != "flag"):
+            return False
     if plan.delimiter == "|" and plan.stamps == "ampm" and plan.comma:
         return False
     return True
@@ -68,7 +101,7 @@ def equal(found, plan):
             return f"{kind} is missing"
         x = record[kind]
         if plan.layout == "held" and kind == "accel":
-            x, right = x[np.isfinite(x).all(axis=1)], right[::4]
+            x, right = x[np.isfinite(x).all(axis=1)], right[:: plan.held_by]
         if plan.layout == "interleaved":
             offset = 0 if kind == "gyro" else 1
             right = right[offset::2][: len(x)]

@@ -122,3 +122,11 @@ def test_a_drive_in_a_folder_of_rows(tmp_path):
     (tmp_path / "data" / "0000000003.txt").unlink()
     with pytest.raises(InputError, match="60 stamps and 59 rows"):
         readers.read_record(tmp_path)
+
+
+def test_a_range_in_a_heading_is_no_scale(tmp_path):
+    head = "time [s],gx (500 dps),gy (500 dps),gz (500 dps)"
+    text = table(head, T, GYRO * DEG)
+    with pytest.raises(InputError, match="--gyro-unit deg/s if that is the range"):
+        opened(tmp_path / "a.csv", text, "")
+    same(opened(tmp_path / "a.csv", text, "--gyro-unit deg/s"), 100)

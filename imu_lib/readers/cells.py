@@ -35,9 +35,31 @@ def plain(text: str) -> Table | None:
             continue
         body = [r for r, _ in head if len(r) == width][1:]
         how = [_kind([r[i] for r in body]) for i in range(width)]
+        if how.count("unit") == 1 and sum(h is not None for h in how) == 1:
+            cell = next(r[how.index("unit")] for r in body if r[how.index("unit")])
+            if names.unit_of(_UNIT.match(cell)[2]) not in names.TIME_UNITS:
+                continue
+            return _rewritten(_rows(text, delimiter), width, how)
         if "list" in how or sum(h is not None for h in how) > 1:
             return _rewritten(_rows(text, delimiter), width, how)
-    return _long(text, sample)
+    return _long(text, sample) or _tuples(text, sample)
+
+
+def _tuples(text: str, sample: str) -> Table | None:
+    """Numbers with brackets and commas around and between them, and nothing else: a plain table."""
+    lines = [x for x in sample.splitlines()[:SOME] if x.strip()]
+    if len(lines) < 8 or not all(re.search(r"[(\[{]\s*[+-]?[\d.]", x) for x in lines[1:]):
+        return None
+    rows, places = [], []
+    for number, line in enumerate(text.splitlines(), 1):
+        found = re.split(r"[\s,;()\[\]{}]+", line.strip("()[]{},; \t"))
+        if found != [""] and all(re.fullmatch(_FLOAT, f) for f in found):
+            rows.append(found)
+            places.append(number)
+    width = Counter(len(r) for r in rows).most_common(1)[0][0] if rows else 0
+    if width < 3 or any(len(r) != width for r in rows) or len(rows) < 0.9 * text.count("\n"):
+        return None
+    return Table("\n".join("\t".join(r) for r in rows) + "\n", places)
 
 
 def _rows(text: str, delimiter: str) -> list[tuple[list[str], int]]:

@@ -52,19 +52,15 @@ def turned(raw: Raw, told: list[Meaning], headings) -> None:
 
 
 def body_rates(told: list[Meaning], headings) -> list[Meaning]:
-    """p, q, r are the body rates of aeronautics where no other column is the gyro and none a
-    quaternion.
+    """p, q, r are the body rates of aeronautics where all three stand there, no other column is the
+    gyro, and they may not be part of a quaternion.
     """
     heads = [re.sub(r"[\[(].*", "", h.name).strip().lower() for h in headings]
     there = [i for i, m in enumerate(told) if m.quantity is None and m.why == names.UNKNOWN]
     rates = {heads[i]: i for i in there if heads[i] in ("p", "q", "r")}
-    other = any(m.quantity in ("gyro", "dtheta") and m.axis for m in told) or {
-        "qw",
-        "q0",
-        "q_w",
-        "q_0",
-    } & set(heads)
-    if len(rates) < 3 or other:
+    whole = {"q0", "q1", "q2", "q3"} <= set(heads) or {"qw", "qx", "qy", "qz"} <= set(heads)
+    scalar = {"qw", "q0", "q_w", "q_0"} & set(heads) and not whole  # p, q, r may be its vector
+    if scalar or len(rates) < 3 or any(m.quantity in ("gyro", "dtheta") and m.axis for m in told):
         return told
     out = list(told)
     for axis, i in zip("xyz", (rates["p"], rates["q"], rates["r"])):

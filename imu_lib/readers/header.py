@@ -19,6 +19,12 @@ _OTHER_UNIT = re.compile(
 )  # fmt: skip
 
 
+_STEP = re.compile(
+    r"^(?:dt|ts|delta_?[tx]|sampl(?:e|ing)[ _]?(?:time|period|interval))\s*[:=,;\t ]\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*\[?\(?(s|ms|us)?\)?\]?$",
+    re.IGNORECASE,
+)
+
+
 def header_of(lines, first, delimiter, width):
     """Column names from the line above the data (a comment line may hold them), the row of units
     where there is one, and the rate where the preamble states one.
@@ -41,6 +47,9 @@ def header_of(lines, first, delimiter, width):
         if names_ and header is not None and above is None and i >= first - 5:
             above = names_
             continue
+        step = _STEP.match(line)
+        if step and float(step[1]) > 0 and (step[2] or float(step[1]) < 0.5):
+            rate = 1.0 / (float(step[1]) * {"ms": 1e-3, "us": 1e-6}.get(step[2], 1.0))
         pair = re.match(
             r"^(.*?)\s*[:=,;\t ]\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(Hz)?$", line.rstrip(",;")
         )

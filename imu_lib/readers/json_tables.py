@@ -1,9 +1,10 @@
-"""JSON that is one document: a list of samples, or a list of values under each name. (A document a
-line is read as labelled text.)
+"""JSON that is one document (a list of samples, or a list of values under each name), or a document a
+line, as Python prints its dictionaries, too.
 """
 
 from __future__ import annotations
 
+import ast
 import json
 
 import numpy as np
@@ -22,6 +23,8 @@ def read_json(data: bytes, source: str, columns, signal) -> Raw | None:
     try:
         found = json.loads(data.decode("utf-8-sig"))
     except (ValueError, UnicodeDecodeError, RecursionError):
+        found = _lines(data)
+    if found is None:
         return None
     found = _samples(found)
     if isinstance(found, list):
@@ -34,6 +37,25 @@ def read_json(data: bytes, source: str, columns, signal) -> Raw | None:
     if not any(x.ndim and len(x) > 1 for x in arrays.values()):
         return None
     return from_arrays(source, arrays, columns, signal, contract=False)
+
+
+def _lines(data: bytes) -> list | None:
+    """A dictionary a line, of JSON or as Python prints it; None where the lines are none."""
+    try:
+        lines = [x for x in data.decode("utf-8-sig").splitlines() if x.strip()]
+    except UnicodeDecodeError:
+        return None
+    for load in (json.loads, ast.literal_eval):
+        out = []
+        for line in lines:
+            try:
+                out.append(load(line))
+            except (ValueError, SyntaxError, MemoryError, RecursionError):
+                if not out or len(out) < 0.9 * len(lines) - 1:
+                    break  # the last line may be cut
+        if len(out) >= max(2, 0.9 * len(lines) - 1) and all(isinstance(x, dict) for x in out):
+            return out
+    return None
 
 
 def _samples(found):

@@ -23,7 +23,7 @@ from imu_lib.readers.lines import (
 )
 from imu_lib.readers.sentences import is_sentences, sentences
 
-_LABEL = re.compile(r'"?([^\W\d_][^=:,;|\t\n"]*?)"?\s*[=:]\s*')
+_LABEL = re.compile(r'"?([^\W\d_][^=:,;|\t\n"]*?)"?\s*(?:[=:]\s*|(?=\[\s*[+-]?[\d.]))')
 _VALUE = re.compile(rf"\s*[\[({{\"']?\s*({NUMBER})(?![\w:])[\"']?")
 #: Labels that name several readings at once.
 _GROUPS = {

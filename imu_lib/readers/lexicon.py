@@ -98,13 +98,13 @@ FINE = {
     "centiseconds": "cs", "centisecond": "cs", "hundredths": "cs", "csec": "cs",
 }  # fmt: skip
 COMPACT = re.compile(
-    r"^(gyroscope|gyro|gyr|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|a|f|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
+    r"^(gyroscope|gyro|gyr|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|a|ag|f|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
 )
 COMPACT_FRONT = re.compile(
     r"^([xyz])(gyro|gyr|gyroscope|rate|omega|accelerometer|acceleration|accel|acc|accl|mag|dtheta|dang|dvel)$"
 )
 KIND_OF = {
-    "g": "gyro", "w": "gyro", "gyro": "gyro", "gyr": "gyro", "gyroscope": "gyro", "omega": "gyro",
+    "ag": "accel", "g": "gyro", "w": "gyro", "gyro": "gyro", "gyr": "gyro", "gyroscope": "gyro", "omega": "gyro",
     "wb": "gyro", "rate": "gyro", "ang": "gyro", "rot": "gyro", "a": "accel", "f": "accel", "fb": "accel",
     "gf": "accel", "gforce": "accel", "acc": "accel", "accl": "accel", "accel": "accel",
     "accelerometer": "accel", "acceleration": "accel", "alpha": "alpha", "dtheta": "dtheta",

@@ -151,6 +151,11 @@ class Raw:
                 h for c, h in self.headings.items() if c.startswith(kind)
             )
             scaled = spelling.scaled(unit, kind)
+            if scaled and (whole := spelling.of_range(unit)):
+                raise InputError(
+                    f"{self.source}: `{heading}` is in [{unit}]; give {flag} {whole} if that is the range of the sensor, {flag} {scaled} if it is the size of "
+                    "a count."
+                )
             if scaled:
                 raise InputError(
                     f"{self.source}: `{heading}` is in [{unit}]; give it as {flag} {scaled}."

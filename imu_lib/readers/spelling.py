@@ -90,7 +90,7 @@ _SPELLED = {
     "m/s": "m/s mps m/sec",
     "g*s": "g*s g*sec g-s g*seconds",
     "degC": "degc c celsius deg_c degree_c degrees_c degreec degreesc degree_celsius centigrade",
-    "mdegC": "mdegc millidegc",
+    "mdegC": "mdegc millidegc mcelsius millicelsius mdeg_c",
     "degF": "degf f fahrenheit deg_f degreef degreesf",
     "K": "k kelvin degk",
     "counts": " ".join(COUNTS),
@@ -206,6 +206,14 @@ def scaled(text: str, kind: str) -> str | None:
     if kind in ("gyro", "accel"):
         return f"counts:{(units.DEG_PER_S if kind == 'gyro' else units.G) / size:.10g}"
     return None
+
+
+def of_range(text: str) -> str | None:
+    """The unit of a text like `500 dps`, which may be the range of a sensor; None where the number is
+    below one, as the size of a count is.
+    """
+    found = re.match(r"^\s*[±+-]*\s*(\d+(?:\.\d+)?)\s*(\D.*)$", text)
+    return unit_of(found[2]) if found and float(found[1]) >= 1 else None
 
 
 def stated_time(flag: str) -> float:

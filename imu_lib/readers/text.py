@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import itertools
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +135,7 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
         layout = lay.sniff(*lines.head()[:1], str(path), whole=lines.head()[1])
     raw = Raw(str(path), rate=layout.rate, line=lambda row: f"line {_line_of(lines, layout, row)}")
     raw.notes += lines.notes
+    layout = _labels_as_header(lines, layout)
     units = layout.units or ("",) * len(layout.kinds)
     headings = [
         Heading(
@@ -150,6 +152,23 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
     return decide(
         raw, headings, load, columns=columns, signal=signal, named=layout.header is not None
     )
+
+
+def _labels_as_header(lines, layout):
+    """A layout whose names are those that stand before the numbers in every row: `Gyro 1 2 3 Acc 4 5 6`."""
+    texts = [i for i, k in enumerate(layout.kinds) if k == "text"]
+    if layout.header is not None or not texts or texts[0] != 0:
+        return layout
+    rows = [row for _, row in itertools.islice(_rows(lines, layout), 200)]
+    if any(len({r[i] for r in rows if len(r) > i}) != 1 for i in texts):
+        return layout
+    names_ = list(rows[0])
+    for at, stop in itertools.pairwise([*texts, len(names_)]):
+        size = stop - at - 1
+        axes = "xyz" if size == 3 else [""] if size == 1 else [f"#{i + 1}" for i in range(size)]
+        names_[at + 1 : stop] = [f"{rows[0][at].strip(':= ')} {a}".strip() for a in axes]
+        names_[at] = ""
+    return replace(layout, header=tuple(names_))
 
 
 def _parse(path, lines, layout, wanted) -> dict[int, np.ndarray]:

@@ -156,6 +156,7 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
             kind = "gyro"
     # single letters tell only where they stand nearly alone
     letters = {"g", "w", "a", "f"}
+    have = {"accel" if w == "ag" else w for w in have}
     have = {w for w in have if not lexicon.CHIP.fullmatch(w)}
     others = have - {
         "rs",
