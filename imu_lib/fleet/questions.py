@@ -39,21 +39,31 @@ def by_sensor(rows) -> pd.DataFrame:
     """One estimate a sensor: the mean of its records' logarithms, with the scatter from record to
     record where it has several (index sensor; columns value, low, high).
     """
-    out = {}
-    for sensor, own in rows.groupby("sensor", sort=False):
-        y, s = spreads.logarithms(own.value, own.low, own.high)
-        good = np.isfinite(y) & np.isfinite(s) & (s > 0)
-        if not good.any():
-            out[sensor] = (np.nan, 0.0, own.high.min())
+    y, s = spreads.logarithms(rows.value, rows.low, rows.high)
+    good = np.isfinite(y) & np.isfinite(s) & (s > 0)
+    high = rows.high.to_numpy(float)
+    names, own = _of_sensors(rows)
+    out = np.empty((len(names), 3))
+    for k, at in enumerate(own):
+        shown = at[good[at]]
+        if not shown.size:
+            out[k] = np.nan, 0.0, np.nan if np.isnan(high[at]).all() else np.nanmin(high[at])
             continue
-        y, s = y[good], s[good]
-        if y.size == 1:
-            mean, sd = y[0], s[0]
-        else:
-            found = combine_effects(y, s**2, method_re="iterated")
+        mean, sd = y[shown[0]], s[shown[0]]
+        if shown.size > 1:
+            found = combine_effects(y[shown], s[shown] ** 2, method_re="iterated")
             mean, sd = found.mean_effect_re, found.sd_eff_w_re
-        out[sensor] = tuple(np.exp(mean + np.array([0.0, -1.0, 1.0]) * 1.959964 * sd))
-    return pd.DataFrame.from_dict(out, orient="index", columns=["value", "low", "high"])
+        out[k] = np.exp(mean + np.array([0.0, -1.0, 1.0]) * 1.959964 * sd)
+    return pd.DataFrame(out, index=names, columns=["value", "low", "high"])
+
+
+def _of_sensors(rows):
+    """(names of the sensors as they come, places of each one's rows)."""
+    place, names = pd.factorize(rows.sensor)
+    if not len(names):
+        return [], []
+    order = np.argsort(place, kind="stable")
+    return list(names), np.split(order, np.cumsum(np.bincount(place, minlength=len(names)))[:-1])
 
 
 def spread(table, channel, method, coefficient) -> spreads.Spread | None:
@@ -109,12 +119,16 @@ def drift(table, channel, method, coefficient) -> Estimate | None:
     than three sensors have three dates or more.
     """
     slopes, errors = [], []
-    for _, own in coefficients(table, channel, method, coefficient).groupby("sensor"):
-        own = own[own.date.notna()]
-        y, s = spreads.logarithms(own.value, own.low, own.high)
-        t = pd.to_datetime(own.date).to_numpy("datetime64[D]").astype(float) / 365.25
-        good = np.isfinite(y) & np.isfinite(s) & (s > 0)
-        t, y, s = t[good], y[good], s[good]
+    rows = coefficients(table, channel, method, coefficient)
+    rows = rows[rows.date.notna()]
+    if not len(rows):
+        return None
+    every_y, every_s = spreads.logarithms(rows.value, rows.low, rows.high)
+    every_t = pd.to_datetime(rows.date).to_numpy("datetime64[D]").astype(float) / 365.25
+    good = np.isfinite(every_y) & np.isfinite(every_s) & (every_s > 0)
+    for at in _of_sensors(rows)[1]:
+        at = at[good[at]]
+        t, y, s = every_t[at], every_y[at], every_s[at]
         if np.unique(t).size < 3:
             continue
         design = np.column_stack([np.ones(t.size), t - t.mean()]) / s[:, None]
