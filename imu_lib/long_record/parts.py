@@ -8,6 +8,7 @@ import lzma
 import re
 import tempfile
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -33,8 +34,11 @@ def rows_of(path) -> int:
     opener = _opener(path, magic)
     if opener is None:
         return 0
-    with opener() as file:
-        head = file.read(fields.HEAD)
+    try:
+        with opener() as file:
+            head = file.read(fields.HEAD)
+    except (OSError, EOFError, zlib.error, lzma.LZMAError):
+        return 0  # cut off or damaged: the readers say so
     lines = head.count(b"\n")
     size = Path(path).stat().st_size
     if packed.how(magic, path):  # text of numbers packs to a third or less
@@ -94,7 +98,10 @@ def _compressed(path) -> dict:
             for member in archive.infolist():
                 if member.filename.endswith(".npy"):
                     with archive.open(member) as file:
-                        out[member.filename.removesuffix(".npy")] = columns.shape_of(file)
+                        shape, dtype = columns.shape_of(file)
+                    if int(np.prod(shape, dtype=object)) * dtype.itemsize > member.file_size:
+                        return {}  # it announces more than it holds: the readers say so
+                    out[member.filename.removesuffix(".npy")] = shape, dtype
     except (ValueError, OSError, zipfile.BadZipFile):
         return {}
     return out
