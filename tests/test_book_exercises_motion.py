@@ -1,10 +1,14 @@
 """Solutions of exercises that need a drive, and a closed form that another one uses."""
 
+import re
+
+import nbformat
 import numpy as np
 import pytest
 from scipy import integrate
 
 import imu_lib as imu
+from conftest import ROOT
 from imu_lib import wavelet
 from imu_lib.navigation import simulation, turin
 from imu_lib.processes import Sinusoid
@@ -12,6 +16,14 @@ from imu_lib.processes import Sinusoid
 
 def rng(seed):
     return np.random.default_rng(seed)
+
+
+def test_interval_3():
+    """Runs for 2 % at 60 s from the half width that the chapter prints for ten."""
+    cells = nbformat.read(ROOT / "nbs/update_interval.ipynb", 4).cells
+    text = "".join(o.get("text", "") for c in cells for o in c.get("outputs", ()))
+    half = float(re.search(r"half width of ten runs at 60 s: ([\d.]+) %", text)[1])
+    assert 5 <= 10 * (half / 2) ** 2 <= 12
 
 
 @pytest.fixture(scope="module")
