@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from imu_lib import characterise, long_record, readers
+from imu_lib import InputError, characterise, long_record, readers
 from imu_lib.model import Model
 from imu_lib.record import Record
 from imu_lib.writers import arrays, write_record
@@ -217,3 +217,21 @@ def test_logs_that_do_not_belong_together(signals, tmp_path):
         open_folder(tmp_path, trust_units=True)
     write_record(one, tmp_path / "another.npz")
     assert open_folder(tmp_path, trust_units=True) is None  # not a row of logs
+
+
+def test_a_part_is_cut_without_reading_the_rest(signals, tmp_path):
+    """--start and --stop on disk are those of the record in memory, gaps between them too."""
+    from imu_lib.long_record import cut
+
+    whole = holed(signals)
+    path = saved(whole, tmp_path / "a.npz")
+    record = long_record.open_long(path, least=LEAST)
+    for start, stop in ((None, 300.0), (240.0, 1310.0), (499.995, None), (1240.0, 1260.0)):
+        part, want = cut(record, start, stop).in_memory(), whole.slice(start, stop)
+        assert part.n == want.n
+        np.testing.assert_array_equal(part.slots(), want.slots())
+        np.testing.assert_array_equal(part["gyro_x"], want["gyro_x"])
+    gaps = cut(record, 240.0, 1310.0).time_gaps()
+    assert [g[2] for g in gaps] == [4, 10_000]
+    with pytest.raises(InputError, match="fewer than two samples"):
+        cut(record, 5000.0, None)

@@ -54,21 +54,23 @@ def open_on_disk(args: argparse.Namespace, *, least: int | None = None):
     """The record of parsed flags where it stays on disk: a long file that is read by pieces, at
     once or after it was converted, or a folder of logs; else None.
     """
-    from imu_lib.long_record import open_converted, open_folder, open_long
+    from imu_lib.long_record import cut, open_converted, open_folder, open_long
 
     options = record_options(args)
-    if not Path(args.file).is_dir():
+    start, stop = options.pop("start", None), options.pop("stop", None)
+    if start is not None and stop is not None and stop <= start:
+        raise InputError(f"--stop {stop:g} is not after --start {start:g}.")
+    if Path(args.file).is_dir():
+        record = open_folder(args.file, **options)
+    else:
         record = open_long(args.file, least=least, **options)
-        if record is not None:
-            return record
-        bar = Share(f"converting {Path(args.file).name}")
-        try:
-            return open_converted(args.file, progress=bar.at, **options)
-        finally:
-            bar.close()
-    if args.start is not None or args.stop is not None:
-        return None
-    return open_folder(args.file, **options)
+        if record is None:
+            bar = Share(f"converting {Path(args.file).name}")
+            try:
+                record = open_converted(args.file, progress=bar.at, **options)
+            finally:
+                bar.close()
+    return None if record is None else cut(record, start, stop)
 
 
 def open_either(args: argparse.Namespace, *, one_rate: bool = True):
@@ -83,11 +85,11 @@ def open_either(args: argparse.Namespace, *, one_rate: bool = True):
         if record is not None:
             for note in record.notes:
                 print(f"note: {note}", file=sys.stderr)
-            if record.rows <= LONG:
+            if record.rows - record.begin <= LONG:
                 return record.in_memory()
             if record.longest >= SHORTEST:
                 return record
-            _told_whole(args.file, record.rows, "its gaps leave no long part")
+            _told_whole(args.file, record.rows - record.begin, "its gaps leave no long part")
             return record.in_memory()
     record = open_record(args, one_rate=one_rate)
     if record.n > LONG:

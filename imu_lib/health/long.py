@@ -23,14 +23,14 @@ def of_long(record: LongRecord, *, progress=None) -> Health:
     and --stop, which show it alone. `progress` is called with the share that is done.
     """
     parts, starts = [], []
-    for low in range(0, record.rows, PART):
+    for low in range(record.begin, record.rows, PART):
         high = min(low + PART, record.rows)
         if record.rows - high < PART // 4:  # no crumbs at the end
             high = record.rows
         parts.append(of_record(record.part(low, high)))
         starts.append(record.second(low))
         if progress is not None:
-            progress(high / record.rows)
+            progress((high - record.begin) / (record.rows - record.begin))
         if high == record.rows:
             break
     clock = _clock(record, parts)
@@ -60,7 +60,7 @@ def _clock(record, parts):
     gaps = record.time_gaps()
     jitter = [p.clock.jitter for p in parts if p.clock.jitter is not None]
     return Clock(
-        record.rows,
+        record.rows - record.begin,
         record.rate,
         record.duration,
         any(p.clock.stamped for p in parts),

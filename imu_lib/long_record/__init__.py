@@ -4,7 +4,8 @@ a folder of logs.
 """
 
 from imu_lib.long_record.converted import open_converted
+from imu_lib.long_record.cut import cut
 from imu_lib.long_record.folder import open_folder
 from imu_lib.long_record.record import LongRecord, open_long
 
-__all__ = ["LongRecord", "open_converted", "open_folder", "open_long"]
+__all__ = ["LongRecord", "cut", "open_converted", "open_folder", "open_long"]

@@ -49,13 +49,15 @@ class LongRecord:
     name, source : str
     notes : tuple of str
     rows : int
-        Of the file, those without a number included.
+        Number of the row behind the last, those without a number counted.
     steps : ndarray of int, shape (g, 2)
         Row after each gap of the stamps, and samples missing before it.
     described : tuple
         What the readers say of the columns.
     temperature : Column or None
         Where the temperature lies, degC.
+    begin : int
+        The first row; others than 0 where the record was cut.
     """
 
     columns: dict = field(repr=False)
@@ -69,6 +71,7 @@ class LongRecord:
     steps: np.ndarray = field(repr=False, default_factory=lambda: np.zeros((0, 2), np.int64))
     described: tuple = ()
     temperature: Column | None = None
+    begin: int = 0
 
     def __contains__(self, channel):
         return channel in self.columns
@@ -89,12 +92,14 @@ class LongRecord:
 
     def second(self, row):
         """Moment of a row, s from the first."""
-        return float(self.slot(row)) / self.rate
+        return float(self.slot(row) - self.slot(self.begin)) / self.rate
 
     def time_gaps(self):
         """(start s, duration s, missing samples) of each gap in the stamps."""
         return tuple(
-            (self.second(int(row) - 1), float(m + 1) / self.rate, int(m)) for row, m in self.steps
+            (self.second(int(row) - 1), float(m + 1) / self.rate, int(m))
+            for row, m in self.steps
+            if self.begin < row < self.rows
         )
 
     def part(self, low, high) -> Record:
@@ -108,7 +113,7 @@ class LongRecord:
 
     def in_memory(self) -> Record:
         """All of it as a record in memory."""
-        return replace(self.part(0, self.rows), notes=self.notes)
+        return replace(self.part(self.begin, self.rows), notes=self.notes)
 
     @property
     def channel_names(self):

@@ -55,7 +55,7 @@ def look(record, model, found, window: int, rate: float, seed: int) -> Looked:
         if s.effect in TIMED:
             steps.append(_placed(s, start, offset, begin, end, windows))
         elif s.effect in SHARES:
-            share = (high - low) * windows / record.rows
+            share = (high - low) * windows / (record.rows - record.begin)
             more = {"fraction": s.parameters["fraction"] * share}
             steps.append(replace(s, parameters={**s.parameters, **more}))
         else:
