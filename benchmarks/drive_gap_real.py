@@ -1,10 +1,12 @@
 """What the gap workflow finds on recorded drives, and effects hidden in them.
 
-    IMU_LIB_DATA=FOLDER python benchmarks/drive_gap_real.py     # FOLDER/drive/*.npz; resumes from its table
+    IMU_LIB_DATA=FOLDER python benchmarks/drive_gap_real.py [NAME ...]   # FOLDER/drive/*.npz
 
-Each drive is searched as it is, without an error model; then with its stamps shifted by 0.3 s, its
-x accelerometer scaled by 1.03, and its axes turned; what is found then is compared with what was
-found before. Results go to benchmarks/results/drive_gap_real.json.
+Each drive is searched as it is, without an error model; then, from what was found, with one effect
+hidden in it at a time (`HIDDEN`, and turned axes). What is found then is compared with what was found
+before. `expected` is the gain in nats that the drive's own information promises for the hidden value:
+below about 15 no search can name it, and the answer is the upper limit. Resumes from its table in
+benchmarks/results/drive_gap_real.json: names given are searched anew.
 """
 
 from __future__ import annotations
@@ -22,15 +24,26 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT)]
 
 import numpy as np  # noqa: E402
+from scipy.spatial.transform import Rotation  # noqa: E402
 
 from imu_lib.drive import Drive  # noqa: E402
 from imu_lib.gap import drive as gap_drive  # noqa: E402
-from imu_lib.gap.drive import columns  # noqa: E402
+from imu_lib.gap.drive import columns, select  # noqa: E402
 from imu_lib.navigation import gross  # noqa: E402
 
 RESULTS = ROOT / "benchmarks" / "results" / "drive_gap_real.json"
-SHIFT, SCALE = 0.3, 0.03
 TURNED = ("+y", "-x", "+z")
+#: what is hidden: effect, component, value, tolerance within which it counts as found again
+HIDDEN = (
+    ("gnss_time_offset", "offset", 0.3, 0.02),
+    ("accel_scale", "scale x", 0.03, 0.003),
+    ("accel_scale", "scale x", 0.05, 0.005),
+    ("gyro_scale", "scale z", 0.03, 0.003),
+    ("gyro_scale", "scale z", 0.05, 0.005),
+    ("lever_arm", "arm x", 1.0, 0.3),
+    ("mounting", "yaw", np.radians(4.0), np.radians(0.5)),
+    ("gnss_noise", "position", 2.0, 0.2),
+)
 
 
 def searched(drive, **options):
@@ -40,63 +53,113 @@ def searched(drive, **options):
     for step in result["steps"]:
         step.pop("cause", None)
     result["seconds"] = time.process_time() - begin
-    theta = found.state.theta
-    result["held"] = {
-        "offset": float(theta[columns.of("gnss_time_offset")[0]]),
-        "velocity offset": float(theta[columns.of("gnss_time_offset")[1]])
-        if found.state.use[:, 3].any()
-        else None,
-        "scale x": float(theta[columns.of("accel_scale")[0]]),
-    }
-    return result, found.model
+    return result, found
 
 
-def injected(drive, model):
-    """Found beyond what was found before: offset s, scale of x, and the axes."""
-    shifted = drive.with_(gnss_time=np.asarray(drive.gnss_time) + SHIFT)
-    accel = np.array(drive.accel)
-    accel[:, 0] *= 1.0 + SCALE
-    c = gross.to_body(TURNED)
-    turned = drive.with_(gyro=drive.gyro @ c, accel=drive.accel @ c)
-    out = {"axes": {"put in": list(TURNED), "found": list(gross.axes(turned)[0])}}
-    options = {"judge": False, "random": False}
-    base = searched(drive, model=model, **options)[0]["held"]
-    for name, key, put, other in (
-        ("stamps shifted", "offset", SHIFT, shifted),
-        ("accelerometer scaled", "scale x", SCALE, drive.with_(accel=accel)),
-    ):
-        held = searched(other, model=model, **options)[0]
-        steps = {s["effect"]: s["intervals"] for s in held["steps"]}
-        out[name] = {
-            "put in": put,
-            "found": held["held"][key] - base[key],
-            "effects": sorted(steps),
-        }
-        if key == "offset" and base["velocity offset"] is not None:
-            out[name]["found in velocities"] = (
-                held["held"]["velocity offset"] - base["velocity offset"]
-            )
+def hide(drive, effect, component, value):
+    """The drive with one effect put in."""
+    axis = "xyz".index(component[-1]) if component[-2:-1] == " " else 0
+    if effect == "gnss_time_offset":
+        return drive.with_(gnss_time=np.asarray(drive.gnss_time) + value)
+    if effect in ("accel_scale", "gyro_scale"):
+        name = effect.split("_")[0]
+        readings = np.array(getattr(drive, name))
+        readings[:, axis] *= 1.0 + value
+        return drive.with_(**{name: readings})
+    if effect == "lever_arm":  # the file's arm is wrong by as much
+        arm = np.zeros(3) if drive.lever_arm is None else np.array(drive.lever_arm, float)
+        arm[axis] -= value
+        return drive.with_(lever_arm=arm)
+    if effect == "mounting":
+        turn = Rotation.from_euler("ZYX", [value, 0.0, 0.0]).inv()
+        return drive.with_(gyro=turn.apply(drive.gyro), accel=turn.apply(drive.accel))
+    rng = np.random.default_rng(5)
+    sd = np.array(drive.gnss_position_sd if drive.gnss_position_sd is not None else [3.0, 3.0, 5.0])
+    return drive.with_(gnss_position=_displaced(drive, rng, sd, value))
+
+
+def _displaced(drive, rng, sd, ratio):
+    """Positions with so much white noise that errors of `sd` become `ratio` times as large."""
+    p = np.array(drive.gnss_position)
+    more = rng.standard_normal(p.shape) * np.sqrt(ratio**2 - 1.0) * sd
+    p[:, 0] += more[:, 0] / 6.37e6
+    p[:, 1] += more[:, 1] / (6.37e6 * np.cos(p[:, 0]))
+    p[:, 2] -= more[:, 2]
+    return p
+
+
+def value_of(found, effect, component):
+    """(value, standard deviation, gain expected of a unit) of a parameter, named or not."""
+    state = found.state
+    if effect == "mounting":
+        for s in found.steps:
+            if s["effect"] == "mounting":
+                low, high = s["intervals"]["yaw"]
+                return s["parameters"]["yaw"], (high - low) / 3.92, None
+        return 0.0, None, None
+    if effect == "gnss_noise":
+        return state.noise.position, None, None
+    i = columns.INDEX[effect, component]
+    part = select.GROUPS[effect]
+    index = [k for e in state.kept for k in select.GROUPS[e]]
+    index = index if effect in state.kept else [*index, *part]
+    x, cov, _ = state.reg.solve(index)
+    k = index.index(i)
+    sd = float(np.sqrt(cov[k, k]))
+    information = max(1.0 / sd**2 - 1.0 / columns.ALL[i].prior ** 2, 0.0)
+    return float(x[k]), sd, 0.5 * information
+
+
+def injected(drive, found):
+    """Each hidden effect against what was found without it."""
+    out = []
+    for effect, component, value, tolerance in HIDDEN:
+        if effect == "gnss_noise" and drive.gnss_position_sd is None:
+            continue  # nothing is stated that could be wrong
+        before, _, unit = value_of(found, effect, component)
+        other = hide(drive, effect, component, value)
+        again = searched(other, model=found.model, judge=False, random=effect == "gnss_noise")[1]
+        after, sd, _ = value_of(again, effect, component)
+        named = effect in {s["effect"] for s in again.steps}
+        if effect == "gnss_noise":  # the errors that were there, times the stated ones, and more
+            put = float(np.sqrt(before**2 + value**2 - 1.0))
+            row = {"put in": put, "found": after}
+            hit = abs(after / put - 1.0) < 0.1
+        else:
+            row = {"put in": value, "found": after - before}
+            hit = abs(after - before - value) < max(tolerance, 0.1 * value)
+        limit = None if sd is None else abs(after) + 1.96 * sd
+        row |= {
+            "effect": effect, "component": component, "named": bool(named), "again": bool(hit),
+            "expected": None if unit is None else unit * value**2, "sd": sd, "limit": limit,
+            "limit holds": None if limit is None else bool(limit >= abs(before + value)),
+        }  # fmt: skip
+        out.append(row)
+        print("  ", {k: v if isinstance(v, (str, bool)) or v is None else round(v, 4) for k, v in row.items()}, flush=True)  # fmt: skip
     return out
 
 
 def main():
     folder = Path(os.environ["IMU_LIB_DATA"]) / "drive"
     table = json.loads(RESULTS.read_text()) if RESULTS.exists() else {"drives": {}}
-    names = sys.argv[1:] or [p.stem for p in sorted(folder.glob("*.npz"))]
-    for name in names:
+    for name in sys.argv[1:]:
+        table["drives"].pop(name, None)
+    for name in sys.argv[1:] or [p.stem for p in sorted(folder.glob("*.npz"))]:
         if name in table["drives"]:
             continue
         drive = Drive.load(folder / f"{name}.npz")
-        result, model = searched(drive)
+        result, found = searched(drive)
+        c = gross.to_body(TURNED)
+        turned = drive.with_(gyro=drive.gyro @ c, accel=drive.accel @ c)
+        result["axes"] = {"put in": list(TURNED), "found": list(gross.axes(turned)[0])}
+        result["hidden"] = injected(drive, found)
         table["drives"][name] = result
         table |= {
             "command": "python benchmarks/drive_gap_real.py",
             "date": date.today().isoformat(),
         }
         RESULTS.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
-        result["hidden"] = injected(drive, model)
-        RESULTS.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
-        print(name, json.dumps(result["hidden"]), flush=True)
+        print(name, round(result["seconds"], 1), "s", flush=True)
 
 
 if __name__ == "__main__":

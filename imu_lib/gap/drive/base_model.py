@@ -19,7 +19,7 @@ def guess(drive) -> Model:
 
 def fit(state, say=lambda text: None):
     """The noise of a state with its four levels and the fixes' two ratios fitted."""
-    use, problem, noise = state.use, state.problem, state.noise
+    use, problem, noise = state.use, state.problem.brief(), state.noise
 
     of = [
         name

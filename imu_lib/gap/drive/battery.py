@@ -50,11 +50,7 @@ def battery(problem, e, use, rng) -> Battery:
     """The battery of innovations e (f, 6) against simulated copies."""
     track = np.where(use, in_track(problem, e), np.nan)
     names, measured = _statistics(problem, track)
-    copies = []
-    for _ in range(COPIES):
-        white = np.where(use, rng.standard_normal(e.shape), np.nan)
-        copies.append(_statistics(problem, white)[1])
-    copies = np.array(copies)
+    copies = _copies(problem, use, rng)
     mean, sd = copies.mean(axis=0), np.maximum(copies.std(axis=0), 1e-9)
     z = (measured - mean) / sd
     own = np.sqrt(np.mean(((copies - mean) / sd) ** 2, axis=1))
@@ -62,6 +58,16 @@ def battery(problem, e, use, rng) -> Battery:
     nis = float(np.nanmean(track**2))
     lags = [abs(m) for n, m in zip(names, measured) if "fixes on" in n]
     return Battery(names, z, index, nis, float(max(lags, default=0.0)))
+
+
+def _copies(problem, use, rng):
+    """Statistics of the copies, (COPIES, k); those of a path are drawn once."""
+    drawn = problem.__dict__.setdefault("copies", {})
+    key = use.tobytes()
+    if key not in drawn:
+        white = (np.where(use, rng.standard_normal(use.shape), np.nan) for _ in range(COPIES))
+        drawn[key] = np.array([_statistics(problem, w)[1] for w in white])
+    return drawn[key]
 
 
 def _statistics(problem, e):

@@ -190,7 +190,8 @@ class _Log:
 
     def at(self, epochs):
         k = np.clip(epochs - self.first, 0, len(self.position) - 1)
-        quat = np.array([attitude.quaternion(a) for a in self.angles[k]])
+        turned = Rotation.from_euler("ZYX", self.angles[k][:, ::-1])
+        quat = turned.as_quat(scalar_first=True)
         return self.position[k].copy(), self.velocity[k].copy(), quat
 
 

@@ -15,7 +15,9 @@ LEVELS = (0.025, 0.975)
 
 
 def intervals(state, found):
-    """95 % intervals of the parameters of an accepted change: {name: [low, high]}."""
+    """95 % intervals of the parameters of an accepted change, {name: [low, high]}; its values become
+    the medians where they were fitted to a part of the drive.
+    """
     centre = np.log(found.values)
 
     def at(x):
@@ -37,14 +39,16 @@ def intervals(state, found):
     mesh = np.stack(np.meshgrid(*[fine] * centre.size, indexing="ij"), -1).reshape(-1, centre.size)
     values = centre + mesh @ axes.T
     bounds = np.array([_quantiles(v, weight.ravel()) for v in values.T])
+    if state.problem.brief() is not state.problem:
+        found.values = np.exp([_quantiles(v, weight.ravel(), (0.5,))[0] for v in values.T])
     low, high = (found.change.describe(np.exp(b)) for b in bounds.T)
     return {k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]}
 
 
-def _quantiles(values, weight):
+def _quantiles(values, weight, levels=LEVELS):
     order = np.argsort(values)
     total = np.cumsum(weight[order])
-    return np.interp(np.array(LEVELS) * total[-1], total, values[order])
+    return np.interp(np.array(levels) * total[-1], total, values[order])
 
 
 def _axes(at, x):

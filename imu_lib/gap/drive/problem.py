@@ -16,6 +16,7 @@ from imu_lib.units import DEG
 from . import condense
 
 TURN_ON = (0.1 * DEG, 0.05)  # rad/s, m/s^2: biases left at switch-on where the model states none
+STRETCHES, STRETCH = 3, 1000  # how many of how many nodes, of a long drive
 # what the linear filter starts with, so that no alignment is believed: m, m/s, rad
 START = np.array([30.0, 30.0, 30.0, 3.0, 3.0, 3.0, 0.06, 0.06, 0.5])
 
@@ -78,6 +79,24 @@ class Problem:
     arrays: dict
     notes: tuple
 
+    def brief(self):
+        """The problem on three stretches of a long drive: what is random is fitted there at a share of
+        the time. Fixes left out have no innovations.
+        """
+        nodes = self.arrays["begins"].size
+        if nodes < 2 * STRETCHES * STRETCH:
+            return self
+        first = np.linspace(0, nodes - STRETCH, STRETCHES).astype(int)
+        kept = np.concatenate([np.arange(k, k + STRETCH) for k in first])
+        arrays = dict(self.arrays)
+        for name in ("begins", "node_fix", "node_end", "node_speed", "node_time"):
+            arrays[name] = arrays[name][kept]
+        for name in ("phi", "gain", "noise", "force", "jump", "gap", "kind"):
+            arrays[name] = arrays[name][kept[1:] - 1]
+        arrays["begins"] = arrays["begins"].copy()
+        arrays["begins"][::STRETCH] = True
+        return replace(self, arrays=arrays)
+
     def evaluate(self, noise: Noise, *, sens=False, use=None, held=None) -> Innovations:
         """Innovations under a hypothesis; use (f, 6) bool: fixes taken (default: all); held
         (P,): values of columns taken as known.
@@ -104,7 +123,7 @@ class Problem:
         good = np.isfinite(e)
         value = -0.5 * float(np.sum(e[good] ** 2 + np.log(s[good])))
         if noise.fraction > 0.0:
-            seen = (self.use if use is None else use)[:, 0]
+            seen = np.isfinite(e[:, 0])
             share = np.where(wild[seen], noise.fraction, 1.0 - noise.fraction)
             # a fix may be either: the density is the sum of both
             value += float(np.log(share).sum() + np.log1p(np.exp(-doubt[seen])).sum())

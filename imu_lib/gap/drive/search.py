@@ -141,9 +141,13 @@ def _bounded(theta):
 
 def _refit(state):
     """The accepted changes fitted again where the path has changed under them."""
+    short = replace(state, problem=state.problem.brief())
     for found in state.changes:
         start = replace(found.change, start=tuple(float(v) for v in found.values))
-        values, gain, noise = start.fitted(state, state.noise, state.result.log_likelihood)
+        base = short.evaluate(state.noise).log_likelihood
+        values, gain, noise = start.fitted(short, state.noise, base)
+        if gain > 0.05 and short.problem is not state.problem:
+            gain = state.evaluate(noise).log_likelihood - state.result.log_likelihood
         if gain > 0.05:
             found.values, state.noise = values, noise
             state.weigh()
@@ -151,7 +155,8 @@ def _refit(state):
 
 def _noise_step(state, given):
     """The best change of what is random, fitted, or None."""
-    base = state.result.log_likelihood
+    whole, state = state, replace(state, problem=state.problem.brief())
+    base = state.evaluate(state.noise).log_likelihood
     options = random_effects.changes(state.problem, state.noise, given)
     taken = {c.change.key for c in state.changes}
     ranked = random_effects.screen(state, state.noise, base, options)
@@ -164,7 +169,9 @@ def _noise_step(state, given):
         return None
     found.sort(key=lambda f: -f[0])
     value, gain, change, values, noise = found[0]
-    if value < 0.0:
+    if state.problem is not whole.problem:
+        gain = whole.evaluate(noise).log_likelihood - whole.result.log_likelihood
+    if gain < random_effects.penalty(change):
         return None
     out = Change(
         change,

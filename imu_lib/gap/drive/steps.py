@@ -110,13 +110,13 @@ def _gap_with(state, plain, reg, effects, rng):
 
 def _random_step(state, found, first, gaps):
     change = found.change
+    intervals = posterior.intervals(state, found)
     parameters = change.describe(found.values)
     if change.effect == "bias_model":
         parameters = {
             "channel": parameters["channel"], "process": parameters["process"],
             "name": parameters["name"], "from": _stated(first, parameters), "to": parameters["to"],
         }  # fmt: skip
-    intervals = posterior.intervals(state, found)
     prices = random_effects.penalty(change)
     rivals = [(e, v) for e, v, key in found.rivals if e != change.effect or key[0] == "bias_model"]
     weights = [np.exp(min(v, 0.0)) for _, v in rivals] + [np.exp(-max(found.gain - prices, 0.0))]
