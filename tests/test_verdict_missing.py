@@ -1,5 +1,7 @@
 """What a verdict says of effects: all of a short record, a part and the means of a long one."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from imu_lib import verdict
@@ -52,6 +54,12 @@ def test_alike_findings_are_said_once():
         },
         50.0,
     )
-    lines = verdict.anomalies(Quiet, missing(record))
+    found = missing(record)
+    lines = verdict.anomalies(Quiet, found)
     (told,) = [line for line in lines if line.startswith("Resolution")]
     assert "gyro_x, gyro_y: lsb" in told
+    for channel in found.looks[0][1].channels.values():  # a name that is one of many is no finding
+        channel.result.steps[:] = [replace(s, confidence=0.02) for s in channel.result.steps]
+    lines = verdict.anomalies(Quiet, found)
+    assert not any(line.startswith("Resolution") for line in lines)
+    assert any("not sure" in line and "resolution (gyro_x, gyro_y)" in line for line in lines)

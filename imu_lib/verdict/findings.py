@@ -12,6 +12,7 @@ TIMES = 200.0
 OFF = 0.005  # share of gravity by which |f| may be off without a word
 UNLIKELY = 1e-3
 SHOWN = 4  # places of one effect that a verdict lists
+UNSURE = 0.1  # confidence below which a name is no more than one of several
 
 
 def means(record) -> list[str]:
@@ -62,13 +63,23 @@ def anomalies(health, found=None) -> list[str]:
         parameters = table.describe(step, name).removeprefix(step.effect).strip()
         places = told.setdefault((step.effect, step.cause), {})
         places.setdefault(parameters, []).append((name, step))
+    unsure = []
     for (effect, cause), places in told.items():
+        if max(s.confidence for steps in places.values() for _, s in steps) < UNSURE:
+            where = sorted({channel for steps in places.values() for channel, _ in steps})
+            unsure.append(f"{effect.replace('_', ' ')} ({', '.join(where)})")
+            continue
         name = effect.replace("_", " ").capitalize()
         seen = [_place(parameters, steps) for parameters, steps in places.items()]
         more = len(seen) - SHOWN
         if more > 0:
             seen[SHOWN:] = [f"and {more} more of the kind (the page on the gap has all)"]
         out.append(f"{name}. {cause} Seen in {'; '.join(seen)}.")
+    if unsure:
+        out.append(
+            "Something more is there whose name is not sure, one in ten at best: the likeliest are "
+            f"{'; '.join(unsure)}. The page on the gap has their rivals."
+        )
     for step in (s for r in reports for s in r.record_steps):
         text = f"{' '.join(table.describe(step, 'record').split())}: {step.where}."
         out.append(text[0].upper() + text[1:])
