@@ -100,6 +100,7 @@ def _likeliest(families, best: State | None = None) -> tuple[State, list[State]]
     and the families beside these drifts.
     """
     best = max(families if best is None else [best, *families], key=_worth)
+    levels = _two_levels(best, families)  # before their largest jumps are taken for steps
     for _ in range(MAX_DRIFTS):
         trials = [s.plus(c) for s in families for e in DRIFTS for c in e.candidates(s)]
         top = max(trials, key=_worth, default=None)
@@ -107,7 +108,9 @@ def _likeliest(families, best: State | None = None) -> tuple[State, list[State]]
             break
         best = top
         families = [s.plus(best.items[-1]) for s in families]
-    return _two_levels(best, families), families
+    if best.items:
+        best = _two_levels(best, families)
+    return max([best, levels], key=_worth), families
 
 
 def _filtered(data: Data, held, best: State) -> State:

@@ -188,13 +188,14 @@ def _analyse(
     y = whitened(clean.x - clean.coarse, clean.smooth) / clean.swing
     low_pass = None if given is None else given.low_pass
     level = 1.0 if given is None else noise_level.model_level(clean, terms, low_pass, fs)
-    view = ChannelView(x, y, raw, fs, clean.smooth, given, level, temperature)
+    # jumps and lines that stand out keep their size whatever the noise does
+    view = ChannelView(x - clean.coarse, y, raw, fs, clean.smooth, given, level, temperature)
     held = None if given is None else given.find("noise_level_change")
     if held is not None:
         view = noise_level.scaled(view, held.factor(len(x), fs))
     view, of_noise, doubts = noise_level.settled(view)
     findings += of_noise
-    x, y = view.x, view.y
+    x, y = view.x + clean.coarse, view.y
     # -- lines
     # ---------------------------------------------------------------------------------------------
     say("lines")
