@@ -14,6 +14,7 @@ import numpy as np
 from scipy.special import gammaincc, ndtri
 from scipy.stats import chi2
 
+from imu_lib.arrays import Array
 from imu_lib.processes import Process, Sum
 
 from .statistics import Statistics
@@ -43,14 +44,14 @@ def density(stats, noise):
 LEAST_LEFT = 1e-3
 
 
-def with_extra(density, extra):
+def with_extra(density: Array, extra: Array | float) -> Array:
     """A model's `density` with what the electronics add to it; coarse rounding may add less than
     nothing, but leaves a rest.
     """
     return np.maximum(density + extra, LEAST_LEFT * density)
 
 
-def gaussian(stats, expected, power=None):
+def gaussian(stats: Statistics, expected: Array, power: Array | None = None) -> Array:
     """log L from the expected mean ordinates, shape (..., b)."""
     power = stats.power if power is None else power
     return -0.5 * np.sum(stats.count * np.log(expected) + power / expected, axis=-1)

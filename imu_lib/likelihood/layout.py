@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.processes import LowPass, Process
+from imu_lib.processes import LowPass, Process, Quantization
 
 from .kernel import weights
 
@@ -85,14 +84,9 @@ def edges_of(n: int, fs: float, band: tuple[float, float] | None, width: float) 
     return np.unique(np.concatenate([[low], edges[(edges > low) & (edges < high)], [high]]))
 
 
-@lru_cache
-def _amplitude(kind: type[Process]) -> str:
-    return next((p.name for p in kind.parameters if p.kind == "amplitude"), "")
-
-
 def amplitude_of(process: Process) -> str:
     """Name of the parameter that a noise scales with, empty where it has none."""
-    return _amplitude(type(process))
+    return next((p.name for p in process.parameters if p.kind == "amplitude"), "")
 
 
 def of_strength_one(process: Process) -> tuple[Process, float]:
@@ -198,7 +192,7 @@ class Layout:
         Exact for the samples, so it stands in for what the kernel, made for red spectra, gives the
         first coefficients.
         """
-        if term.name != "quantization":
+        if not isinstance(term, Quantization):
             return 0.0
         n = np.concatenate(
             [np.full(len(edges) - 1, np.inf if t else n) for n, _, edges, t in self._parts]

@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import ndtri
 
+from .layout import Stretch
+
 LINE_TAIL = 1e-9
 
 
-def without_lines(s, fs):
+def without_lines(s: Stretch, fs: float) -> tuple[Stretch, list[tuple[float, float]]]:
     """The stretch without the ordinates beyond the LINE_TAIL point of their band's median level,
     and the lines.
     """
@@ -29,7 +31,7 @@ def without_lines(s, fs):
                 )
     if not dropped:
         return s, []
-    dropped = np.concatenate(dropped)
+    gone = np.concatenate(dropped)
     kept = s.coefficients.copy()
-    kept[dropped] = 0.0
-    return replace(s, coefficients=kept, dropped=dropped), lines
+    kept[gone] = 0.0
+    return replace(s, coefficients=kept, dropped=gone), lines

@@ -1,15 +1,27 @@
 """Maximum of the likelihood: Fisher scoring with damping, from several starts."""
 
+from collections.abc import Collection
 from itertools import combinations
 
 import numpy as np
 
+from imu_lib.arrays import Array
+
+from .problem import Problem
 from .slot import FILTER
 
 STARTS = 8
 
 
-def climb(problem, theta, *, held=(), floor=None, steps=80, tolerance=1e-7):
+def climb(
+    problem: Problem,
+    theta: Array,
+    *,
+    held: Collection[int] = (),
+    floor: Array | None = None,
+    steps: int = 80,
+    tolerance: float = 1e-7,
+) -> tuple[Array, float, Array]:
     """Fisher scoring (Levenberg-Marquardt damped) from theta; unknowns in `held` stay.
 
     Returns (theta, log-likelihood, information).

@@ -119,14 +119,11 @@ class Problem:
 
     def unpack(self, theta: Array) -> tuple[tuple[Process, ...], LowPass | None]:
         """Terms and filter at a vector."""
-        terms, low_pass = list(self.terms), self.low_pass
+        terms = list(self.terms)
         for index, (slot, at, _) in self._at.items():
-            process = slot.write(self.process(index), theta[at])
-            if index == FILTER:
-                low_pass = process
-            else:
-                terms[index] = process
-        return tuple(terms), low_pass
+            if index != FILTER:
+                terms[index] = slot.write(terms[index], theta[at])
+        return tuple(terms), self._filter(theta)
 
     def model(self, theta: Array) -> Sum:
         """The model at a vector as a sum."""
@@ -139,7 +136,7 @@ class Problem:
 
     # -- its spectrum ----------------------------------------------------------------------------
     def _filter(self, theta: Array) -> LowPass | None:
-        if FILTER not in self._at:
+        if FILTER not in self._at or self.low_pass is None:
             return self.low_pass
         slot, at, _ = self._at[FILTER]
         return slot.write(self.low_pass, theta[at])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from imu_lib.processes import Process
 
 from .layout import amplitude_of
 
+Kind = TypeVar("Kind", bound=Process)
 #: Index of the low-pass filter, which stands behind the terms.
 FILTER = -1
 
@@ -44,7 +46,7 @@ class Slot:
         """The vector of a process."""
         return [float(np.log(getattr(process, name))) for name in self.names]
 
-    def write(self, process: Process, vector: Array) -> Process:
+    def write(self, process: Kind, vector: Array) -> Kind:
         """The process at a vector."""
         return process.with_(**{name: float(np.exp(v)) for name, v in zip(self.names, vector)})
 

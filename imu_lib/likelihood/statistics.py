@@ -21,10 +21,15 @@ lets through, some 1/n of it: `Statistics.split` takes the fast end from a taper
 the same units and the same formula.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 from scipy.fft import dct, idct
+
+from imu_lib.arrays import Array
 
 from . import tapered
 from .layout import WIDTH, Layout, Stretch, edges_of, layout_of
@@ -55,14 +60,22 @@ class Statistics:
     """
 
     layout: Layout = field(repr=False)
-    count: np.ndarray = field(repr=False)
-    power: np.ndarray = field(repr=False)
-    stretches: tuple = field(repr=False)
+    count: Array = field(repr=False)
+    power: Array = field(repr=False)
+    stretches: tuple[Stretch, ...] = field(repr=False)
     mean: float = 0.0
-    lines: tuple = ()
+    lines: tuple[tuple[float, float], ...] = ()
 
     @classmethod
-    def of(cls, x, fs, *, band=None, exclude_lines=False, width=WIDTH):
+    def of(
+        cls,
+        x: Any,
+        fs: float,
+        *,
+        band: tuple[float, float] | None = None,
+        exclude_lines: bool = False,
+        width: float = WIDTH,
+    ) -> Self:
         """Compress a channel.
 
         Parameters
@@ -113,7 +126,7 @@ class Statistics:
         return cls.assembled(fs, tuple(stretches), sum(map(np.sum, parts)) / start, lines)
 
     @classmethod
-    def split(cls, x, fs, seam, *, width=WIDTH):
+    def split(cls, x: Array, fs: float, seam: float, *, width: float = WIDTH) -> Self:
         """Compress a channel whose spectrum may be steep, as behind a filter.
 
         Below `seam` Hz the cosine coefficients count, which hear the drifts and the walks; above
@@ -135,10 +148,12 @@ class Statistics:
         p = np.arange(edges[-1])
         coefficients[: edges[-1]] *= np.clip((p / edges[-1] - FADED) / (1 - FADED), 0.0, 1.0)
         fast = tapered.stretch(idct(coefficients, norm="ortho"), fs, seam, width=width)
-        return cls.assembled(fs, (slow, fast), np.mean(x))
+        return cls.assembled(fs, (slow, fast), float(np.mean(x)))
 
     @classmethod
-    def assembled(cls, fs, stretches, mean=0.0, lines=()):
+    def assembled(
+        cls, fs: float, stretches: tuple[Stretch, ...], mean: float = 0.0, lines: Any = ()
+    ) -> Self:
         """From stretches and the lines that were left out of them."""
         return cls(
             layout_of(fs, stretches),
@@ -150,57 +165,57 @@ class Statistics:
         )
 
     @property
-    def rate(self):
+    def rate(self) -> float:
         """Hz."""
         return self.layout.rate
 
     @property
-    def frequency(self):
+    def frequency(self) -> Array:
         """Middle of each band, Hz, shape (b,)."""
         return self.layout.frequency
 
     @property
-    def grid(self):
+    def grid(self) -> Array:
         """Where a spectrum is evaluated for `collapse`, Hz."""
         return self.layout.grid
 
     @property
-    def mean_power(self):
+    def mean_power(self) -> Array:
         """Mean ordinate of each band, an estimate of the density, unit^2/Hz, shape (b,)."""
         return self.power / np.maximum(self.count, 1e-300)
 
     @property
-    def n(self):
+    def n(self) -> int:
         """Samples in all stretches."""
         return sum(s.n for s in self.stretches)
 
     @property
-    def duration(self):
+    def duration(self) -> float:
         """Length of the longest stretch, s."""
         return max(s.n for s in self.stretches) / self.rate
 
-    def collapse(self, density, *, bands=True):
+    def collapse(self, density: Array, *, bands: bool = True) -> Array:
         """Expected mean ordinate of each band; see `Layout.collapse`."""
         return self.layout.collapse(density, bands=bands)
 
-    def without(self, bands):
+    def without(self, bands: Any) -> Self:
         """The statistics with the ordinates of some bands, a mask (b,), left out."""
         return replace(
             self, count=np.where(bands, 0.0, self.count), power=np.where(bands, 0.0, self.power)
         )
 
-    def with_fast(self, other):
+    def with_fast(self, other: Statistics) -> Self:
         """The statistics with the tapered bands of others of the same layout."""
         k = self.layout.slow
         power = np.concatenate([self.power[:k], other.power[k:]])
         return replace(self, power=np.where(self.count > 0, power, 0.0))
 
-    def slow_ordinates(self, values):
+    def slow_ordinates(self, values: Array) -> Array:
         """`values` of the slow bands, (b,), at each cosine coefficient of the record, (p,)."""
         sizes = np.diff(self.stretches[0].edges)
         return np.repeat(values[: len(sizes)], sizes)
 
-    def between(self, low, high):
+    def between(self, low: float, high: float) -> Statistics:
         """The statistics of the bands that lie between two frequencies, Hz."""
         parts = []
         for s in self.stretches:
@@ -214,7 +229,7 @@ class Statistics:
             )
         return Statistics.assembled(self.rate, tuple(parts), self.mean, self.lines)
 
-    def subtract(self, mean):
+    def subtract(self, mean: Array) -> Statistics:
         """The statistics of x - mean, `mean` (n,) over all samples in order."""
         mean = np.asarray(mean, dtype=float)
         if mean.shape != (self.n,):
@@ -225,7 +240,7 @@ class Statistics:
         )
         return Statistics.assembled(self.rate, moved, self.mean - mean.mean(), self.lines)
 
-    def regressors(self, columns):
+    def regressors(self, columns: Array) -> Regressors:
         """Cross-products of mean shapes with the record, `columns` (n, q): what a fit of their
         amplitudes needs.
         """
@@ -240,7 +255,7 @@ class Statistics:
             cross.append(s.sums(shape * s.coefficients[:, None]))
         return Regressors(np.concatenate(gram), np.concatenate(cross))
 
-    def regressors_of(self, shapes):
+    def regressors_of(self, shapes: Array) -> Regressors:
         """As `regressors`, of shapes that are given by the cosine coefficients that count, (p, q),
         and that reach into no other bands.
         """
@@ -255,7 +270,7 @@ class Statistics:
             np.concatenate([cross, np.zeros((rest, q))]),
         )
 
-    def _transform(self, values, s):
+    def _transform(self, values: Array, s: Stretch) -> Array:
         if s.tapered:
             raise ValueError("a tapered stretch keeps no phases: compress the difference instead")
         part = values[s.start : s.start + s.n]
@@ -270,10 +285,10 @@ class Regressors:
     record.
     """
 
-    gram: np.ndarray = field(repr=False)
-    cross: np.ndarray = field(repr=False)
+    gram: Array = field(repr=False)
+    cross: Array = field(repr=False)
 
-    def solve(self, expected):
+    def solve(self, expected: Array) -> tuple[Array, Array]:
         """Amplitudes (q,) by generalised least squares under `expected` (b,), and their covariance
         (q, q).
         """
@@ -281,7 +296,7 @@ class Regressors:
         covariance = np.linalg.pinv(information, hermitian=True)
         return covariance @ (self.cross.T @ (1 / expected)), covariance
 
-    def remaining(self, power, amplitudes):
+    def remaining(self, power: Array, amplitudes: Array) -> Array:
         """Power per band once the shapes are taken out."""
         gone = 2 * self.cross @ amplitudes - np.einsum(
             "bij,i,j->b", self.gram, amplitudes, amplitudes
@@ -289,7 +304,7 @@ class Regressors:
         return np.maximum(power - gone, 0.0)
 
 
-def cosines(x, fs):
+def cosines(x: Array, fs: float) -> Array:
     """Cosine coefficients 1 .. n-1 of a stretch (or columns), their squares in units of a one-sided
     density.
     """

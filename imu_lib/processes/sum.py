@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
 
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError, UndefinedFormError
 
 from . import filter_memory
@@ -41,7 +43,7 @@ class Sum:
     terms: tuple[Process, ...] = ()
     stages: tuple[Stage, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         stages = tuple(sorted(self.stages, key=lambda stage: stage.place))
         kinds = [stage.name for stage in stages]
         if len(set(kinds)) < len(kinds):
@@ -53,7 +55,7 @@ class Sum:
         object.__setattr__(self, "stages", stages)
 
     # -- structure -------------------------------------------------------------------------------
-    def __add__(self, other) -> Sum:
+    def __add__(self, other: object) -> Sum:
         if isinstance(other, Sum):
             return Sum(self.terms + other.terms, self.stages + other.stages)
         if isinstance(other, Stage):
@@ -85,7 +87,7 @@ class Sum:
         return Sum.of(entries)
 
     @classmethod
-    def of(cls, processes) -> Sum:
+    def of(cls, processes: Iterable[Process]) -> Sum:
         """From any iterable of processes and stages."""
         processes = tuple(processes)
         return cls(
@@ -116,7 +118,7 @@ class Sum:
     @property
     def rounding(self) -> Quantization | None:
         """The quantization that comes of rounding the integrated output, if there is one."""
-        return next((t for t in self.terms if getattr(t, "rounded", None)), None)
+        return next((t for t in self.terms if isinstance(t, Quantization) and t.rounded), None)
 
     @property
     def complete(self) -> bool:
@@ -143,7 +145,7 @@ class Sum:
                 )
         return out
 
-    def with_values(self, values: dict) -> Sum:
+    def with_values(self, values: dict[str, Any]) -> Sum:
         """The sum with the parameters of these labels replaced."""
         entries = list(self)
         known = {label: (index, name) for label, index, name in self.labels()}
@@ -152,35 +154,36 @@ class Sum:
             entries[index] = entries[index].with_(**{name: value})
         return Sum.of(entries)
 
-    def to_json(self) -> list[dict]:
+    def to_json(self) -> list[dict[str, Any]]:
         """The channel's list in an error-model file."""
         return [process.to_json() for process in self]
 
     # -- questions -------------------------------------------------------------------------------
-    def _closed(self, what: str):
+    def _closed(self, what: str) -> None:
         for stage in self.stages:
             if not isinstance(stage, (LowPass, Spikes, Resolution, HeavyTails, WanderingLevel)):
                 raise UndefinedFormError(
                     f"{what} behind {stage.name} has no closed form; ask the sum without it"
                 )
 
-    def _added(self, fs) -> float:
+    def _added(self, fs: float | None) -> float:
         return 0.0 if fs is None else sum(stage.added_variance(fs) for stage in self.stages)
 
-    def _psd_of_terms(self, f, fs):
+    def _psd_of_terms(self, f: Array, fs: float | None, *, behind: bool) -> Array:
+        """Of the terms that are added behind the low-pass filter, or of those before it."""
         out = np.zeros(np.shape(f))
         for term in self.terms:
-            if term.name != "constant" and not getattr(term, "rounded", None):
+            if term.name != "constant" and term.behind_filter == behind:
                 out = out + term.psd(f, fs)
         return out
 
-    def psd(self, f, fs: float | None = None) -> np.ndarray:
+    def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         """One-sided power spectral density, unit^2/Hz; see `Process.psd`."""
         self._closed("the power spectral density")
         f = np.asarray(f, dtype=float)
         low_pass = self.low_pass
         if low_pass is None or fs is None:
-            out = self._psd_of_terms(f, fs)
+            out = self._psd_of_terms(f, fs, behind=False)
         else:
             ratio = low_pass.ratio(fs)
             rate = ratio * fs
@@ -188,12 +191,11 @@ class Sum:
             for k in range(ratio):  # the images that the sampling folds onto f
                 image = np.mod(f + k * fs, rate)
                 image = np.minimum(image, rate - image)
-                out = out + low_pass.gain(image, fs) * self._psd_of_terms(image, rate)
-        if self.rounding is not None:
-            out = out + self.rounding.psd(f, fs)
+                out = out + low_pass.gain(image, fs) * self._psd_of_terms(image, rate, behind=False)
+        out = out + self._psd_of_terms(f, fs, behind=True)
         return out + 2.0 * self._added(fs) / (fs or 1.0)
 
-    def avar(self, tau, fs: float | None = None) -> np.ndarray:
+    def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         """Allan variance, unit^2; see `Process.avar`."""
         self._closed("the Allan variance")
         tau = np.asarray(tau, dtype=float)
@@ -207,12 +209,13 @@ class Sum:
             out = np.maximum(out + avar_from_short_memory(self._filter_effect(fs), m), 0.0)
         return out + self._added(fs) / m
 
-    def _filter_effect(self, fs):
+    def _filter_effect(self, fs: float) -> Array:
         """Autocovariance that the filter adds (negative: removes), shape (k,), zero beyond."""
         noise = tuple(t for t in self.terms if not t.deterministic)
-        return filter_memory.added(Sum(noise, (self.low_pass,)), Sum(noise), float(fs))
+        stages = () if self.low_pass is None else (self.low_pass,)
+        return filter_memory.added(Sum(noise, stages), Sum(noise), float(fs))
 
-    def autocovariance(self, lag, fs: float | None = None) -> np.ndarray:
+    def autocovariance(self, lag: ArrayLike, fs: float | None = None) -> Array:
         """Autocovariance, unit^2; see `Process.autocovariance`."""
         self._closed("the autocovariance")
         lag = np.asarray(lag, dtype=float)
@@ -228,7 +231,7 @@ class Sum:
             out = out + np.where(d < len(effect), effect[np.minimum(d, len(effect) - 1)], 0.0)
         return out + self._added(fs) * (d == 0)
 
-    def mean(self, t, temperature=None) -> np.ndarray:
+    def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         """The deterministic part at times `t` s, same shape, before the output stages."""
         out = np.zeros_like(np.asarray(t, dtype=float))
         for term in self.terms:
@@ -257,8 +260,14 @@ class Sum:
         )
 
     def simulate(
-        self, n: int, fs: float, rng: np.random.Generator, *, temperature=None, common=None
-    ) -> np.ndarray:
+        self,
+        n: int,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        temperature: Array | None = None,
+        common: Array | None = None,
+    ) -> Array:
         """A realisation behind all stages: ndarray, shape (n,), at `fs` Hz.
 
         `temperature`, shape (n,), in degC, is needed by a temperature term. `common`, shape (n,),
@@ -285,8 +294,14 @@ class Sum:
         return self.behind(slow, quick, fs, rng, common=common)
 
     def behind(
-        self, slow, quick, fs: float, rng: np.random.Generator, *, common=None
-    ) -> np.ndarray:
+        self,
+        slow: Array,
+        quick: Array,
+        fs: float,
+        rng: np.random.Generator,
+        *,
+        common: Array | None = None,
+    ) -> Array:
         """What the stages behind the low-pass filter make of the slow and the quick noise, all of
         shape (n,).
         """
