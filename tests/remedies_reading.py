@@ -2,6 +2,12 @@
 
 # fmt: off
 CASES = [
+    ("a unit of the other; say what each column is with --columns (names by position, - skips).",
+     "check {0}/named_wrong.csv",
+     "check {0}/named_wrong.csv --columns time[s],gyro_x[deg/s],gyro_y[deg/s],gyro_z[deg/s]"),
+    ("give {} {} if that is the range of the sensor",
+     "check {0}/range.csv",
+     "check {0}/range.csv --gyro-unit deg/s"),
     ("does not state the unit of its gyro columns; give --gyro-unit {}; nor that of its accelerometer columns; give --accel-unit {}",
      "check {0}/plain.csv",
      "check {0}/plain.csv --gyro-unit rad/s --accel-unit m/s^2"),

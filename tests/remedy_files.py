@@ -97,6 +97,8 @@ def files(folder):
         "time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]", T, GYRO, ACCEL
     )
     text["plain.csv"] = table(f"time,{SIX}", T, GYRO, ACCEL)
+    text["named_wrong.csv"] = table("t [s],acc_x [deg/s],acc_y [deg/s],acc_z [deg/s]", T, DPS)
+    text["range.csv"] = table("t [s],gx (500 dps),gy (500 dps),gz (500 dps)", T, DPS)
     text["lsb.csv"] = table(
         "time [s],gx [lsb],gy [lsb],gz [lsb]", T, np.rint(DPS * 100).astype(int)
     )

@@ -96,6 +96,12 @@ def logs():
     out["seconds_in_cells.csv"] = (head + "\n" + _lines(lambda k, w, a: f"{k / 100} sec,{_three(w, sep=',')},{_three(a, sep=',')}"), SI, 100)
     out["step_above.txt"] = ("dt = 0.005 s\ngx gy gz ax ay az\n" + table("", GYRO, ACCEL, sep=" "), SI, 200)
     out["body_rates.csv"] = (table("t,q0,q1,q2,q3,p,q,r,ax,ay,az", T, T * 0 + 1, T * 0, T * 0, T * 0, GYRO, ACCEL), SI, 100)
+    out["units_touch.txt"] = (_lines(lambda k, w, a: f"t={k * 5000 + 1}us a=[{_three(a, sep=',')}] w=[{_three(w, sep=',')}]"), SI, 200)
+    out["with_and_without_gravity.csv"] = (table("timeStamp,acceleration.x,acceleration.y,acceleration.z,accelerationIncludingGravity.x,accelerationIncludingGravity.y,accelerationIncludingGravity.z,gyro.x,gyro.y,gyro.z", 1234.5 + I * 1000 / 60, ACCEL * 0 + 0.01, ACCEL, GYRO, form="%.10g"), SI, 60)
+    out["surge.csv"] = (table("t [s],roll_rate [deg/s],pitch_rate [deg/s],yaw_rate [deg/s],surge [m/s^2],sway [m/s^2],heave [m/s^2]", T, DPS, ACCEL), "", 100)
+    out["hours.csv"] = (table(f"Hours,{SIX}", T / 3600, GYRO, ACCEL, form="%.12g"), SI, 100)
+    out["blanks_in_names.txt"] = (table("Time (s)   Gyro X (rad/s)   Gyro Y (rad/s)   Gyro Z (rad/s)   Accel X (m/s^2)   Accel Y (m/s^2)   Accel Z (m/s^2)", T, GYRO, ACCEL, sep="   "), "", 100)
+    out["made_before.csv"] = (table(head, T, GYRO, ACCEL) + "\0" * 700, SI, 100)
     out["no_reading.csv"] = (head + "\n" + "\n".join(r if k % 97 else f"{k / 100},{','.join(['-999.0'] * 6)}" for k, r in enumerate(lines)) + "\n", SI, 100)
     return out
     # fmt: on

@@ -130,3 +130,11 @@ def test_a_range_in_a_heading_is_no_scale(tmp_path):
     with pytest.raises(InputError, match="--gyro-unit deg/s if that is the range"):
         opened(tmp_path / "a.csv", text, "")
     same(opened(tmp_path / "a.csv", text, "--gyro-unit deg/s"), 100)
+
+
+def test_names_that_their_units_contradict_are_asked_about(tmp_path):
+    text = table("t [s],acc_x [deg/s],acc_y [deg/s],acc_z [deg/s]", T, GYRO * DEG)
+    with pytest.raises(InputError, match="a unit of the other; say what each column is"):
+        opened(tmp_path / "a.csv", text, "")
+    flags = "--columns time[s],gyro_x[deg/s],gyro_y[deg/s],gyro_z[deg/s]"
+    same(opened(tmp_path / "a.csv", text, flags), 100)

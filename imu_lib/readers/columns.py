@@ -117,8 +117,11 @@ def _say_unused(raw: Raw, told: list[Meaning], headings) -> None:
             and names.unit_of(h.unit or names.spelled_unit(h.name) or "") in names.UNITS[kind]
         ]
         if lost:
+            said = list(told)
+            for axis, i in zip("xyz", [i for i, h in enumerate(headings) if h.name in lost]):
+                said[i] = Meaning(kind, axis, names.unit_of(headings[i].unit or names.spelled_unit(headings[i].name) or ""))  # fmt: skip
             raw.notes += (
-                f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not read; {suggestion(told, headings)} if they are.",
+                f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not read; {suggestion(said, headings)} if they are.",
             )
             continue
         unknown = [

@@ -8,7 +8,7 @@ import re
 
 from imu_lib.readers import lexicon
 
-_FORCE = {
+FORCE = {
     "longitudinal": "x", "long": "x", "longi": "x", "surge": "x",
     "lateral": "y", "lat": "y", "sway": "y", "transverse": "y",
     "vertical": "z", "vert": "z", "heave": "z",
@@ -40,14 +40,14 @@ def axis_of(words: list[str]) -> tuple[list[str], str] | None:
     if len(words) == 1 and words[0] in _WHOLE:
         word, axis = _WHOLE[words[0]]
         return (["gyro"] if word == "rate" else [word]), axis
-    said = [w for w in words if w in _FORCE or w in _TURN or w in _BODY]
+    said = [w for w in words if w in FORCE or w in _TURN or w in _BODY]
     rest = [w for w in words if w not in said]
     if len(said) != 1 or not rest:
         return None
     have = set(rest)
     force = bool(have & (lexicon.ACCEL - _LETTERS)) or have == {"a"}
     turn = bool(have & (lexicon.GYRO - _LETTERS))
-    for is_there, axes in ((force, _FORCE), (turn, _TURN), (force or turn, _BODY)):
+    for is_there, axes in ((force, FORCE), (turn, _TURN), (force or turn, _BODY)):
         if is_there and said[0] in axes:
             return rest, axes[said[0]]
     return None

@@ -72,6 +72,8 @@ def _fit(line: str, delimiter: str | None, width: int) -> list[str] | None:
     if delimiter is None and len(found) != width:
         # `time [s] gyro_x [deg/s]`: blanks also stand before units
         found = [f.strip() for f in re.findall(r"[^\s\[(]+\s*[\[(][^\])]*[\])]|\S+", line)]
+    if delimiter is None and len(found) != width:
+        found = [f.strip() for f in re.split(r"\s{2,}|\t", line.strip()) if f.strip()]
     if len(found) != width and delimiter not in (",", None) and line.count(",") == width - 1:
         found = fields(line, ",")
     if len(found) != width and delimiter not in (";", None) and line.count(";") == width - 1:

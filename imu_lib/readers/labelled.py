@@ -24,7 +24,9 @@ from imu_lib.readers.lines import (
 from imu_lib.readers.sentences import is_sentences, sentences
 
 _LABEL = re.compile(r'"?([^\W\d_][^=:,;|\t\n"]*?)"?\s*(?:[=:]\s*|(?=\[\s*[+-]?[\d.]))')
-_VALUE = re.compile(rf"\s*[\[({{\"']?\s*({NUMBER})(?![\w:])[\"']?")
+_VALUE = re.compile(
+    rf"\s*[\[({{\"']?\s*({NUMBER})(?:(?=(?:us|ms|ns|s|g|mg|dps|mdps|rad/s|deg/s|m/s)\b)|(?![\w:]))[\"']?"
+)
 #: Labels that name several readings at once.
 _GROUPS = {
     "a/g": "accel_x accel_y accel_z gyro_x gyro_y gyro_z",
@@ -152,6 +154,9 @@ def _scan(line: str) -> list[tuple[str, str]]:
         word = re.match(
             r"\s*[\])}]?\s*([A-Za-z°µ][\w°/^²*-]*(?:\s?s\^?-?[12])?)(?!\s*\w*\s*[=:])", line[at:]
         )
+        abuts = re.match(r"([A-Za-zµ°][^\s,;=:]*)(?=\s)", line[at:])
+        if abuts and names.unit_of(abuts[1]) and not (word and names.unit_of(word[1])):
+            word = abuts  # 12us a=...: what touches the number is its unit
         if word and names.unit_of(word[1]):
             unit = f" [{word[1]}]"
             at += word.end()

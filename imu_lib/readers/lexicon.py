@@ -24,7 +24,7 @@ GYRO = words(
 )
 ACCEL = words(
     "accelerometer accelerometers accelerometre accel accels accele acc accl acce acceleration"
-    " accelerations xl akzelerometer beschleunigung beschleunigungen beschleunigungssensor"
+    " accelerations xl akzelerometer beschl beschleunigung beschleunigungen beschleunigungssensor"
     " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
     " gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration"
     " przyspieszenie akcelerometr zrychleni ivme ускорение акселерометр 加速度 加速度计 加速计 加速度計"

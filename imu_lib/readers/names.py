@@ -205,6 +205,8 @@ def by_unit(name: str, unit: str | None) -> Meaning | None:
             axis = axes.get(token, token)
         else:
             rest.append(token)
+    if axis is None and kind == "accel" and len(rest) == 1 and rest[0] in directions.FORCE:
+        axis, rest = directions.FORCE[rest[0]], []  # surge [m/s^2]
     plain_words = {
         "rotation",
         "rot",

@@ -150,6 +150,12 @@ class Raw:
             heading = self.headings.get(kind) or next(
                 h for c, h in self.headings.items() if c.startswith(kind)
             )
+            other = {"gyro": "accel", "accel": "gyro"}.get(kind)
+            if other and unit in names.UNITS[other]:
+                raise InputError(
+                    f"{self.source}: `{heading}` is named a {'gyro' if kind == 'gyro' else 'accelerometer'} and states {unit}, a unit of the other; say what "
+                    "each column is with --columns (names by position, - skips)."
+                )
             scaled = spelling.scaled(unit, kind)
             if scaled and (whole := spelling.of_range(unit)):
                 raise InputError(

@@ -127,7 +127,12 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
     if data is None:
         with open(path, "rb") as file:
             data = file.read()
+    filled = len(data) - len(data.rstrip(b"\0"))
+    if filled > 1 and data[:2] not in (b"\xff\xfe", b"\xfe\xff"):
+        data = data[:-filled]  # a card's file that was made before it was written
     lines = Lines(data, str(path))
+    if filled > 1:
+        lines.notes += (f"{filled:,} empty bytes behind the last line were left out.",)
     lines.unfold()
     head, whole = lines.head()
     layout = lay.sniff(head, str(path), whole=whole)

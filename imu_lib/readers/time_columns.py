@@ -77,6 +77,10 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     for i, m in enumerate(out):
         if m.quantity == "part":
             out[i] = Meaning(why="part of a date or clock")
+    hours = [i for i, m in enumerate(told) if m.part == "hour" and headings[i].kind == "number"]
+    if not times and not calendar and len(hours) == 1 and _fine(values.get(hours[0])):
+        out[hours[0]] = Meaning("time", unit="h", why="hours with their fraction")
+        times = hours
     if not times:
         return _one_calendar(out, headings)
     grouped = {out[i].group for i in times if out[i].group}
@@ -132,6 +136,12 @@ def _unevenness(x) -> float:
         return float("inf")
     low, high = np.quantile(step, (0.1, 0.9))
     return float((high - low) / usual)
+
+
+def _fine(x) -> bool:
+    """Whether numbers rise in steps below one."""
+    step = np.diff(np.asarray(x, dtype=float)) if x is not None else np.empty(0)
+    return bool(step.size and (step >= 0).all() and 0 < step.mean() < 0.1)
 
 
 def _moves(x) -> bool:

@@ -65,6 +65,8 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     joined = "".join(words)
     for word in words:
         turning = have & {"rate", "rates", "velocity", "speed", "rot", "geschwindigkeit"}
+        if word.startswith("grav") and have & {"including", "includes", "incl", "with"}:
+            continue  # accelerationIncludingGravity is the specific force
         if word in lexicon.NOT and not (word in ("roll", "pitch", "yaw") and turning):
             if not (word == "speed" and have & {"angular", "ang", "rotation", "winkel"}):
                 return Meaning(why=lexicon.NOT[word])
