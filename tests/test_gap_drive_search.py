@@ -2,6 +2,7 @@
 
 import drive_generator as generator
 import numpy as np
+import pytest
 
 from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
@@ -82,3 +83,18 @@ def test_no_scale_factor_of_a_quarter():
     value, cov, _ = reg.solve([x, y, z])
     assert abs(value[0] - 0.03) < 1e-4 and value[2] == 0.0
     assert np.sqrt(cov[2, 2]) == columns.ALL[z].prior
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"gnss_rate": 1.0, "velocity": False, "imu_gap": 5.0, "kind": "bus"},
+        {"gnss_rate": 2.0, "moving_start": True, "tunnels": 2, "rough": 0.01, "slip": 0.004},
+        {"gnss_rate": 1.0, "rate": 200.0, "kind": "motorcycle", "held_sd": 1.6},
+    ],
+    ids=["1 Hz, a gap, stops", "started in motion, tunnels", "leaning, a sky that changes"],
+)
+def test_nothing_is_found_where_nothing_is_hidden(options):
+    found = gap_drive.close(made(77, duration=200.0, **options), MODEL, judge=False)
+    assert not [s for s in found.steps if s["confidence"] >= 0.9]
+    assert 0.8 < found.after.nis < 1.2

@@ -18,6 +18,7 @@ from .preparation import Fixes, Stretch
 STANDING = 0.3  # m/s: below this a fix says the car stands
 MOVING = 3.0  # m/s: above this the course is a heading
 TURNING = 0.1  # rad/s: below this turn rate
+SHORTEST = 1.0  # s before and after a fix over which its speed is taken where it has none
 SEVERAL = 20  # fixes in straight motion that the heading is taken from
 
 
@@ -95,7 +96,7 @@ def _span(fixes: Fixes):
     """Half of the time over which positions are made a velocity, s: the shortest that does not make
     a standing car move.
     """
-    return next((s for s in (1.0, 1.5, 2.0) if _slope_sd(fixes, s) < 0.1), 3.0)
+    return next((s for s in (SHORTEST, 1.5, 2.0) if 8.0 * _slope_sd(fixes, s) < MOVING), 3.0)
 
 
 def align(
@@ -119,7 +120,8 @@ def align(
         raise InputError(
             f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to start the filter from"
         )
-    noise = _slope_sd(fixes, _span(fixes))
+    span = _span(fixes)
+    noise = 0.0 if span == SHORTEST else _slope_sd(fixes, span)
     velocity = velocity_of(fixes)[index]
     time = fixes.time[index]
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
