@@ -107,7 +107,8 @@ def main(arguments=None):
             for row in rows[-6:]:
                 print(row, row["held"] / row["runs"], flush=True)
             told = {
-                "command": f"python benchmarks/fleet_coverage.py --runs {options.runs} --seed {options.seed}",
+                "command": f"python benchmarks/fleet_coverage.py --runs {options.runs} "
+                f"--units {' '.join(map(str, options.units))} --seed {options.seed}",
                 "date": time.strftime("%Y-%m-%d"),
                 "table": rows,
             }

@@ -41,3 +41,16 @@ def test_drives_of_a_fleet():
     assert found.error.nunique() == 2
     with pytest.raises(InputError):
         fleet.drives(path, model, {"own": model}, ((1e6, 10.0),), runs=1, workers=1)
+
+
+def test_what_uses_joblib_itself_goes_on_after_a_run():
+    """The gap workflow after a long record was characterised: two pools, one after the other."""
+    from joblib import Parallel, delayed
+
+    from imu_lib import scheduler
+
+    found = list(scheduler.shared(abs, [(-1,), (-2,), (-3,)], 2))
+    assert sorted(found) == [1, 2, 3]
+    assert Parallel(n_jobs=2)(delayed(abs)(-x) for x in (4, 5)) == [4, 5]
+    assert dict(scheduler.run(abs, [(-6,), (-7,)], workers=2)) == {0: 6, 1: 7}
+    assert Parallel(n_jobs=2)(delayed(abs)(-x) for x in (8, 9)) == [8, 9]
