@@ -19,15 +19,13 @@ from imu_lib.gap import (
     verdict,
 )
 from imu_lib.gap.base_fit import absorbed, alternatives, free_base
-from imu_lib.gap.data import Data
 from imu_lib.gap.drifts import profiled
-from imu_lib.gap.effects.base import ChannelView
 from imu_lib.gap.effects.resolution import grid_of
 from imu_lib.gap.grown import between, grown, likely, refits
-from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
-from imu_lib.processes import CommonMode, Sum
+from imu_lib.gap.undone import Channel, Undone, undone
+from imu_lib.processes import Sum
 
 #: Effects whose doubts leave the name without high confidence.
 DOUBTED = 0.5
@@ -96,18 +94,12 @@ def analyse(
     before the channel's low-pass filter where it is `filtered`. `known`, shape (n,), is what else
     the record puts into the channel (vibration).
     """
-    options = {
-        "temperature": temperature,
-        "seed": seed,
-        "shared": shared,
-        "filtered": filtered,
-        "known": known,
-        "progress": progress,
-    }
     raw = np.asarray(raw, float)
+    channel = Channel(name, raw, fs, temperature, shared, filtered, known)
+    say = progress or (lambda text: None)
     grid = grid_of(raw[~np.isnan(raw)])
     held = None if grid is None else electronics.integral_of(base, grid[0], fs)
-    found = _analyse(name, raw, fs, base, **options)
+    found = _analyse(channel, base, seed, say)
     rounded = next((s for s in found.steps if s.effect == "resolution"), None)
     alone = rounded is not None and found.unexplained is None
     if grid is None or held is None and not alone and not any(map(_of_differences, found.steps)):
@@ -118,27 +110,28 @@ def analyse(
         base = Sum(
             tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages
         )
-    other = _analyse(name, raw, fs, base, integral=True, **options)
+    return _likelier_grid(found, _analyse(channel, base, seed, say, integral=True), rounded)
+
+
+def _likelier_grid(found: ChannelResult, other: ChannelResult, rounded) -> ChannelResult:
+    """What was found with samples that are `rounded`, or the `other` with a rounded integral."""
     alike = (
         len({tuple(s.effect for s in r.steps if s.effect in SAMPLES) for r in (found, other)}) == 1
     )
     better, fewer = other.evidence - found.evidence, len(found.steps) - len(other.steps)
-    if other.unexplained is None or found.unexplained is not None:
-        # what is drawn for samples that are missing differs from one analysis to the other
-        slack = 3.0 * np.sqrt(max(found.filled, other.filled)) + (
-            UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0
-        )
-        if (
-            fewer > 0
-            and (better > -slack or not alike)
-            or fewer == 0
-            and alike
-            and better > max(rounds.NEAR, slack)
-        ):
-            return other
-        if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
-            doubtful = replace(rounded.capped(DOUBTED), indistinguishable=["quantization"])
-            found = replace(found, steps=[doubtful if s is rounded else s for s in found.steps])
+    if other.unexplained is not None and found.unexplained is None:
+        return found
+    # what is drawn for samples that are missing differs from one analysis to the other
+    slack = 3.0 * np.sqrt(max(found.filled, other.filled)) + (
+        UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0
+    )
+    if fewer > 0 and (better > -slack or not alike):
+        return other
+    if fewer == 0 and alike and better > max(rounds.NEAR, slack):
+        return other
+    if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
+        doubtful = replace(rounded.capped(DOUBTED), indistinguishable=["quantization"])
+        found = replace(found, steps=[doubtful if s is rounded else s for s in found.steps])
     return found
 
 
@@ -155,163 +148,115 @@ def _of_differences(step) -> bool:
     )
 
 
-def _analyse(
-    name, raw, fs, base, *, temperature, seed, shared, filtered, known, progress, integral=False
-) -> ChannelResult:
-    say = progress or (lambda text: None)
-    rng = np.random.default_rng([seed, sum(map(ord, name))])
-    mean = float(np.nanmean(raw))
-    given = base
-    drift = np.zeros(len(raw))
-    if given is not None and given.drifts.terms:
-        moving = Sum(
-            tuple(
-                t
-                for t in given.drifts.terms
-                if t.name != "constant" and not (t.name == "sinusoid" and t.phase is None)
-            )
-        )
-        drift = moving.mean(np.arange(len(raw)) / fs, temperature)
-    say("electronics")
-    clean = electronics.undo(raw, fs, given, rng, integral=integral, known=known)
-    x = clean.x - drift
-    findings = list(clean.findings)
-    terms = [] if given is None else [t for t in given.terms if not t.deterministic]
-    if shared > 0:
-        terms.append(CommonMode(N=shared, channels=(name,), filtered=1 if filtered else None))
-    if clean.of_integral is not None and (given is None or given.rounding is None):
-        terms.append(clean.of_integral)
-    held_terms = len(terms) - (0 if given is None else len(given.noise.terms))
-    # -- noise level
-    # ---------------------------------------------------------------------------------------
-    say("noise level")
-    y = whitened(clean.x - clean.coarse, clean.smooth) / clean.swing
-    low_pass = None if given is None else given.low_pass
-    level = 1.0 if given is None else noise_level.model_level(clean, terms, low_pass, fs)
-    # jumps and lines that stand out keep their size whatever the noise does
-    view = ChannelView(x - clean.coarse, y, raw, fs, clean.smooth, given, level, temperature)
-    held = None if given is None else given.find("noise_level_change")
-    if held is not None:
-        view = noise_level.scaled(view, held.factor(len(x), fs))
-    view, of_noise, doubts = noise_level.settled(view)
-    findings += of_noise
-    x, y = view.x + clean.coarse, view.y
-    # -- lines
-    # ---------------------------------------------------------------------------------------------
-    say("lines")
-    data = Data(
-        x, fs, white=clean.white, temperature=temperature, extra=clean.extra, blind=clean.blind
-    )
-    lines, data = held_out.steady(*effects.CATALOGUE["sinusoid"].find(data), data)
-    if given is not None:
-        foreseen = [t.frequency for t in given.terms if t.name == "sinusoid" and t.phase is None]
-        lines = [
-            (item, s)
-            for item, s in lines
-            if not any(abs(f - item.process.frequency) < 2 / data.duration for f in foreseen)
-        ]
-    findings += [item for item, _ in lines]
-    # -- the competition
-    # -------------------------------------------------------------------------------------
+def _analyse(channel: Channel, given: Sum | None, seed: int, say, *, integral: bool = False):
+    """The channel with its grid read one way: a `ChannelResult`."""
+    rng = np.random.default_rng([seed, sum(map(ord, channel.name))])
+    left = undone(channel, given, rng, say, integral=integral)
     say("candidates")
     if given is None:
-        state, families = free_base(data, terms)
+        start, families = free_base(left.data, left.terms)
     else:
-        state = State(data, terms, low_pass=given.low_pass)
-    n_base = len(state.base)
-    # a spectrum that does not stand still has no stationary name: one round at the most, and no
-    # confidence
-    quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else y
-    coarse_steps = clean.step is not None and clean.step > 1.2 * np.sqrt(
-        clean.smooth.conditional_variance
+        start, families = State(left.data, left.terms, low_pass=given.low_pass), []
+    wild = _wild(left)
+    state, rivals = _named(start, wild, say)
+    say("what is left")
+    state, rivals, tests = _tested(left, state, rivals, wild)
+    unexplained = _unexplained(left, state, tests)
+    steps = steps_of_findings(left.findings, channel.fs) + steps_of_items(state, rivals)
+    steps = _doubtful(_capped(steps, state, unexplained), channel.shared)
+    held, n_base = left.held_terms, len(start.base)
+    base = given if given is not None else Sum(tuple(state.base[held:n_base]))
+    parts = base, state, left.findings, n_base - held, held
+    states = [(state, 1.0)] if given is not None else alternatives(state, families)
+    model, refit = grown(*parts), refits(*parts, rng) if steps else []
+    return ChannelResult(
+        channel.name,
+        base,
+        model,
+        steps,
+        [] if given is not None else absorbed(state),
+        unexplained,
+        tests,
+        float(np.nanmean(channel.raw)),
+        between(base, left.findings, state),
+        refit,
+        state.evidence,
+        left.clean.filled,
+        likely(states, given, left.findings, held, rng),
     )
-    unsteady = min(
-        steadiness.stationarity(quiet, fs, clean.smooth, coarse_steps=coarse_steps),
-        key=lambda c: c.log_p,
-        default=None,
+
+
+def _wild(left: Undone) -> bool:
+    """Whether the spectrum does not stand still: it has no stationary name then, and one round at
+    the most is run.
+    """
+    checks = steadiness.stationarity(
+        left.quiet, left.channel.fs, left.clean.smooth, coarse_steps=left.coarse_steps
     )
-    wild = unsteady is not None and unsteady.log_p < VETO
+    return min((c.log_p for c in checks), default=0.0) < VETO
+
+
+def _named(state: State, wild: bool, say) -> tuple[State, list]:
+    """The state grown by what is missing, and the rivals of each of its items."""
     state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
     if wild:  # what drifts is seen in the means, whatever the spectrum does
         state, _ = rounds.grow(state, progress=say, exclude=NO_DRIFT)
-    rivals = [{} for _ in state.items]
-    if state.items:
-        state, rivals = rounds.swap(rounds.prune(state), passes=1 if wild else 2)
-        fewer = rounds.prune(state)
-        if len(fewer.items) < len(state.items):
-            state, rivals = rounds.swap(fewer, passes=1)
-        # what does not hold in time that was not fitted is not taken
-        state, rivals = held_out.without(state, rivals, held_out.lasting(state))
-        state = profiled(state)
-    # -- what is left
-    # ----------------------------------------------------------------------------------------
-    say("what is left")
+    if not state.items:
+        return state, []
+    state, rivals = rounds.swap(rounds.prune(state), passes=1 if wild else 2)
+    fewer = rounds.prune(state)
+    if len(fewer.items) < len(state.items):
+        state, rivals = rounds.swap(fewer, passes=1)
+    # what does not hold in time that was not fitted is not taken
+    state, rivals = held_out.without(state, rivals, held_out.lasting(state))
+    return profiled(state), rivals
 
-    def bared(state):
-        rest = data.x - state.deterministic
-        smooth = Smooth(rest, fs)
-        return rest, whitened(rest, smooth) / clean.swing, smooth
 
-    def left(state):
-        rest, y, smooth = bared(state)
-        for f in of_noise:
-            y = f.effect.normal(y, f)
-        return verdict.checks(state, rest, y, smooth, coarse_steps=coarse_steps)
-
-    tests = left(state)
+def _tested(left: Undone, state: State, rivals: list, wild: bool) -> tuple[State, list, list]:
+    """The state, its rivals and the checks of what it leaves; before it is left without a name, two
+    effects far behind one alone are tried.
+    """
+    tests = _checks(left, state)
     if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
-        # before it is left without a name: two effects far behind one alone
         other, _ = rounds.swap(state, passes=1, reach=np.inf)
         if other.evidence > state.evidence + rounds.EVIDENCE:
             state, rivals = rounds.swap(rounds.prune(other), passes=1)
             state = profiled(state)
-            tests = left(state)
-    worst = min(tests, key=lambda c: c.log_p)
+            tests = _checks(left, state)
+    return state, rivals, tests
+
+
+def _checks(left: Undone, state: State) -> list:
+    rest, y, smooth = left.bared(state)
+    for f in left.of_noise:
+        y = f.effect.normal(y, f)
+    return verdict.checks(state, rest, y, smooth, coarse_steps=left.coarse_steps)
+
+
+def _unexplained(left: Undone, state: State, tests) -> str | None:
+    """What is left without a name, in a sentence."""
+    doubts = left.doubts
     if doubts and np.ptp(state.deterministic) > 0:
         # the edges of two levels are loud, too, until these are taken out
-        rest, y, smooth = bared(state)
-        doubts = noise_level.settled(replace(view, x=rest, y=y, smooth=smooth))[2]
-    doubts += [f.doubt for f in findings if f.doubt]
-    unexplained = None
-    if worst.log_p < verdict.LIMIT:
-        # what was seen of the level says more than that it changes
-        unexplained = doubts[0] if doubts and worst.domain == "stationarity" else worst.where
-    elif doubts:
-        unexplained = doubts[0]
-    steps = steps_of_findings(findings, fs) + steps_of_items(state, rivals)
+        rest, y, smooth = left.bared(state)
+        doubts = noise_level.settled(replace(left.view, x=rest, y=y, smooth=smooth))[2]
+    doubts = [*doubts, *(f.doubt for f in left.findings if f.doubt)]
+    worst = min(tests, key=lambda c: c.log_p)
+    if worst.log_p < verdict.LIMIT and not (doubts and worst.domain == "stationarity"):
+        return worst.where
+    # what was seen of the level says more than that it changes
+    return doubts[0] if doubts else None
+
+
+def _capped(steps, state: State, unexplained: str | None) -> list[Step]:
+    """The steps with no more confidence than they deserve beside what is unexplained, or among so
+    many noises that they draw any smooth spectrum.
+    """
     if unexplained is not None:
-        steps = [s.capped(measured.beside_unexplained(s.effect)) for s in steps]
-    elif (
-        len(state.fit.slots) - len(state.base_slots) > 2
-    ):  # so many noises draw any smooth spectrum
-        steps = [s.capped(MANY) for s in steps]
-    steps = _doubtful(steps, shared)
-    base_sum = given if given is not None else Sum(tuple(state.base[held_terms:n_base]))
-    parts = base_sum, state, findings, n_base - held_terms, held_terms
-    model = grown(*parts)
-    refit = refits(*parts, rng) if steps else []
-    swallowed = [] if given is not None else absorbed(state)
-    return ChannelResult(
-        name,
-        base_sum,
-        model,
-        steps,
-        swallowed,
-        unexplained,
-        tests,
-        mean,
-        between(base_sum, findings, state),
-        refit,
-        state.evidence,
-        clean.filled,
-        likely(
-            [(state, 1.0)] if given is not None else alternatives(state, families),
-            given,
-            findings,
-            held_terms,
-            rng,
-        ),
-    )
+        return [s.capped(measured.beside_unexplained(s.effect)) for s in steps]
+    if len(state.fit.slots) - len(state.base_slots) > 2:
+        return [s.capped(MANY) for s in steps]
+    return steps
 
 
 def _doubtful(steps, shared):

@@ -1,0 +1,167 @@
+"""A channel with what is no affair of its model undone: electronics, drifts that the model has,
+changes of the noise level, lines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from imu_lib.gap import effects, electronics, held_out, noise_level
+from imu_lib.gap.data import Data
+from imu_lib.gap.effects.base import ChannelView
+from imu_lib.gap.innovations import Smooth, whitened
+from imu_lib.processes import CommonMode, Sum
+
+#: Step of a grid in standard deviations of the fast noise from which on rounded samples are not
+#: normal.
+COARSE_STEPS = 1.2
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel as it came.
+
+    Attributes
+    ----------
+    name : str
+    raw : ndarray, shape (n,)
+        NaN where a sample is missing.
+    fs : float, Hz
+    temperature : ndarray, shape (n,), or None
+    shared : float
+        Density N of noise that it shares with others and that is accounted for on the record.
+    filtered : bool
+        Whether that enters before the channel's low-pass filter.
+    known : ndarray, shape (n,), or None
+        What else the record puts into the channel (vibration).
+    """
+
+    name: str
+    raw: np.ndarray
+    fs: float
+    temperature: np.ndarray | None = None
+    shared: float = 0.0
+    filtered: bool = False
+    known: np.ndarray | None = None
+
+
+@dataclass
+class Undone:
+    """What is left of a channel for the noises and drifts to compete for.
+
+    `terms` are the noises of the given model and, `held_terms` of them, what stands for more than
+    the model says; `quiet` (n,) the innovations without lines, `of_noise` what was found of their
+    level, `doubts` about it.
+    """
+
+    channel: Channel
+    given: Sum | None
+    terms: list
+    held_terms: int
+    clean: electronics.Clean
+    view: ChannelView
+    data: Data
+    quiet: np.ndarray
+    findings: list
+    of_noise: list = field(default_factory=list)
+    doubts: list = field(default_factory=list)
+
+    @property
+    def coarse_steps(self) -> bool:
+        """Whether the output is rounded so coarsely that it is no longer normal."""
+        step, variance = self.clean.step, self.clean.smooth.conditional_variance
+        return step is not None and step > COARSE_STEPS * np.sqrt(variance)
+
+    def bared(self, state) -> tuple:
+        """What a state leaves of the samples, its innovations, and the spectrum that whitens it."""
+        rest = self.data.x - state.deterministic
+        smooth = Smooth(rest, self.channel.fs)
+        return rest, whitened(rest, smooth) / self.clean.swing, smooth
+
+
+def undone(channel: Channel, given: Sum | None, rng, say, *, integral: bool) -> Undone:
+    """The channel without its electronics, the changes of its noise level and its lines."""
+    say("electronics")
+    clean = electronics.undo(
+        channel.raw, channel.fs, given, rng, integral=integral, known=channel.known
+    )
+    terms = _noises(channel, given, clean)
+    held_terms = len(terms) - (0 if given is None else len(given.noise.terms))
+    say("noise level")
+    view, of_noise, doubts = noise_level.settled(_view(channel, given, clean, terms))
+    say("lines")
+    data = Data(
+        view.x + clean.coarse,
+        channel.fs,
+        white=clean.white,
+        temperature=channel.temperature,
+        extra=clean.extra,
+        blind=clean.blind,
+    )
+    lines, data = held_out.steady(*effects.CATALOGUE["sinusoid"].find(data), data)
+    lines = [item for item, _ in lines if not _foreseen(item, given, data)]
+    quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else view.y
+    findings = [*clean.findings, *of_noise, *lines]
+    return Undone(
+        channel,
+        given,
+        terms,
+        held_terms,
+        clean,
+        view,
+        data,
+        quiet,
+        findings,
+        of_noise,
+        doubts,
+    )
+
+
+def _noises(channel, given, clean) -> list:
+    """The noises that the competition starts from."""
+    terms = [] if given is None else [t for t in given.terms if not t.deterministic]
+    if channel.shared > 0:
+        filtered = 1 if channel.filtered else None
+        terms.append(CommonMode(N=channel.shared, channels=(channel.name,), filtered=filtered))
+    if clean.of_integral is not None and (given is None or given.rounding is None):
+        terms.append(clean.of_integral)
+    return terms
+
+
+def _view(channel, given, clean, terms) -> ChannelView:
+    """What the effects on the noise of the channel see."""
+    fs, low_pass = channel.fs, None if given is None else given.low_pass
+    x, y = clean.x - _drift(channel, given), whitened(clean.x - clean.coarse, clean.smooth)
+    level = 1.0 if given is None else noise_level.model_level(clean, terms, low_pass, fs)
+    # jumps and lines that stand out keep their size whatever the noise does
+    view = ChannelView(
+        x - clean.coarse,
+        y / clean.swing,
+        channel.raw,
+        fs,
+        clean.smooth,
+        given,
+        level,
+        channel.temperature,
+    )
+    held = None if given is None else given.find("noise_level_change")
+    return view if held is None else noise_level.scaled(view, held.factor(len(x), fs))
+
+
+def _drift(channel, given):
+    """The drifts of the given model, but for its mean and lines of unknown phase."""
+    drifts = () if given is None else given.drifts.terms
+    moving = Sum(tuple(t for t in drifts if t.name != "constant" and not _of_any_phase(t)))
+    return moving.mean(np.arange(len(channel.raw)) / channel.fs, channel.temperature)
+
+
+def _of_any_phase(term) -> bool:
+    return term.name == "sinusoid" and term.phase is None
+
+
+def _foreseen(item, given, data) -> bool:
+    """Whether the given model has the line."""
+    known = [] if given is None else [t.frequency for t in given.terms if _of_any_phase(t)]
+    return any(abs(f - item.process.frequency) < 2 / data.duration for f in known)
