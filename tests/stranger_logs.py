@@ -102,6 +102,9 @@ def logs():
     out["hours.csv"] = (table(f"Hours,{SIX}", T / 3600, GYRO, ACCEL, form="%.12g"), SI, 100)
     out["blanks_in_names.txt"] = (table("Time (s)   Gyro X (rad/s)   Gyro Y (rad/s)   Gyro Z (rad/s)   Accel X (m/s^2)   Accel Y (m/s^2)   Accel Z (m/s^2)", T, GYRO, ACCEL, sep="   "), "", 100)
     out["made_before.csv"] = (table(head, T, GYRO, ACCEL) + "\0" * 700, SI, 100)
+    out["bare_behind.csv"] = (table("time [s],gyro x [rad/s],y,z,accel x [m/s^2],y,z", T, GYRO, ACCEL), "", 100)
+    out["minus_sign.csv"] = (table(head, T, GYRO, ACCEL).replace("-", "\u2212"), SI, 100)
+    out["fortran.txt"] = ("".join(f"{k / 100:.8E} {_three(w, '%+.8E', ' ')} {_three(a, '%+.8E', ' ')}\n".replace("E", "D") for k, w, a in zip(I, GYRO, ACCEL)), SI + " --columns time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z", 100)
     out["no_reading.csv"] = (head + "\n" + "\n".join(r if k % 97 else f"{k / 100},{','.join(['-999.0'] * 6)}" for k, r in enumerate(lines)) + "\n", SI, 100)
     return out
     # fmt: on

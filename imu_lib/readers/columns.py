@@ -108,7 +108,14 @@ def _say_unused(raw: Raw, told: list[Meaning], headings) -> None:
     has no such reading.
     """
     for kind, word in (("gyro", "gyro"), ("accel", "accelerometer")):
-        if any(m.quantity == kind and m.axis for m in told):
+        there = {m.axis for m in told if m.quantity == kind and m.axis}
+        if there:
+            unknown = [h.name for m, h in zip(told, headings) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
+            if len(there) < 3 and unknown:
+                raw.notes += (
+                    f"Of the {word} {' and '.join(sorted(there))} alone was found; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are "
+                    "not known here (--columns names columns by position).",
+                )
             continue
         lost = [
             h.name

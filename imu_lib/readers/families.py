@@ -15,7 +15,7 @@ def families(told: list[Meaning], headings) -> list[Meaning]:
     """Sensors that are named by their place (left_gx, right_gx; gx_A, gx_B), where several places are
     named; and directions that no second one stands beside, which are none (vert_acc of a receiver).
     """
-    out = list(told)
+    out = _following(told, headings)
     places = [directions.place(h.name) for h in headings]
     if len({p[0] for p in places if p}) > 1:
         for i, found in enumerate(places):
@@ -31,6 +31,18 @@ def families(told: list[Meaning], headings) -> list[Meaning]:
             for i in said:
                 if not directions.turn(headings[i].name):
                     out[i] = Meaning(why=names.UNKNOWN)
+    return out
+
+
+def _following(told: list[Meaning], headings) -> list[Meaning]:
+    """Bare y and z behind a column that names its sensor and x are of that sensor."""
+    out = list(told)
+    bare = [h.name.strip().lower() for h in headings]
+    for i, m in enumerate(told[:-2]):
+        if m.quantity in SIGNALS and m.axis == "x" and bare[i + 1 : i + 3] == ["y", "z"]:
+            if all(told[k].quantity is None for k in (i + 1, i + 2)):
+                for k, axis in ((i + 1, "y"), (i + 2, "z")):
+                    out[k] = Meaning(m.quantity, axis, m.unit, m.rank, why=f"behind `{headings[i].name.strip()}`")  # fmt: skip
     return out
 
 

@@ -157,7 +157,7 @@ class Raw:
                     "each column is with --columns (names by position, - skips)."
                 )
             scaled = spelling.scaled(unit, kind)
-            if scaled and (whole := spelling.of_range(unit)):
+            if scaled and kind != "time" and (whole := spelling.of_range(unit)):
                 raise InputError(
                     f"{self.source}: `{heading}` is in [{unit}]; give {flag} {whole} if that is the range of the sensor, {flag} {scaled} if it is the size of "
                     "a count."

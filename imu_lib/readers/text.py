@@ -130,6 +130,10 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
     filled = len(data) - len(data.rstrip(b"\0"))
     if filled > 1 and data[:2] not in (b"\xff\xfe", b"\xfe\xff"):
         data = data[:-filled]  # a card's file that was made before it was written
+    if data[:2] not in (b"\xff\xfe", b"\xfe\xff"):
+        data = data.replace("\u2212".encode(), b"-")  # a typesetter's minus
+    if re.search(rb"\d\.\d*[dD][+-]\d\d", data[:4096]):  # Fortran's double precision
+        data = re.sub(rb"(\d\.\d*)[dD]([+-]\d\d)", rb"\1E\2", data)
     lines = Lines(data, str(path))
     if filled > 1:
         lines.notes += (f"{filled:,} empty bytes behind the last line were left out.",)
