@@ -38,9 +38,11 @@ def value(symbol: str, x, channel: str) -> str:
         return f"[{', '.join(v if isinstance(v, str) else format(v, '.4g') for v in x)}]"
     if isinstance(x, str) or x is None:
         return str(x)
-    if symbol in OF_SAMPLES and channel.split("_")[0] in ("gyro", "accel"):
-        gyro = channel.startswith("gyro")
-        return f"{np.rad2deg(x):.4g} deg/s" if gyro else f"{x:.4g} m/s^2"
+    gyro = channel.startswith("gyro")
+    # a jump or a transient of a gyro is told as its bias is
+    if symbol in OF_SAMPLES and not (gyro and symbol == "amplitude"):
+        if channel.split("_")[0] in ("gyro", "accel"):
+            return _of_samples(x, channel)
     try:
         factor, unit = units.datasheet(symbol, channel)
         return f"{x / factor:.4g} {unit}"
@@ -67,6 +69,12 @@ def value(symbol: str, x, channel: str) -> str:
         "slope": f"{signal}/degC",
     }
     return f"{x:.4g}{' ' + own[symbol] if symbol in own and channel != 'record' else ''}"
+
+
+def _of_samples(x: float, channel: str) -> str:
+    """In the unit of the samples."""
+    gyro = channel.startswith("gyro")
+    return f"{np.rad2deg(x):.4g} deg/s" if gyro else f"{x:.4g} m/s^2"
 
 
 def describe(step, channel: str) -> str:
@@ -102,7 +110,7 @@ def _vibration(p) -> str:
         out += f", {p['bandwidth']:.2g} Hz wide"
     if p.get("from") is not None:
         out += f", from {p['from']:.0f} to {p['to']:.0f} s"
-    felt = (f"{c} {value('amplitude', a, c)}" for c, a in zip(p["channels"], p["amplitude"]))
+    felt = (f"{c} {_of_samples(a, c)}" for c, a in zip(p["channels"], p["amplitude"]))
     return out + ": " + ", ".join(felt)
 
 
