@@ -39,7 +39,7 @@ RECORDS = {
     "adis16405_1": ({"rate": 100.0}, (600.0, 1200.0)),
     "adis16405_2": ({"rate": 100.0}, (600.0, 1200.0)),
     "adis16405_3": ({"rate": 100.0}, (600.0, 1200.0)),
-    "phone": ({}, None),
+    "phone": ({"gyro_unit": "rad/s", "accel_unit": "m/s^2"}, None),
 }
 
 
@@ -48,7 +48,9 @@ def opened(data: Path, name: str):
     options, stretch = RECORDS[name]
     if name == "phone":
         record = read_record(
-            gyro=data / "static" / "phone_gyro.txt", accel=data / "static" / "phone_accel.txt"
+            gyro=data / "static" / "phone_gyro.txt",
+            accel=data / "static" / "phone_accel.txt",
+            **options,
         )
     else:
         record = read_record(data / "static" / f"{name}.npz", **options)
