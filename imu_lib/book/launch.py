@@ -31,5 +31,13 @@ def write(root: Path) -> None:
     config = yaml.safe_load(path.read_text(encoding="utf-8"))
     branch = os.environ.get("GITHUB_REF_NAME", "main")
     config["repository"] = {"url": where, "branch": branch, "path_to_book": ""}
-    config["launch_buttons"] = {**config.get("launch_buttons", {}), **HUBS}
+    buttons = {**config.get("launch_buttons", {}), **HUBS}
+    config["launch_buttons"] = buttons
+    # options of the theme that the configuration names are taken in place of the ones above
+    config["sphinx"]["config"]["html_theme_options"] |= {
+        "repository_url": where,
+        "repository_branch": branch,
+        "path_to_docs": "",
+        "launch_buttons": buttons,
+    }
     path.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")

@@ -258,6 +258,8 @@ def configure(work: Path, subject: Subject, slugs: list[str]):
     config["title"], config["author"] = subject.title, "imu-lib book"
     config.pop("repository", None)  # these pages are nobody else's
     config.pop("launch_buttons", None)
+    for name in ("repository_url", "repository_branch", "path_to_docs", "launch_buttons"):
+        config["sphinx"]["config"]["html_theme_options"].pop(name, None)
     config["sphinx"]["config"]["smartquotes"] = False  # a flag keeps its two dashes
     path.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
 
