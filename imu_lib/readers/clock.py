@@ -61,7 +61,7 @@ def mean_step(stamp: np.ndarray) -> float:
     """The usual interval of rising stamps, in their own unit: over many samples, so that a coarse
     clock averages out, and the median of those, so that gaps do not count.
     """
-    lag = max(1, min(200, len(stamp) // 3))
+    lag = max(1, min(200, max(min(20, len(stamp) // 3), len(stamp) // 8)))
     over = stamp[lag:] - stamp[:-lag]
     step = float(np.median(over)) / lag
     return step if step > 0 else float(stamp[-1] - stamp[0]) / (len(stamp) - 1)
