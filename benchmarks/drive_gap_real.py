@@ -72,7 +72,9 @@ def hide(drive, effect, component, value):
         return drive.with_(lever_arm=arm)
     if effect == "mounting":
         turn = Rotation.from_euler("ZYX", [value, 0.0, 0.0]).inv()
-        return drive.with_(gyro=turn.apply(drive.gyro), accel=turn.apply(drive.accel))
+        return drive.with_(
+            gyro=turn.apply(np.array(drive.gyro)), accel=turn.apply(np.array(drive.accel))
+        )
     rng = np.random.default_rng(5)
     sd = np.array(drive.gnss_position_sd if drive.gnss_position_sd is not None else [3.0, 3.0, 5.0])
     return drive.with_(gnss_position=_displaced(drive, rng, sd, value))
