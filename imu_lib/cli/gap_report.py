@@ -45,7 +45,7 @@ def write(found, path) -> None:
     for name in names:
         channel = found.channels[name]
         result = channel.result
-        if not result.steps and not result.unexplained:
+        if not result.steps and not result.unexplained and not result.small:
             continue
         parts += [report.heading(name), *_steps(result.steps, name)]
         if result.absorbed:
@@ -60,6 +60,9 @@ def write(found, path) -> None:
                     f"Unexplained, no effect of the catalogue accounts for it: {result.unexplained}."
                 )
             )
+        if result.small:
+            text = "Beyond chance, yet too small to matter at three standard deviations: "
+            parts.append(report.paragraph(f"{text}{'; '.join(result.small)}."))
         for view in getattr(found, "views", None) or (found,):
             seen = view.channels.get(name)
             if seen is not None and seen.before is not None:

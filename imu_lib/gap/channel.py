@@ -52,7 +52,7 @@ class ChannelResult:
     `evidence` its log evidence for
     the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may
     have swallowed, `unexplained`
-    None or a sentence, `refit` models fitted to the first part of the record, one a simulation,
+    None or a sentence, `small` departures beyond chance that are too small to matter, `refit` models fitted to the first part of the record, one a simulation,
     empty where that part does not
     show every effect, `filled` the number of samples that were filled in,
     `likely` grown models that stand for what the fit leaves uncertain.
@@ -71,6 +71,7 @@ class ChannelResult:
     evidence: float = 0.0
     filled: int = 0
     likely: list = field(default_factory=list)
+    small: list[str] = field(default_factory=list)
 
 
 def analyse(
@@ -161,7 +162,7 @@ def _analyse(channel: Channel, given: Sum | None, seed: int, say, *, integral: b
     state, rivals = _named(start, wild, say)
     say("what is left")
     state, rivals, tests = _tested(left, state, rivals, wild)
-    unexplained = _unexplained(left, state, tests)
+    unexplained, small = _unexplained(left, state, tests)
     steps = steps_of_findings(left.findings, channel.fs) + steps_of_items(state, rivals)
     steps = _doubtful(_capped(steps, state, unexplained), channel.shared)
     held, n_base = left.held_terms, len(start.base)
@@ -183,6 +184,7 @@ def _analyse(channel: Channel, given: Sum | None, seed: int, say, *, integral: b
         state.evidence,
         left.clean.filled,
         likely(states, given, left.findings, held, rng),
+        small,
     )
 
 
@@ -233,19 +235,21 @@ def _checks(left: Undone, state: State) -> list:
     return verdict.checks(state, rest, y, smooth, coarse_steps=left.coarse_steps)
 
 
-def _unexplained(left: Undone, state: State, tests) -> str | None:
-    """What is left without a name, in a sentence."""
+def _unexplained(left: Undone, state: State, tests) -> tuple[str | None, list[str]]:
+    """What is left without a name, in a sentence, and what is left that is too small to matter."""
     doubts = left.doubts
     if doubts and np.ptp(state.deterministic) > 0:
         # the edges of two levels are loud, too, until these are taken out
         rest, y, smooth = left.bared(state)
         doubts = noise_level.settled(replace(left.view, x=rest, y=y, smooth=smooth))[2]
     doubts = [*doubts, *(f.doubt for f in left.findings if f.doubt)]
-    worst = min(tests, key=lambda c: c.log_p)
+    known = () if left.given is None else (*left.given.terms, *left.given.stages)
+    named = [f.effect.name for f in left.findings] + [t.name for t in known]
+    worst, small = verdict.weighed(tests, named)
     if worst.log_p < verdict.LIMIT and not (doubts and worst.domain == "stationarity"):
-        return worst.where
+        return worst.where, small
     # what was seen of the level says more than that it changes
-    return doubts[0] if doubts else None
+    return (doubts[0] if doubts else None), small
 
 
 def _capped(steps, state: State, unexplained: str | None) -> list[Step]:

@@ -41,6 +41,7 @@ class ChannelReport:
             "steps": [s.to_json() for s in r.steps],
             "absorbed": list(r.absorbed),
             "unexplained": r.unexplained,
+            "small_departures": list(r.small),
         }
 
 

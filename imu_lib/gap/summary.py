@@ -8,6 +8,7 @@ import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
+from imu_lib.gap.verdict import TAIL
 from imu_lib.processes import Sum
 
 #: Confidence from which on a finding is told as one.
@@ -169,6 +170,16 @@ def _environment(found) -> str:
 
 
 def _left(found) -> str:
+    small = [n for n, c in found.channels.items() if c.result.small]
+    if not small:
+        return _without_name(found)
+    return (
+        f"{_without_name(found)[:-1]}; small departures from the normal distribution on "
+        f"{_names(small)} move no limit at three standard deviations by {100 * TAIL:.0f} %."
+    )
+
+
+def _without_name(found) -> str:
     left = [n for n, c in found.channels.items() if c.result.unexplained]
     if not left:
         beyond = found.record_unexplained

@@ -143,6 +143,8 @@ def table(found) -> str:
             )
         if r.unexplained:
             lines += _folded(11, f"UNEXPLAINED: {r.unexplained}")
+        if r.small:
+            lines += _folded(11, f"too small to matter: {'; '.join(r.small)}")
     if found.record_steps or found.record_unexplained:
         lines.append("record")
         lines += _steps(found.record_steps, "record")

@@ -19,6 +19,28 @@ from imu_lib.processes import Sum
 LIMIT = -5.0
 
 
+#: Effects on single samples or their level: beside one of these what is left of the distribution
+#: speaks against that name, however small it is.
+OF_SAMPLES = (
+    "heavy_tails",
+    "noise_level_change",
+    "saturation",
+    "spikes",
+    "stuck",
+    "wandering_level",
+)
+
+
+def weighed(tests, named) -> tuple[Check, list[str]]:
+    """The worst test of those whose disagreement matters, and what the others see beyond chance, in
+    words; `named` are the effects that the channel has.
+    """
+    strict = any(effect in OF_SAMPLES for effect in named)
+    small = [c for c in tests if c.size < 1.0 and not strict]
+    worst = min((c for c in tests if c not in small), key=lambda c: c.log_p)
+    return worst, [c.where for c in small if c.log_p < LIMIT]
+
+
 def _log10_chi2(value, dof):
     """log10 of the two-sided p-value of chi-square values, far into the tails."""
     upper, lower = chi2.logsf(value, dof), chi2.logcdf(value, dof)
@@ -145,11 +167,34 @@ def _curves(data) -> np.ndarray:
     return data.columns(np.column_stack([u, u**2, *bends]))
 
 
+#: Relative error of the innovations' quantiles at three standard deviations from which on it
+#: matters. A gate there lets 1 - erf(2.85 / sqrt(2)), 0.44 % of the samples, pass for outliers where
+#: 0.27 % are expected; a standard deviation that is 5 % off does the same, which is no more than the
+#: half of a unit in the second digit of a datasheet's 0.010 deg/sqrt(h).
+TAIL = 0.05
+#: Share of normal samples below minus three standard deviations.
+BEYOND = float(norm.cdf(-3.0))
+
+
+def tail_error(u) -> float:
+    """Relative error at the most of the quantiles at plus and minus three standard deviations of
+    samples `u` with mean 0 and variance 1, where they are taken for normal.
+
+    The larger of what is counted and of what skewness and excess promise (Cornish and Fisher 1938):
+    the quantile at z moves by (z^2 - 1) / 6 times the first and (z^3 - 3 z) / 24 times the second.
+    """
+    skew, excess = np.mean(u**3), np.mean(u**4) - 3.0
+    promised = (8.0 / 6.0 * abs(skew) + 18.0 / 24.0 * abs(excess)) / 3.0
+    counted = np.abs(np.abs(np.quantile(u, [BEYOND, 1.0 - BEYOND])) - 3.0).max() / 3.0
+    return float(max(promised, counted))
+
+
 def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[Check]:
     """Skewness and excess of the whitened fast noise, a share of whose samples is `independent`."""
     n = len(y) * independent
     u = (y - y.mean()) / y.std()
     skew, excess = np.mean(u**3), np.mean(u**4) - 3
+    size = tail_error(u) / TAIL
     if rounded:  # differenced rounding errors are flatter than normal ones
         excess = max(excess, 0.0)
     return [
@@ -157,11 +202,13 @@ def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[
             "distribution",
             float(_log10_normal(skew / np.sqrt(6 / n))),
             f"distribution of the innovations: skewness {skew:+.3g}",
+            size,
         ),
         Check(
             "distribution",
             float(_log10_normal(excess / np.sqrt(24 / n))),
             f"distribution of the innovations: excess kurtosis {excess:+.3g}",
+            size,
         ),
     ]
 

@@ -110,6 +110,7 @@ def channel(name, given: Sum, kept: Sum, fast, slow, lines, block, record):
         absorbed=list(dict.fromkeys([*f.absorbed, *s.absorbed])),
         unexplained=left,
         checks=[*f.checks, *s.checks],
+        small=list(dict.fromkeys([*f.small, *s.small])),
         mean=s.mean,
         evidence=f.evidence + s.evidence,
     )
