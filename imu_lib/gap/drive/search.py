@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import columns, random_effects, select
+from . import alone, columns, random_effects, select
 from .problem import Problem
 from .state import Change, State
 
@@ -72,6 +72,7 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
             say("no better on a path of its own: " + ", ".join(set(kept) - set(state.kept)))
             continue
         break
+    alone.simplify(state, say)
     _prune(state, say)
     if state.changes:
         _prune_linear(state, say)
@@ -110,33 +111,19 @@ def _held(state, kept, freely=False):
     """Hold a set of effects and build the path anew, with half the change where the whole makes the
     innovations worse, and with none where that does too (freely: the whole in any case): whether something was held.
     """
-    index = [i for e in kept for i in select.GROUPS[e]]
-    x, _, _ = state.reg.solve(index)
-    theta, other = np.zeros(len(columns.ALL)), np.zeros(len(columns.ALL))
-    for i, value in zip(index, x):
-        outside = columns.ALL[i].effect.startswith("other")
-        (other if outside else theta)[i] = value
-    theta = _bounded(theta)
+    theta, other = alone.values(state.reg, kept)
     before, cost = replace(state), state.cost()
+    # what leaves need not have been worth more than its price
+    saved = max(select.price(state.reg, state.kept) - select.price(state.reg, kept), 0.0)
     for share in (1.0, 0.5):
         state.theta = before.theta + share * (theta - before.theta)
         state.other = before.other + share * (other - before.other)
         state.kept = tuple(kept)
         state.rebuild()
-        if freely or state.cost() < cost + SLACK:
+        if freely or state.cost() < cost + SLACK + saved:
             return True
-    for name in ("theta", "other", "kept", "problem", "result", "use", "reg"):
-        setattr(state, name, getattr(before, name))
+    state.take(before)
     return False
-
-
-def _bounded(theta):
-    """Values that a path can be built with; what goes beyond takes a second step."""
-    theta = theta.copy()
-    for effect, most in (("accel_scale", 0.3), ("gyro_scale", 0.3), ("imu_clock", 0.02)):
-        part = columns.of(effect)
-        theta[part] = np.clip(theta[part], -most, most)
-    return theta
 
 
 def _refit(state):

@@ -109,9 +109,14 @@ def score_of(reg, effects):
     """Penalised gain of a set of effects, nats."""
     index = [i for e in effects for i in GROUPS[e]]
     seen = [i for i in index if reg.information[i, i] > 0.0]
-    gain = reg.solve(seen)[2]
-    counted = sum(reg.information[i, i] * PRIOR[i] ** 2 > reg.temper for i in seen)
-    return gain - PER_PARAMETER * counted - PER_EFFECT * len(effects)
+    return reg.solve(seen)[2] - price(reg, effects)
+
+
+def price(reg, effects):
+    """What a set of effects has to gain, nats: parameters that the drive does not show cost nothing."""
+    index = [i for e in effects for i in GROUPS[e]]
+    counted = sum(reg.information[i, i] * PRIOR[i] ** 2 > reg.temper for i in index)
+    return PER_PARAMETER * counted + PER_EFFECT * len(effects)
 
 
 def best(reg, candidates, most=8):

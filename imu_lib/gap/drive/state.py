@@ -67,6 +67,11 @@ class State:
         self.use = self.problem.use & ~away[:, None]
         self.weigh()
 
+    def take(self, other):
+        """Be where another state is: values, path, innovations and regression."""
+        for name in ("theta", "other", "kept", "problem", "result", "use", "reg"):
+            setattr(self, name, getattr(other, name))
+
     def size(self):
         """Mean square of the innovations."""
         return float(np.mean(self.result.e[self.use & np.isfinite(self.result.e)] ** 2))

@@ -1,0 +1,89 @@
+"""Whether fewer effects do as well, each set on a path of its own.
+
+The regression that chose a set is linear about the path that was held then. Where that path was far
+off, effects are found beside the true one that only make up for what is not linear, and about the
+path built with all of them none seems idle. So each smaller set is led to its own path, step by
+step until its innovations improve no more, and kept where it loses less than the price of what left.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from . import columns, select
+
+STEPS = 3
+STILL = 1.0  # nats: a step that gains less is the last
+SURE = 8.0  # times the price of what leaves: where the regression loses more, nothing is tried
+
+
+def converge(state, kept):
+    """Hold a set of effects and build the path anew until its innovations improve no more."""
+    for number in range(STEPS):
+        before, cost = replace(state), state.cost() if number else np.inf
+        theta, other = values(state.reg, kept)
+        state.theta, state.other, state.kept = theta, other, tuple(kept)
+        state.rebuild()
+        now = state.cost()
+        if now > cost:
+            state.take(before)
+        if now > cost - STILL:
+            break
+
+
+def values(reg, kept):
+    """(theta, other) of a set by the regression, in bounds with which a path can be built."""
+    index = [i for e in kept for i in select.GROUPS[e]]
+    x, _, _ = reg.solve(index)
+    theta, other = np.zeros(len(columns.ALL)), np.zeros(len(columns.ALL))
+    for i, value in zip(index, x):
+        outside = columns.ALL[i].effect.startswith("other")
+        (other if outside else theta)[i] = value
+    for effect, most in (("accel_scale", 0.3), ("gyro_scale", 0.3), ("imu_clock", 0.02)):
+        part = columns.of(effect)
+        theta[part] = np.clip(theta[part], -most, most)  # what goes beyond takes a second step
+    return theta, other
+
+
+def simplify(state, say):
+    """Take effects out as long as a smaller set does as well on its own path."""
+    while len(state.kept) > 1:
+        found = None
+        temper = state.reg.temper  # one for all, or a worse path would count for less
+        top = _misfit(state, temper)
+        for kept in _smaller(state):
+            trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
+            converge(trial, kept)
+            value = _misfit(trial, temper)
+            if value < top:
+                found, top = trial, value
+        if found is None:
+            return
+        say("as good on a path of their own: " + ", ".join(found.kept))
+        state.take(found)
+
+
+def _misfit(state, temper):
+    """Tempered misfit of the innovations and of the values with the price of the set, nats."""
+    index = [i for e in state.kept for i in select.GROUPS[e]]
+    held = (state.theta + state.other)[index] / select.PRIOR[index]
+    paid = select.price(state.reg, state.kept) + 0.5 * float(held @ held)
+    return state.cost() / temper + paid
+
+
+def _smaller(state):
+    """Sets without one effect, or with one alone, that the regression does not rule out."""
+    out = []
+    top = select.score_of(state.reg, state.kept)
+    for effect in state.kept:
+        out.append(tuple(e for e in state.kept if e != effect))
+        out.append((effect,))
+    whole = select.price(state.reg, state.kept)
+    return [
+        k
+        for k in dict.fromkeys(out)
+        if top - select.score_of(state.reg, k) < SURE * (whole - select.price(state.reg, k))
+    ]
+
+
+__all__ = ["converge", "simplify", "values"]
