@@ -114,6 +114,13 @@ def test_a_frozen_sample_at_the_end_of_the_range_is_no_rail():
     assert Saturation().detect(clipped, 0.1, None).process.low == pytest.approx(clipped.min())
 
 
+@pytest.mark.parametrize("shift", np.linspace(0.0, 0.5, 6))
+@pytest.mark.parametrize("step", (2.0, 3.0, 4.0))
+def test_steps_coarser_than_the_noise_are_no_rail(shift, step):
+    x = np.random.default_rng(8).standard_normal(12_000)
+    assert Saturation().detect(step * np.rint(x / step + shift), step, None) is None
+
+
 def test_a_curved_regression_on_the_temperature_is_named_with_its_curvature():
     rng = np.random.default_rng(9)
     temperature = 25 + 5 * lfilter([1], [1, -0.9999], rng.standard_normal(N)) / 70

@@ -87,6 +87,13 @@ def _wrong(found) -> str:
         at = sorted(s.parameters.get("start", s.parameters.get("time", 0.0)) for s in touched)
         what = "moved" if any(s.effect == "tilt" for s in touched) else "touched"
         parts.append(f"it was {what} at {_times(at)} s")
+    doubtful = [
+        f"{s.effect.replace('_', ' ')} on {where}"
+        for where, s in found.steps
+        if s.effect in FAULTS and where != "record" and s.confidence < SURE
+    ]
+    if doubtful and not parts:
+        return f"Nothing is surely wrong with the data themselves, but in doubt: {', '.join(doubtful)}."
     if not parts:
         return "Nothing is wrong with the data themselves: no drop-outs, no frozen or clipped samples, nobody touched it."
     return f"{_sentence(_merged(parts))}."

@@ -9,6 +9,7 @@ a run of its own gives, for hundreds of windows at the price of one run and thei
 from dataclasses import replace
 
 import numpy as np
+from scipy import stats
 
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
@@ -126,8 +127,11 @@ def _warnings(study, trust):
                 f"{name} rejects {100 * share:.0f} % of the {part} fixes: it has lost the drive and is not ranked."
             )
             continue
-        ratio = model.over_predicted(against)
-        if ratio > 2.0 or ratio < 0.5:
+        ratio, n = model.over_predicted(against), 2 * len(study.windows)
+        low, high = (
+            stats.chi2.ppf([0.005, 0.995], n) / n
+        )  # what an honest filter's few windows give
+        if not 0.5 <= ratio <= 2.0 and not low <= ratio**2 <= high:
             notes.append(
                 f"{name}: errors are {ratio:.2g} times what the filter predicts; its sigma is not to be believed."
             )

@@ -12,6 +12,8 @@ from .base import Effect, Finding
 #: two ends: noise exceeds it in one of 1e5 channels. Without a grid: visits to the end; no two
 #: samples of a continuous noise agree, so that the second is one too many.
 MIN_GAIN, MIN_VISITS = 12.0, 3
+#: Samples that a level holds at least where anything is read off it.
+MIN_LEVEL = 8
 
 
 def _piled(x, step, side) -> float:
@@ -28,7 +30,7 @@ def _piled(x, step, side) -> float:
         return np.inf
     k = np.rint((top - y) / step).astype(np.int64)
     h = np.bincount(k[k < 4], minlength=4).astype(float)
-    if h[0] < 8:
+    if h[0] < MIN_LEVEL:
         return 0.0
     # the logarithm of a rounded normal's occupation is concave: the last level is below the line
     # of the two before it
@@ -42,7 +44,10 @@ def _piled(x, step, side) -> float:
     )
     over = float(h[0] * np.log(h[0] / want) - (h[0] - want)) if h[0] > want else 0.0
     # coarse steps hide the pile in the level's own width: but the level beyond, foretold by a
-    # parabola through the three before, is empty
+    # parabola through the three before, is empty; three levels make no parabola where steps are
+    # so coarse that one of them is
+    if h[3] < MIN_LEVEL:
+        return over
     log = np.log(h[1:] + 0.5)
     beyond = float(
         np.exp(
