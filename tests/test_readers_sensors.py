@@ -46,22 +46,27 @@ def test_rows_of_several_sensors_are_asked_for(tmp_path):
         opened(tmp_path / "one.csv", plain, "--gyro-unit rad/s --topic I=0")
 
 
-@pytest.mark.parametrize("names", ["{k}{i}_{a}", "{k}{a}{i}", "{k}_{a}_{i}", "{k}{i}{a}"])
-def test_numbered_sensors_are_asked_for_and_the_answer_is_one_of_them(tmp_path, names):
-    pick = [names.format(k="g", a=a, i=i) for i in (1, 2) for a in "xyz"]
-    pick += [names.format(k="a", a=a, i=1) for a in "xyz"]
+def _asked_and_answered(folder, names, question):
+    """Two gyros and an accelerometer under these names: asked for, and the answer opens one."""
     text = _rows(
-        ",".join(["time_s", *pick]),
+        ",".join(["time_s", *names]),
         strange_logs.T,
         strange_logs.GYRO,
         strange_logs.GYRO + 1,
         strange_logs.ACCEL,
     )
-    with pytest.raises(InputError, match="would be gyro_") as error:
-        opened(tmp_path / "two.csv", text, strange_logs.SI)
+    with pytest.raises(InputError, match=question) as error:
+        opened(folder / "two.csv", text, strange_logs.SI)
     answer = re.search(r"--columns '[^']+'", str(error.value))[0]
-    record = same(opened(tmp_path / "two.csv", text, f"{strange_logs.SI} {answer}"), 100)
+    record = same(opened(folder / "two.csv", text, f"{strange_logs.SI} {answer}"), 100)
     assert len(record.channel_names) == 6
+
+
+@pytest.mark.parametrize("names", ["{k}{i}_{a}", "{k}{a}{i}", "{k}_{a}_{i}", "{k}{i}{a}"])
+def test_numbered_sensors_are_asked_for_and_the_answer_is_one_of_them(tmp_path, names):
+    pick = [names.format(k="g", a=a, i=i) for i in (1, 2) for a in "xyz"]
+    pick += [names.format(k="a", a=a, i=1) for a in "xyz"]
+    _asked_and_answered(tmp_path, pick, "would be gyro_")
 
 
 @pytest.mark.parametrize(
@@ -146,18 +151,7 @@ def test_sensors_named_by_their_place_are_asked_for(tmp_path, names):
     one, two = (n.strip() for n in re.match(r"(.*?\S) ?(right.*|\S+_B|Thigh.*)$", names).groups())
     pick = [one.format(c=f"g{a}") for a in "xyz"] + [two.format(c=f"g{a}") for a in "xyz"]
     pick += [one.format(c=f"a{a}") for a in "xyz"]
-    text = _rows(
-        ",".join(["time_s", *pick]),
-        strange_logs.T,
-        strange_logs.GYRO,
-        strange_logs.GYRO + 1,
-        strange_logs.ACCEL,
-    )
-    with pytest.raises(InputError, match="would be accel_x|would be gyro_x") as error:
-        opened(tmp_path / "two.csv", text, strange_logs.SI)
-    answer = re.search(r"--columns '[^']+'", str(error.value))[0]
-    record = same(opened(tmp_path / "two.csv", text, f"{strange_logs.SI} {answer}"), 100)
-    assert len(record.channel_names) == 6
+    _asked_and_answered(tmp_path, pick, "would be accel_x|would be gyro_x")
 
 
 def test_rows_by_sensor_of_two_devices_are_asked_for(tmp_path):

@@ -113,7 +113,7 @@ def score(table, *, ax=None):
     ax.errorbar(
         share,
         place,
-        xerr=np.maximum([share - interval[:, 0], interval[:, 1] - share], 0),
+        xerr=_bars(share, interval),
         fmt="o",
         color=style.BLUE,
         capsize=2,
@@ -123,6 +123,11 @@ def score(table, *, ax=None):
     ax.set_xlim(0, 1.03)
     ax.invert_yaxis()
     return ax
+
+
+def _bars(value, interval):
+    """Lengths of the bars (2, n) from values (n,) to the ends of their intervals (n, 2)."""
+    return np.maximum([value - interval[:, 0], interval[:, 1] - value], 0)
 
 
 @style.styled
@@ -137,7 +142,7 @@ def reliability(table, *, ax=None):
     ax.errorbar(
         said,
         right,
-        yerr=np.maximum([right - interval[:, 0], interval[:, 1] - right], 0),
+        yerr=_bars(right, interval),
         fmt="o",
         color=style.BLUE,
         capsize=2,

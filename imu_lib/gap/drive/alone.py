@@ -84,6 +84,3 @@ def _smaller(state):
         for k in dict.fromkeys(out)
         if top - select.score_of(state.reg, k) < SURE * (whole - select.price(state.reg, k))
     ]
-
-
-__all__ = ["converge", "simplify", "values"]
