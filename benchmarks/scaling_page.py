@@ -37,7 +37,8 @@ Parquet, NumPy files that are not compressed and HDF5 are read where they lie. T
 compressed `.npz` and files whose stamps jitter are read once, part by part, into a Parquet file in
 the user's cache (`IMU_LIB_CACHE` names another folder), which the next command finds again; the
 command says where it is. ROS bags, ULog files and MATLAB files before 7.3 are read into memory as a
-whole, which is said. Zarr is not read: save it as Parquet or HDF5.
+whole, which is said. A Zarr store (formats 2 and 3, a folder or one that was zipped) is read by
+slices as HDF5 is, where `pip install 'imu_lib[zarr]'` has brought its library.
 
 {fleets}## What does not scale
 

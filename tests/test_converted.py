@@ -1,6 +1,7 @@
 """Long files that are read once, part by part: the record that the readers make of the whole."""
 
 import gzip
+import shutil
 
 import h5py
 import numpy as np
@@ -48,6 +49,20 @@ def _hdf5(record, path, last=False):
         file["imu/gyro"], file["imu/accel"] = turned(record["gyro"]), turned(record["accel"])
 
 
+def _zarr(record, path, form=2):
+    zarr = pytest.importorskip("zarr")
+    root = zarr.open_group(str(path), mode="w", zarr_format=form)
+    held = {"t": record.times(), "imu/gyro": record["gyro"], "imu/accel": record["accel"]}
+    for name, x in held.items():
+        root.create_array(name, data=x, chunks=(4000, *x.shape[1:]))
+
+
+def _zipped(record, path):
+    _zarr(record, path.with_suffix(".folder"), 3)
+    shutil.make_archive(str(path), "zip", path.with_suffix(".folder"))
+    path.with_name(path.name + ".zip").rename(path)
+
+
 def _dated(record, path):
     """A log with a moment in each row, semicolons, degrees and g."""
     with open(path, "w") as file:
@@ -66,6 +81,8 @@ MAKERS = {
     "a.parquet": write_record,
     "a.h5": _hdf5,
     "matlab.mat": lambda record, path: _hdf5(record, path, last=True),
+    "format_2.zarr": _zarr,
+    "format_3.zarr": _zipped,
     "dated.txt": _dated,
 }
 
@@ -77,7 +94,7 @@ def test_parts_make_the_record_of_the_whole(name, record, small, tmp_path):
         packed = tmp_path / f"{name}.gz"
         packed.write_bytes(gzip.compress((tmp_path / name).read_bytes()))
         name = packed.name
-    units = UNITS if "imu" in name or name.endswith((".h5", ".mat")) else {}
+    units = UNITS if "imu" in name or name.endswith((".h5", ".mat", ".zarr")) else {}
     whole = read_record(tmp_path / name, **units)
     shares = []
     found = open_converted(tmp_path / name, least=10_000, progress=shares.append, **units)
@@ -117,3 +134,16 @@ def test_short_files_and_other_kinds_are_left_to_the_readers(record, small, tmp_
     assert open_converted(tmp_path / "a.csv") is None
     (tmp_path / "log.bag").write_bytes(b"#ROSBAG V2.0\n" + bytes(1000))
     assert open_converted(tmp_path / "log.bag", least=1) is None
+
+
+def test_a_damaged_or_empty_zarr_store_is_said(record, tmp_path):
+    pytest.importorskip("zarr")
+    path = tmp_path / "a.zarr"
+    _zarr(record, path, 3)
+    chunk = next(p for p in (path / "imu/gyro/c").rglob("*") if p.is_file())
+    chunk.write_bytes(b"\0")
+    with pytest.raises(InputError, match="is not a whole Zarr store"):
+        read_record(path, **UNITS)
+    (path / "zarr.json").write_text("{")
+    with pytest.raises(InputError, match="is not a whole Zarr store"):
+        read_record(path, **UNITS)

@@ -55,12 +55,13 @@ def open_on_disk(args: argparse.Namespace, *, least: int | None = None):
     once or after it was converted, or a folder of logs; else None.
     """
     from imu_lib.long_record import cut, open_converted, open_folder, open_long
+    from imu_lib.readers.zarr_store import is_store
 
     options = record_options(args)
     start, stop = options.pop("start", None), options.pop("stop", None)
     if start is not None and stop is not None and stop <= start:
         raise InputError(f"--stop {stop:g} is not after --start {start:g}.")
-    if Path(args.file).is_dir():
+    if Path(args.file).is_dir() and not is_store(args.file):
         record = open_folder(args.file, **options)
     else:
         record = open_long(args.file, least=least, **options)

@@ -16,6 +16,7 @@ from pathlib import Path
 from imu_lib.errors import InputError
 from imu_lib.fleet.manifest import TABLE, Entry
 from imu_lib.fleet.rows import COLUMNS
+from imu_lib.readers import zarr_store
 
 #: The table is written anew when this many times the last writing's own time has passed.
 SPARE = 20.0
@@ -90,8 +91,7 @@ class Ledger:
 def _key(entry, gap):
     """Name of a record's part: the same file, read in the same way, with the same question."""
     try:
-        stat = os.stat(entry.path)
-        state = (stat.st_size, stat.st_mtime_ns)
+        state = zarr_store.size_and_time(entry.path)
     except OSError:
         state = None
     said = json.dumps(

@@ -8,9 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from imu_lib.errors import InputError
+from imu_lib.readers import zarr_store
 
 #: What a record's file name may end in.
-SUFFIXES = (".npz", ".npy", ".parquet", ".csv", ".txt", ".tsv", ".mat", ".bag", ".mcap", ".db3")
+SUFFIXES = (
+    *(".npz", ".npy", ".parquet", ".csv", ".txt", ".tsv", ".mat", ".h5", ".hdf5", ".zarr"),
+    *(".bag", ".mcap", ".db3"),
+)
 #: Columns of a manifest that say how to read the file, and what makes of its text an option.
 OPTIONS = {
     "rate": float,
@@ -68,7 +72,8 @@ def _of_folder(folder, options):
         p
         for p in folder.rglob("*")
         if p.suffix.lower() in SUFFIXES
-        and p.is_file()
+        and (p.is_file() or zarr_store.is_store(p))
+        and not any(zarr_store.is_store(above) for above in p.parents if folder in above.parents)
         and p.name != TABLE  # of an earlier run, where --out lies inside the folder
         and not any(part.startswith(".") for part in p.relative_to(folder).parts)
     )

@@ -1,4 +1,6 @@
-"""Columns of a file on disk, read by pieces: Parquet, uncompressed `.npz` and `.npy`, HDF5."""
+"""Columns of a file on disk, read by pieces: Parquet, uncompressed `.npz` and `.npy`; those of
+HDF5 files and Zarr stores are in `tree`.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.lib import format as npy
 
+from imu_lib.long_record.tree import Hdf5, Zarr
+from imu_lib.readers import zarr_store
 from imu_lib.stream import CHUNK, bounds
 
 
@@ -186,67 +190,11 @@ def _header(file):
     return start, shape, dtype
 
 
-@dataclass(frozen=True)
-class Hdf5:
-    """An HDF5 file (MATLAB's 7.3 is one): its data sets are read by slices."""
-
-    path: str
-
-    def _sets(self):
-        """Column -> (data set, axis of three or None, whether the rows are its last dimension)."""
-        import h5py
-
-        shapes = {}
-
-        def visit(name, item):
-            if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
-                if not name.startswith("#refs#"):
-                    shapes[name] = item.shape
-
-        with h5py.File(self.path, "r") as file:
-            file.visititems(visit)
-        out = {}
-        for name, shape in shapes.items():
-            key = name.replace("/", ".")
-            if len(shape) == 1:
-                out[key] = name, None, False, shape[0]
-            elif len(shape) == 2 and 3 in shape and max(shape) > 3:
-                last = shape[0] == 3
-                for i, axis in enumerate("xyz"):
-                    out[f"{key}_{axis}"] = name, i, last, max(shape)
-            elif len(shape) == 2 and 1 in shape:
-                out[key] = name, 0, shape[0] == 1, max(shape)
-        return out
-
-    def columns(self):
-        return {key: n for key, (_, _, _, n) in self._sets().items()}
-
-    def pieces(self, name, start, stop):
-        import h5py
-
-        held, axis, last, _ = self._sets()[name]
-        with h5py.File(self.path, "r") as file:
-            for low, high in bounds(stop - start):
-                rows = slice(start + low, start + high)
-                at = rows if axis is None else (axis, rows) if last else (rows, axis)
-                yield file[held][at]
-
-    def head(self, rows, path):
-        self.rows(0, rows, path)
-
-    def rows(self, start, stop, path):
-        """Some rows as a file of the same kind."""
-        import h5py
-
-        lasts = {held: last for held, _, last, _ in self._sets().values()}
-        with h5py.File(self.path, "r") as file, h5py.File(path, "w") as out:
-            for held, last in lasts.items():
-                x = file[held][:, start:stop] if last else file[held][start:stop]
-                out.create_dataset(held, data=x).attrs.update(file[held].attrs)
-
-
 def source(path):
     """The columns of a file that can be read by pieces, or None."""
+    if zarr_store.is_store(path):
+        found = Zarr(str(path))
+        return found if found.columns() else None
     with open(path, "rb") as file:
         magic = file.read(8)
     try:

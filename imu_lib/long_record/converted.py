@@ -17,6 +17,7 @@ from imu_lib.errors import InputError
 from imu_lib.long_record import parts
 from imu_lib.long_record.columns import Parquet
 from imu_lib.long_record.log import Log, record_of
+from imu_lib.readers import zarr_store
 from imu_lib.readers.assemble import assemble
 from imu_lib.readers.opening import read_raw
 from imu_lib.readers.streams import slow_kind
@@ -56,7 +57,8 @@ def open_converted(path, *, least=None, rate=None, progress=None, **options):
         room.
     """
     path = Path(path)
-    if not path.is_file() or options.get("start") is not None or options.get("stop") is not None:
+    known = path.is_file() or zarr_store.is_store(path)
+    if not known or options.get("start") is not None or options.get("stop") is not None:
         return None
     if parts.rows_of(path) <= (LONG if least is None else least):
         return None
@@ -78,8 +80,8 @@ def open_converted(path, *, least=None, rate=None, progress=None, **options):
 
 
 def _key(path, *how):
-    stat = path.stat()
-    said = [VERSION, str(path.resolve()), stat.st_size, stat.st_mtime_ns, *map(str, how)]
+    state = zarr_store.size_and_time(path)
+    said = [VERSION, str(path.resolve()), *state, *map(str, how)]
     return hashlib.sha256(json.dumps(said).encode()).hexdigest()[:16]
 
 
@@ -115,7 +117,7 @@ def _convert(path, kept, rate, reading, units, progress) -> bool:
         kept.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{kept.parent} cannot be made: {error.strerror}.") from None
-    need = 2 * path.stat().st_size
+    need = 2 * zarr_store.size_and_time(path)[0]
     if need > shutil.disk_usage(kept.parent).free:
         raise InputError(
             f"{path} would be converted into {kept.parent}, which has no room for it "

@@ -19,7 +19,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.long_record.log import Log, record_of
-from imu_lib.readers import bags
+from imu_lib.readers import bags, zarr_store
 from imu_lib.readers.assemble import assemble
 from imu_lib.readers.opening import pair, read_raw
 from imu_lib.stream import bounds
@@ -59,7 +59,7 @@ def open_folder(path, *, rate=None, progress=None, **options):
     other channels, or rates that differ by more than a per cent.
     """
     path = Path(path)
-    if not path.is_dir() or bags.is_bag(path) or pair(path):
+    if not path.is_dir() or bags.is_bag(path) or zarr_store.is_store(path) or pair(path):
         return None
     files, beside = _logs(path)
     if not files:

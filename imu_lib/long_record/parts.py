@@ -25,8 +25,11 @@ TEXTS = (".csv", ".txt", ".tsv", ".log", ".dat", ".asc")
 
 def rows_of(path) -> int:
     """Rows of a file, nearly; 0 where it is of no kind that is taken in parts."""
+    path = Path(path)
     if (held := columns.source(path)) is not None:
         return max(held.columns().values())
+    if path.is_dir():
+        return 0
     with open(path, "rb") as file:
         magic = file.read(16)
     if magic[:2] == b"PK":
@@ -61,8 +64,10 @@ def parts(path):
     order; each file is gone when the next is asked for.
     """
     path = Path(path)
-    with open(path, "rb") as file:
-        magic = file.read(16)
+    magic = b""
+    if path.is_file():
+        with open(path, "rb") as file:
+            magic = file.read(16)
     with tempfile.TemporaryDirectory(prefix="imu-lib-") as folder:
         place = Path(folder)
         if (held := columns.source(path)) is not None:

@@ -11,7 +11,7 @@ import numpy as np
 from imu_lib import readers
 from imu_lib.errors import InputError
 from imu_lib.long_record import columns, grid
-from imu_lib.readers import names
+from imu_lib.readers import names, zarr_store
 from imu_lib.readers.streams import slow_kind
 from imu_lib.record import CHANNELS, Record
 from imu_lib.stream import CHUNK, LONG
@@ -185,7 +185,7 @@ def open_long(path, *, start=None, stop=None, trust_units=False, least=None, **o
     InputError as `read_record` raises it.
     """
     path = Path(path)
-    if not path.is_file() or start is not None or stop is not None:
+    if not (path.is_file() or zarr_store.is_store(path)) or start is not None or stop is not None:
         return None
     source = columns.source(path)
     if source is None:

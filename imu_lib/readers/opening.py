@@ -19,11 +19,12 @@ from imu_lib.readers import (
     rdata,
     streams,
     ulog,
+    zarr_store,
 )
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.text import read_text
 
-KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat, .ulg, .rda or a ROS bag"
+KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat, .zarr, .ulg, .rda or a ROS bag"
 
 
 def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
@@ -46,6 +47,8 @@ def _read(path, columns, signal, topic) -> Raw:
     options = {"columns": columns, "signal": signal, "topic": topic}
     if bags.is_bag(path):
         return bags.read_bag(path, topic=topic)
+    if zarr_store.is_store(path):
+        return zarr_store.read_zarr(path, columns=columns, signal=signal)
     if path.is_dir():
         if oxts.folder(path) is not None:
             return oxts.read_oxts(oxts.folder(path))
@@ -152,7 +155,7 @@ def _of_zip(path: Path, names: list[str], options) -> Raw:
 def pair(path) -> tuple[Path, Path] | None:
     """Gyro and accelerometer of a folder or a zip that holds a file for each."""
     path = Path(path)
-    if path.is_dir() and not bags.is_bag(path):
+    if path.is_dir() and not bags.is_bag(path) and not zarr_store.is_store(path):
         two = packed.two([p.name for p in sorted(path.iterdir()) if p.is_file()])
     elif path.is_file() and (names := packed.members(path)):
         two = packed.two(names) if len(names) > 1 else None
