@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.gap.data import Data
-from imu_lib.gap.effects import CATALOGUE, DRIFTS, SPECTRAL
+from imu_lib.gap.effects import COMPETITORS, DRIFTS, SPECTRAL
 from imu_lib.gap.state import EVIDENCE, TEMPER, State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
@@ -27,15 +27,18 @@ QUICKEST = 50
 #: Median of a chi-square of one degree of freedom, as single ordinates are.
 MEDIAN_OF_ONE = 0.455
 #: Families of a free base: the noises beside white noise.
-FAMILIES = (
+FAMILIES: tuple[tuple[type, ...], ...] = (
     (),
-    ("random_walk",),
-    ("flicker",),
-    ("gauss_markov",),
-    ("flicker", "random_walk"),
-    ("gauss_markov", "random_walk"),
-    ("gauss_markov", "gauss_markov"),
+    (RandomWalk,),
+    (Flicker,),
+    (GaussMarkov,),
+    (Flicker, RandomWalk),
+    (GaussMarkov, RandomWalk),
+    (GaussMarkov, GaussMarkov),
 )
+#: Shares of the record that the correlation times of a family start from: of one, of two.
+TIMES = (0.003, 0.02, 0.1)
+PAIRS = ((0.003, 0.1), (0.003, 0.02), (0.02, 0.1))
 
 
 def _starts(data: Data, family):
@@ -47,24 +50,29 @@ def _starts(data: Data, family):
     f_low = float(np.median(data.layout.frequency[first]))
     excess = max(low - top, 0.1 * top)
     strong = max(excess, 0.3 * top)
-    N = np.sqrt(top / 2)
-    make = {
-        "random_walk": lambda _: RandomWalk(K=float(np.sqrt(excess / 2) * 2 * np.pi * f_low)),
-        "flicker": lambda _: Flicker(B=float(np.sqrt(excess * np.pi * f_low))),
-        "gauss_markov": lambda t: GaussMarkov(
-            sigma=float(np.sqrt(strong * (1 + (2 * np.pi * f_low * t) ** 2) / (4 * t))),
-            correlation_time=t,
-        ),
-    }
-    times = [0.003 * data.duration, 0.02 * data.duration, 0.1 * data.duration]
-    if "gauss_markov" not in family:
-        yield [WhiteNoise(N=N)] + [make[n](None) for n in family]
-    elif family.count("gauss_markov") == 1:
-        for t in times:
-            yield [WhiteNoise(N=N)] + [make[n](t) for n in family]
-    else:
-        for a, b in ((0, 2), (0, 1), (1, 2)):
-            yield [WhiteNoise(N=N), make["gauss_markov"](times[a]), make["gauss_markov"](times[b])]
+    white = of_density(WhiteNoise(N=1.0), top, f_low)
+    count = family.count(GaussMarkov)
+    for shares in ((),) if count == 0 else [(t,) for t in TIMES] if count == 1 else PAIRS:
+        left, terms = list(shares), [white]
+        for kind in family:
+            if kind is GaussMarkov:
+                unit = GaussMarkov(sigma=1.0, correlation_time=left.pop(0) * data.duration)
+                terms.append(of_density(unit, strong, f_low))
+            else:
+                unit = kind(**{effect_of(kind).amplitude: 1.0})
+                terms.append(of_density(unit, excess, f_low))
+        yield terms
+
+
+def effect_of(kind: type):
+    """The effect that is a noise of that kind."""
+    return next(e for e in SPECTRAL if e.process is kind)
+
+
+def of_density(unit, density: float, f: float):
+    """The noise of the shape of `unit`, of amplitude 1, that has a `density` at `f` Hz."""
+    amplitude = np.sqrt(density / float(unit.psd(np.array([f]))[0]))
+    return unit.with_(**{effect_of(type(unit)).amplitude: float(amplitude)})
 
 
 def _slow(slot, fs):
@@ -120,7 +128,8 @@ def _filtered(data: Data, held, best: State) -> State:
         low = best.cleaned.below(share * data.fs)
         below = max(_families(low, held, best.drifts), key=_worth).settled()
         items = [*below.items, *levels]
-        for item in CATALOGUE["low_pass"].candidates(State(data, below.base, items)):
+        bare = State(data, below.base, items)
+        for item in (c for e in COMPETITORS if e.rolls_off for c in e.candidates(bare)):
             trial = State(data, below.base, [*items, item], base_slots=below.base_slots)
             if trial.evidence > best.evidence + FILTER:
                 best = trial
@@ -136,7 +145,7 @@ def _two_levels(best: State, families) -> State:
     alone = families[:2]  # white noise, and a walk beside it
     bases = [*alone, *(s for s in families[2:] if _names(s) == _names(best))]
     bases = [s for s in bases if not any(c.signal is not None for c in s.items)]
-    trials = [s.plus(c) for s in bases for c in CATALOGUE["telegraph"].beside_base(s)]
+    trials = [s.plus(c) for s in bases for e in COMPETITORS for c in e.candidates_in_base(s)]
     top = max(trials, key=_worth, default=best)
     return top if _worth(top) > _worth(best) + EVIDENCE else best
 
@@ -173,53 +182,10 @@ def _families(data, held, items=()) -> list[State]:
         for terms in _starts(data, family):
             terms = list(held) + terms
             slots = [
-                _slow(CATALOGUE[t.name].slot(i, data.fs, data.duration), data.fs)
+                _slow(effect_of(type(t)).slot(i, data.fs, data.duration), data.fs)
                 for i, t in enumerate(terms)
                 if i >= len(held)
             ]
             states.append(State(data, terms, items, base_slots=slots))
         out.append(max(states, key=lambda state: state.evidence))
     return out
-
-
-#: An effect is swallowed if the base takes this share of the information on its strength, for this
-#: share of its shapes.
-SWALLOWED, FAMILY = 0.5, 0.25
-
-
-def absorbed(state: State) -> list[str]:
-    """Effects that the free base of `state` may have swallowed: noises whose spectrum it imitates
-    by a change of its own
-    parameters, to first order in the effect's strength, and drifts that would show if its slow
-    noises were not there.
-    """
-    data, problem, fit = state.data, state.problem, state.fit
-    names = [t.name for t in state.base]
-    s = fit.expected
-    weight = np.sqrt(problem.stats.count / 2)
-    own = sum(len(slot.names) for slot in state.base_slots)
-    basis, _ = np.linalg.qr((problem.slopes(fit.vector)[1][:own] / s * weight).T)
-    for effect in SPECTRAL:
-        if not effect.beside(fit.low_pass, data.fs):
-            continue
-        taken = []
-        for process in effect.grid(data.fs, data.duration):
-            v = data.layout.shape(process, fit.low_pass) / s * weight
-            taken.append(np.sum((basis.T @ v) ** 2) > SWALLOWED * np.sum(v**2))
-        if np.mean(taken) > FAMILY:
-            names.append(effect.name)
-    # a drift that shows in the fast noise alone may be part of a fitted slow noise
-    quick = data.layout.spectrum([t for t in fit.terms if t.fast], fit.low_pass)
-    for effect in DRIFTS:
-        shapes = [] if effect.sharp else effect.shapes(data)
-        if shapes and np.all(quick > 0):
-            square = effect.columns(shapes, data) ** 2
-            seen, alone = (
-                np.sum(square / data.stats.slow_ordinates(v)[:, None], axis=0) for v in (s, quick)
-            )
-            if np.mean(seen < SWALLOWED * alone) > FAMILY:
-                names.append(effect.name)
-    if "gauss_markov" in names:  # two levels whose dwells are lost in the noise have its spectrum
-        names.append("telegraph")
-    found = {item.name for item in state.items}
-    return [n for n in dict.fromkeys([*names, "parameter_change"]) if n not in found]

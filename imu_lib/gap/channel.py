@@ -18,27 +18,21 @@ from imu_lib.gap import (
     steadiness,
     verdict,
 )
-from imu_lib.gap.base_fit import absorbed, alternatives, free_base
+from imu_lib.gap.absorbed import absorbed
+from imu_lib.gap.base_fit import alternatives, free_base
 from imu_lib.gap.drifts import profiled
-from imu_lib.gap.effects.resolution import grid_of
+from imu_lib.gap.effects.quantization import Quantization
+from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
 from imu_lib.gap.undone import Channel, Undone, undone
 from imu_lib.processes import Sum
 
-#: Effects whose doubts leave the name without high confidence.
+#: Confidence in one of two readings of a grid that the record does not tell apart.
 DOUBTED = 0.5
 #: Confidence at the most where three noises or more had to be added.
 MANY = 0.8
-#: Part of the shared noise's variance by which its estimate may be off.
-SHARED = 0.1
-#: What is found in single samples or their level: evidences of records that differ in it can't be
-#: compared.
-SAMPLES = ("saturation", "stuck", "spikes", "noise_level_change")
-#: Log evidence by which spikes too small to be seen, white noise to a free quantization, may
-#: mislead the choice between grids.
-UNSEEN = 15.0
 #: log10 p of the stationarity tests below which only one round is run for the noises.
 VETO = -9.0
 NO_DRIFT = tuple(e.name for e in effects.COMPETITORS if e not in effects.DRIFTS)
@@ -101,9 +95,10 @@ def analyse(
     grid = grid_of(raw[~np.isnan(raw)])
     held = None if grid is None else electronics.integral_of(base, grid[0], fs)
     found = _analyse(channel, base, seed, say)
-    rounded = next((s for s in found.steps if s.effect == "resolution"), None)
+    rounded = next((s for s in found.steps if s.effect == Resolution.name), None)
     alone = rounded is not None and found.unexplained is None
-    if grid is None or held is None and not alone and not any(map(_of_differences, found.steps)):
+    differenced = any(effect.of_differences(s.parameters) for s, effect in _told(found.steps))
+    if grid is None or held is None and not alone and not differenced:
         return found
     if not electronics.may_be_of_integral(raw, grid[0], fs):
         return found
@@ -116,37 +111,27 @@ def analyse(
 
 def _likelier_grid(found: ChannelResult, other: ChannelResult, rounded) -> ChannelResult:
     """What was found with samples that are `rounded`, or the `other` with a rounded integral."""
-    alike = (
-        len({tuple(s.effect for s in r.steps if s.effect in SAMPLES) for r in (found, other)}) == 1
-    )
+    altered = {tuple(e.name for _, e in _told(r.steps) if e.alters) for r in (found, other)}
+    alike = len(altered) == 1
     better, fewer = other.evidence - found.evidence, len(found.steps) - len(other.steps)
     if other.unexplained is not None and found.unexplained is None:
         return found
     # what is drawn for samples that are missing differs from one analysis to the other
-    slack = 3.0 * np.sqrt(max(found.filled, other.filled)) + (
-        UNSEEN if any(s.effect == "spikes" for s in found.steps) else 0.0
-    )
+    slack = 3.0 * np.sqrt(max(found.filled, other.filled))
+    slack += max((e.unseen for _, e in _told(found.steps)), default=0.0)
     if fewer > 0 and (better > -slack or not alike):
         return other
     if fewer == 0 and alike and better > max(rounds.NEAR, slack):
         return other
     if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
-        doubtful = replace(rounded.capped(DOUBTED), indistinguishable=["quantization"])
+        doubtful = replace(rounded.capped(DOUBTED), indistinguishable=[Quantization.name])
         found = replace(found, steps=[doubtful if s is rounded else s for s in found.steps])
     return found
 
 
-def _of_differences(step) -> bool:
-    """Whether a step beside a grid may come of rounding the integral: differenced errors, white
-    noise the less, samples that agree.
-    """
-    if step.effect == "parameter_change":
-        return step.parameters["name"] in ("N", "Q")
-    return (
-        step.effect in ("quantization", "stuck")
-        or step.effect == "autoregressive"
-        and len(step.parameters["phi"]) == 1
-    )
+def _told(steps) -> list[tuple]:
+    """The steps, each with its effect."""
+    return [(s, effects.CATALOGUE[s.effect]) for s in steps]
 
 
 def _analyse(channel: Channel, given: Sum | None, seed: int, say, *, integral: bool = False):
@@ -264,23 +249,8 @@ def _capped(steps, state: State, unexplained: str | None) -> list[Step]:
 
 
 def _doubtful(steps, shared):
-    """The steps with no high confidence in what the make of another would explain, too.
-
-    A filter that is not of the catalogue's kinds leaves a slope near half the sampling rate; where
-    an angle or a velocity is
-    rounded instead of the sample, its errors are differenced, and N stands for the white noise
-    that the grid then lacks. The
-    density of `shared` noise is known to some per cent, and a channel's own N makes up for the
-    rest.
+    """The steps with no high confidence in what the make of another effect, or noise of the density
+    `shared` that is accounted for on the record, would explain, too.
     """
-    names = {s.effect for s in steps}
-    out = []
-    for s in steps:
-        if "low_pass" in names and s.effect in ("quantization", "autoregressive"):
-            s = s.capped(MANY)
-        if s.effect == "parameter_change" and s.parameters["name"] == "N":
-            moved = abs(s.parameters["to"] ** 2 - s.parameters["from"] ** 2)
-            if {"resolution", "quantization"} <= names or moved < SHARED * shared**2:
-                s = s.capped(DOUBTED)
-        out.append(s)
-    return out
+    beside = [effect for _, effect in _told(steps)]
+    return [s.capped(e.most_sure(s.parameters, beside, shared)) for s, e in _told(steps)]

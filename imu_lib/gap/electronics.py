@@ -26,6 +26,7 @@ from imu_lib.gap.innovations import Smooth, surprises
 from imu_lib.gap.outliers import deconvolved
 from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.processes import Quantization as OfIntegral
+from imu_lib.processes import Resolution as Grid
 
 #: Share of the mean spectrum below which a bin holds little but what was filled in for missing
 #: samples.
@@ -242,11 +243,11 @@ def integral_of(base, step: float, fs: float) -> OfIntegral | None:
     """The quantization of a base model that a grid of `step` would come of, if it has one."""
     want = OfIntegral.of_grid(step, fs).Q
     if base is None or any(
-        s.name == "resolution" and abs(s.lsb / step - 1) < 0.02 for s in base.stages
+        isinstance(s, Grid) and abs(s.lsb / step - 1) < 0.02 for s in base.stages
     ):
         return None
     return next(
-        (t for t in base.terms if t.name == "quantization" and abs(t.Q / want - 1) < 0.02), None
+        (t for t in base.terms if isinstance(t, OfIntegral) and abs(t.Q / want - 1) < 0.02), None
     )
 
 

@@ -18,9 +18,8 @@ from imu_lib.processes import Constant, Resolution, Saturation, Sum, WhiteNoise
 
 #: Simulations in an ensemble.
 SIZE = 100
-#: Processes of long memory, which are drawn before a filter, and the correlation time, s, from
-#: which on one counts to them.
-LONG, PASSES = ("random_walk", "flicker", "telegraph"), 10.0
+#: Memory of a process, s, from which on it is drawn before a filter.
+PASSES = 10.0
 #: Scatter that a statistic is given which is the same in all simulations, such as the share of
 #: frozen samples.
 ALIKE = 0.02
@@ -56,7 +55,7 @@ class Draws:
             amplitude = next(p.name for p in term.parameters if p.kind == "amplitude")
             unit = term.with_(**{amplitude: 1.0})
             part = quick if term.fast else slow
-            if tails is not None and term.name == "white_noise":
+            if tails is not None and isinstance(term, WhiteNoise):
                 one = self.unit(unit, count, None) * tails.scales(self.n, self.rng("tails"))
                 one = one if low_pass is None else through(one, low_pass, self.fs)
             else:
@@ -73,7 +72,7 @@ class Draws:
             rng = self.rng(name or process.name, count)
             if low_pass is None:
                 out = process.simulate(self.n, self.fs, rng)
-            elif process.name in LONG or getattr(process, "correlation_time", 0.0) > PASSES:
+            elif process.memory > PASSES or not process.gaussian:
                 out = through(self.unit(process, count, None), low_pass, self.fs)
             else:
                 out = behind(process, low_pass, self.n, self.fs, rng)
@@ -115,7 +114,7 @@ def behind(unit, low_pass, n: int, fs: float, rng) -> np.ndarray:
 
 def _moving(model: Sum) -> Sum:
     """The drifts of a model but for its constant."""
-    return Sum(tuple(p for p in model.drifts.terms if p.name != "constant"))
+    return Sum(tuple(p for p in model.drifts.terms if not isinstance(p, Constant)))
 
 
 def centred(model: Sum, level: float, t, temperature) -> Sum:
@@ -124,7 +123,7 @@ def centred(model: Sum, level: float, t, temperature) -> Sum:
     """
     offset = level - float(np.mean(_moving(model).mean(t, temperature)))
     return Sum(
-        tuple(p for p in model.terms if p.name != "constant") + (Constant(value=offset),),
+        tuple(p for p in model.terms if not isinstance(p, Constant)) + (Constant(value=offset),),
         model.stages,
     )
 
@@ -158,7 +157,7 @@ def behind_mean(
             x = stage.apply(x, fs, None)
         return float(np.mean(x @ weight)) - mean
 
-    reach = max([3 * sd.max(), *(s.lsb for s in chain if s.name == "resolution")])
+    reach = max([3 * sd.max(), *(s.lsb for s in chain if isinstance(s, Resolution))])
     if excess(mean - reach) > 0 or excess(mean + reach) < 0:
         return mean
     return float(brentq(excess, mean - reach, mean + reach, xtol=1e-4 * reach))

@@ -15,6 +15,8 @@ from imu_lib.processes import Stage, Sum
 
 #: Part of the record, from its beginning, that the held-out comparison is fitted on.
 FITTED = 0.6
+#: Share of that part by which an effect has to have begun to be seen in it.
+LATE = 0.95
 #: Models that stand for what a fit to that part leaves uncertain.
 REFITS = 100
 
@@ -72,13 +74,8 @@ def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
     """
     data = state.data
     n = int(FITTED * data.n)
-    late = [i for i in state.items if i.name == "step" and i.process.time > 0.95 * n / data.fs]
-    late += [
-        f
-        for f in findings
-        if f.process.name == "noise_level_change" and f.process.time > 0.95 * n / data.fs
-    ]
-    if late:
+    added = [f.process for f in (*state.items, *findings) if f.process is not None]
+    if any(p.onset > LATE * n / data.fs for p in added):
         return []
     x = data.x
     first = Data(

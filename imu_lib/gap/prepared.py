@@ -10,6 +10,7 @@ from imu_lib.gap import ensemble, faulty, record_level, shaken
 from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
+from imu_lib.processes import CommonMode, Vibration
 from imu_lib.record import Record
 
 
@@ -61,7 +62,7 @@ class Prepared:
     @property
     def held(self) -> tuple:
         """Noise in common of the given model."""
-        return tuple(p for p in self.given if p.name == "common_mode")
+        return tuple(p for p in self.given if isinstance(p, CommonMode))
 
     @property
     def filtered(self) -> bool:
@@ -78,7 +79,7 @@ class Prepared:
 
     def held_shaking(self, name: str) -> tuple:
         """Vibrations of the given model on a channel."""
-        return _of([p for p in self.given if p.name == "vibration"], name)
+        return _of([p for p in self.given if isinstance(p, Vibration)], name)
 
     def shaking_of(self, name: str) -> tuple:
         """All vibrations that a channel feels."""

@@ -22,10 +22,6 @@ SLACK, SEEN = 2.0, 6.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second
 #: effect.
 REPLACED, REACH = 3, 150.0
-#: Share of the spectrum at its weakest below which a free white noise has vanished, and the log
-#: evidence that this is held against: a sampled Gauss-Markov process has the spectrum of white noise
-#: behind exponential smoothing to the last digit, and no sensor is without white noise.
-VANISHED, BARE = 0.02, 3.0
 
 
 @dataclass(frozen=True)
@@ -120,8 +116,8 @@ def swap(state: State, *, exclude=(), passes: int = 2, reach: float = REACH) -> 
             without = retuned(state.with_items(state.items[:i] + state.items[i + 1 :]))
             weighed = [w for w in weigh(without, exclude=exclude) if w.item.key != item.key]
             own = state.evidence - without.evidence
-            if item.name == "low_pass":
-                weighed = sorted(map(_held_against, weighed), key=lambda w: -w.evidence)
+            weighed = [replace(w, evidence=w.evidence - item.effect.against(w)) for w in weighed]
+            weighed.sort(key=lambda w: -w.evidence)
             if weighed and weighed[0].evidence > own + 0.5:
                 state, changed = retuned(weighed[0].state).settled(), True
                 break
@@ -139,18 +135,6 @@ def swap(state: State, *, exclude=(), passes: int = 2, reach: float = REACH) -> 
         if not changed:
             return state, rivals
     return state, [{} for _ in state.items] if changed else rivals
-
-
-def _held_against(w: Weighed) -> Weighed:
-    """A rival of a filter, less what is held against it where it needs the white noise to vanish."""
-    state = w.state
-    weakest = np.min(state.fit.expected)
-    free = [state.fit.terms[slot.index] for slot in state.base_slots]
-    if w.item.name != "low_pass" and any(
-        t.name == "white_noise" and 2.0 * t.N**2 < VANISHED * weakest for t in free
-    ):
-        return replace(w, evidence=w.evidence - BARE)
-    return w
 
 
 def _by_two(weighed, own, item, exclude, reach):

@@ -105,7 +105,8 @@ def resonances(state, y) -> list[Check]:
     """Whether a noise that was added at a place in the spectrum is there all the time and all over
     its width: a tone that
     wanders or sweeps fills the same place on average."""
-    found = [t for t in state.fit.terms[len(state.base) :] if t.name == "autoregressive"]
+    places = [state.assembly.place(c) for c in state.items if c.effect.local]
+    found = [state.fit.terms[at] for at in places]
     if not found:
         return []
     out, layout, fs = [], state.data.layout, state.data.fs

@@ -9,7 +9,7 @@ import numpy as np
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
 from imu_lib.gap.verdict import TAIL
-from imu_lib.processes import Sum
+from imu_lib.processes import Spikes, Sum
 
 #: Confidence from which on a finding is told as one.
 SURE = 0.9
@@ -129,7 +129,7 @@ def _character(model: Sum, record):
     """(N, B, averaging time in s) of a channel: density near a twentieth of the rate, least Allan
     deviation over 0.664 where the record reaches it; None where there is none.
     """
-    spikes = tuple(s for s in model.stages if s.name == "spikes")  # they are noise to a filter
+    spikes = tuple(s for s in model.stages if isinstance(s, Spikes))  # they are noise to a filter
     noise = Sum(tuple(t for t in model.terms if not t.deterministic), spikes)
     fs = record.rate
     try:

@@ -12,7 +12,7 @@ from imu_lib.gap import effects, electronics, held_out, noise_level
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.base import ChannelView
 from imu_lib.gap.innovations import Smooth, whitened
-from imu_lib.processes import CommonMode, Sum
+from imu_lib.processes import CommonMode, Constant, Sum
 
 #: Step of a grid in standard deviations of the fast noise from which on rounded samples are not
 #: normal.
@@ -100,8 +100,10 @@ def undone(channel: Channel, given: Sum | None, rng, say, *, integral: bool) -> 
         extra=clean.extra,
         blind=clean.blind,
     )
-    lines, data = held_out.steady(*effects.CATALOGUE["sinusoid"].find(data), data)
-    lines = [item for item, _ in lines if not _foreseen(item, given, data)]
+    lines = []
+    for effect in effects.SIGNALS:
+        found, data = held_out.steady(*effect.find(data), data)
+        lines += [item for item, _ in found if not effect.foreseen(item, given, data)]
     quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else view.y
     findings = [*clean.findings, *of_noise, *lines]
     return Undone(
@@ -153,15 +155,5 @@ def _view(channel, given, clean, terms) -> ChannelView:
 def _drift(channel, given):
     """The drifts of the given model, but for its mean and lines of unknown phase."""
     drifts = () if given is None else given.drifts.terms
-    moving = Sum(tuple(t for t in drifts if t.name != "constant" and not _of_any_phase(t)))
+    moving = Sum(tuple(t for t in drifts if not isinstance(t, Constant) and t.known))
     return moving.mean(np.arange(len(channel.raw)) / channel.fs, channel.temperature)
-
-
-def _of_any_phase(term) -> bool:
-    return term.name == "sinusoid" and term.phase is None
-
-
-def _foreseen(item, given, data) -> bool:
-    """Whether the given model has the line."""
-    known = [] if given is None else [t.frequency for t in given.terms if _of_any_phase(t)]
-    return any(abs(f - item.process.frequency) < 2 / data.duration for f in known)

@@ -12,7 +12,7 @@ from imu_lib.gap.check import Check
 from imu_lib.gap.steadiness import resonances, stationarity
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.evaluate import with_extra
-from imu_lib.processes import Sum
+from imu_lib.processes import Quantization, Sum
 
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests,
 #: benchmarks/gap_null.py).
@@ -283,6 +283,6 @@ def checks(state, rest, y, smooth, *, coarse_steps: bool = False) -> list[Check]
     ]
     if not coarse_steps:
         out += distribution(
-            y, smooth.independent, rounded=any(t.name == "quantization" for t in state.fit.terms)
+            y, smooth.independent, rounded=any(isinstance(t, Quantization) for t in state.fit.terms)
         )
     return out

@@ -15,29 +15,6 @@ from .maximise import maximise
 from .problem import Problem
 from .statistics import Regressors, Statistics
 
-#: Unknown times and frequencies, searched; amplitudes are linear.
-SEARCHED = {"sinusoid": "frequency", "warm_up": "time_constant", "step": "time"}
-LINEAR = {
-    "sinusoid": "amplitude",
-    "warm_up": "amplitude",
-    "step": "amplitude",
-    "ramp": "R",
-    "temperature": "slope",
-}
-
-
-def shape(term, t, temperature=None):
-    """Columns (n, q) of a drift of amplitude one; a sinusoid of unknown phase has two."""
-    if term.name == "sinusoid":
-        angle = 2 * np.pi * term.frequency * t
-        if term.phase is not None:
-            return np.sin(angle + term.phase)[:, None]
-        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
-    values = {LINEAR[term.name]: 1.0}
-    if term.name == "temperature" and term.reference is None:
-        values["reference"] = float(np.mean(temperature))
-    return term.with_(**values).mean(t, temperature)[:, None]
-
 
 @dataclass
 class Drifts:
@@ -59,17 +36,11 @@ class Drifts:
         amplitude, covariance = self.regressors.solve(expected)
         fitted, estimates, at = list(self.known), {}, 0
         for term, width, labels in zip(self.terms, self.widths, self.labels):
-            name = LINEAR[term.name]
             a, c = amplitude[at : at + width], covariance[at : at + width, at : at + width]
             at += width
-            if width == 2:
-                size = float(np.hypot(*a))
-                sd = np.sqrt(a @ c @ a) / size
-                fitted.append(term.with_(amplitude=size, phase=float(np.arctan2(a[1], a[0]))))
-                estimates[labels[name]] = Estimate.normal(size, sd)
-            else:
-                fitted.append(term.with_(**{name: float(a[0])}))
-                estimates[labels[name]] = Estimate.normal(a[0], np.sqrt(c[0, 0]))
+            fitted.append(term.scaled(a))
+            size = getattr(fitted[-1], term.linear)
+            estimates[labels[term.linear]] = Estimate.normal(size, np.sqrt(a @ c @ a) / abs(size))
             for other, interval in self.searched.get(id(term), {}).items():
                 estimates[labels[other]] = interval
         return fitted, estimates
@@ -90,27 +61,27 @@ def solve_drifts(stats, template, temperature, given):
     labels = [
         {name: label for label, index, name in template.labels() if index == i} for i, _ in unknown
     ]
-    fixed = [_with_reference(term, temperature) for _, term in unknown]
+    fixed = [term.referred(temperature) for _, term in unknown]
     intervals = [{} for _ in fixed]
     open_ones = [
-        j for j, term in enumerate(fixed) if getattr(term, SEARCHED.get(term.name, "name")) is None
+        j for j, term in enumerate(fixed) if term.searched and getattr(term, term.searched) is None
     ]
     theta = []
     for turn in range(3 if open_ones else 0):
         for j in open_ones:
             others = [
-                shape(term, t, temperature)
+                term.shape(t, temperature)
                 for i, term in enumerate(fixed)
                 if i != j and (i not in open_ones or intervals[i])
             ]
-            own = [shape(fixed[j], t, temperature)] if intervals[j] else []
+            own = [fixed[j].shape(t, temperature)] if intervals[j] else []
             now = _best(stats, template.noise, others + own, [*given, *theta], grid=not theta)
             theta = [now[0]]
             free = stats
             if others:
                 columns = np.hstack(others)
                 free = stats.subtract(columns @ stats.regressors(columns).solve(now[2])[0])
-            name = SEARCHED[fixed[j].name]
+            name = fixed[j].searched
             # under the noise that fits, and (a drift not yet found hides in the slow noise) under
             # a floor of it
             levels = (
@@ -129,14 +100,14 @@ def solve_drifts(stats, template, temperature, given):
                 refit = _best(
                     stats,
                     template.noise,
-                    [*others, shape(term, t, temperature)],
+                    [*others, term.shape(t, temperature)],
                     [*given, *theta],
                     grid=not turn,
                 )
                 tried.append((refit[1], term, interval, refit[0]))
             _, fixed[j], interval, best = max(tried, key=lambda trial: trial[0])
             intervals[j], theta = {name: interval}, [best]
-    columns = [shape(term, t, temperature) for term in fixed]
+    columns = [term.shape(t, temperature) for term in fixed]
     searched = {id(term): interval for term, interval in zip(fixed, intervals)}
     return Drifts(
         stats,
@@ -158,22 +129,12 @@ def _best(stats, noise, columns, given, grid):
 
 
 def _known(term):
-    amplitude = getattr(term, LINEAR.get(term.name, "name"))
-    return amplitude is not None and term.complete
-
-
-def _with_reference(term, temperature):
-    if term.name == "temperature":
-        if temperature is None:
-            raise ValueError("`temperature` is needed: the model has a temperature term")
-        if term.reference is None:
-            return term.with_(reference=float(np.mean(temperature)))
-    return term
+    return getattr(term, term.linear) is not None and term.complete
 
 
 def gain(stats, term, name, value, expected, t):
     """Log-likelihood that the drift gains with its searched parameter at `value`."""
-    products = stats.regressors(shape(term.with_(**{name: value}), t))
+    products = stats.regressors(term.with_(**{name: value}).shape(t))
     amplitude, _ = products.solve(expected)
     return 0.5 * float(amplitude @ (products.cross.T @ (1 / expected)))
 

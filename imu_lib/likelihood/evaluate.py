@@ -15,7 +15,7 @@ from scipy.special import gammaincc, ndtri
 from scipy.stats import chi2
 
 from imu_lib.arrays import Array
-from imu_lib.processes import Process, Sum
+from imu_lib.processes import Constant, Process, Sum
 
 from .statistics import Statistics
 
@@ -29,7 +29,7 @@ def as_sum(model):
         raise ValueError(
             f"`model` must be a process or a sum of processes, got {type(model).__name__}"
         )
-    return Sum(tuple(t for t in model.terms if t.name != "constant"), model.stages)
+    return Sum(tuple(t for t in model.terms if not isinstance(t, Constant)), model.stages)
 
 
 def density(stats, noise):

@@ -119,10 +119,7 @@ class Images:
         The images of a process that is slow against the filter lie below a millionth of it and are
         left out.
         """
-        if (
-            term.name in ("random_walk", "flicker")
-            or getattr(term, "correlation_time", 0.0) * self.cutoff > SLOW_BESIDE_FILTER
-        ):
+        if term.memory * self.cutoff > SLOW_BESIDE_FILTER:
             return self.gain[0] * term.psd(self.at[0], self.rate)
         return np.einsum("kg,kg->g", self.gain, term.psd(self.at, self.rate))
 

@@ -65,6 +65,20 @@ class Process:
     deterministic: ClassVar[bool] = False
     #: Fast noise: what a change of noise level scales.
     fast: ClassVar[bool] = False
+    #: Whether its samples are jointly normal, so that its spectrum says all of it.
+    gaussian: ClassVar[bool] = True
+
+    @property
+    def memory(self) -> float:
+        """Time over which it remembers, s: a correlation time, infinite where there is no end to
+        it, 0 where it forgets within a few samples.
+        """
+        return 0.0
+
+    @property
+    def onset(self) -> float:
+        """When it begins to act, s from the first sample; 0 where it is there throughout."""
+        return 0.0
 
     @property
     def behind_filter(self) -> bool:

@@ -19,6 +19,26 @@ class Deterministic(Process):
     """A function of time or temperature; a realisation is its mean."""
 
     deterministic: ClassVar[bool] = True
+    #: The parameter that scales it, and the one that a fit has to search for.
+    linear: ClassVar[str] = "amplitude"
+    searched: ClassVar[str] = ""
+
+    @property
+    def known(self) -> bool:
+        """Whether its mean is what a record shows: not where its phase is open."""
+        return True
+
+    def shape(self, t: Array, temperature: Array | None = None) -> Array:
+        """What its `linear` parameter scales, at times `t` (n,) in s: columns, shape (n, q)."""
+        return self.with_(**{self.linear: 1.0}).mean(t, temperature)[:, None]
+
+    def scaled(self, amplitudes: Array) -> Self:
+        """The process whose mean is `shape` times these amplitudes, (q,)."""
+        return self.with_(**{self.linear: float(amplitudes[0])})
+
+    def referred(self, temperature: Array | None) -> Self:
+        """With what is the record's own where it was left open (a reference temperature)."""
+        return self
 
     def simulate(
         self,
@@ -43,6 +63,7 @@ class Constant(Deterministic):
 
     value: float = FREE
     name: ClassVar[str] = "constant"
+    linear: ClassVar[str] = "value"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("value", "signed", "signal unit"),)
 
     def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
@@ -65,6 +86,7 @@ class Ramp(Deterministic):
 
     R: float = FREE
     name: ClassVar[str] = "ramp"
+    linear: ClassVar[str] = "R"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("R", "signed", "slope, signal unit/s"),
     )
@@ -96,11 +118,31 @@ class Sinusoid(Deterministic):
     frequency: float = FREE
     phase: float | None = None
     name: ClassVar[str] = "sinusoid"
+    searched: ClassVar[str] = "frequency"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "amplitude", "signal unit"),
         Parameter("frequency", "frequency", "Hz"),
         Parameter("phase", "angle", "rad", optional=True),
     )
+
+    @property
+    def known(self) -> bool:
+        return self.phase is not None
+
+    def shape(self, t: Array, temperature: Array | None = None) -> Array:
+        """Of unknown phase it has two columns, sine and cosine."""
+        if self.phase is not None:
+            return super().shape(t, temperature)
+        angle = 2.0 * np.pi * self.frequency * t
+        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    def scaled(self, amplitudes: Array) -> Self:
+        if len(amplitudes) == 1:
+            return super().scaled(amplitudes)
+        return self.with_(
+            amplitude=float(np.hypot(*amplitudes)),
+            phase=float(np.arctan2(amplitudes[1], amplitudes[0])),
+        )
 
     def avar(self, tau: ArrayLike, fs: float | None = None) -> Array:
         self._require()
@@ -139,6 +181,7 @@ class WarmUp(Deterministic):
     amplitude: float = FREE
     time_constant: float = FREE
     name: ClassVar[str] = "warm_up"
+    searched: ClassVar[str] = "time_constant"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "signed", "value at t = 0, signal unit"),
         Parameter("time_constant", "time", "s"),
@@ -169,6 +212,7 @@ class Temperature(Deterministic):
     curvature: float | None = None
     lag: float | None = None
     name: ClassVar[str] = "temperature"
+    linear: ClassVar[str] = "slope"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("slope", "signed", "signal unit/degC"),
         Parameter("reference", "other", "degC"),
@@ -183,6 +227,20 @@ class Temperature(Deterministic):
         if self.curvature and "slope" in parameters and "curvature" not in parameters:
             parameters["curvature"] = self.curvature * parameters["slope"] / self.slope
         return super().with_(**parameters)
+
+    def referred(self, temperature: Array | None) -> Self:
+        """With the mean temperature of the record for a reference that was left open.
+
+        Raises
+        ------
+        ValueError
+            If there is no temperature.
+        """
+        if temperature is None:
+            raise ValueError("`temperature` is needed: the model has a temperature term")
+        if self.reference is not None:
+            return self
+        return self.with_(reference=float(np.mean(temperature)))
 
     def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
@@ -226,10 +284,15 @@ class Step(Deterministic):
     amplitude: float = FREE
     time: float = FREE
     name: ClassVar[str] = "step"
+    searched: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "signed", "signal unit"),
         Parameter("time", "other", "s from the first sample"),
     )
+
+    @property
+    def onset(self) -> float:
+        return self.time
 
     def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()

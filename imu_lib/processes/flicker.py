@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
@@ -39,6 +40,10 @@ class Flicker(Process):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("B", "amplitude", "bias instability, signal unit"),
     )
+
+    @property
+    def memory(self) -> float:
+        return math.inf
 
     def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()

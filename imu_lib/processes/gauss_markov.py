@@ -38,6 +38,10 @@ class GaussMarkov(Process):
     name: ClassVar[str] = "gauss_markov"
     parameters: ClassVar = _PARAMETERS
 
+    @property
+    def memory(self) -> float:
+        return self.correlation_time
+
     def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
         f = np.asarray(f, dtype=float)
@@ -140,6 +144,10 @@ class GaussMarkov2(Process):
     correlation_time: float = FREE
     name: ClassVar[str] = "gauss_markov_2"
     parameters: ClassVar = _PARAMETERS
+
+    @property
+    def memory(self) -> float:
+        return self.correlation_time
 
     @property
     def beta(self) -> float:

@@ -36,6 +36,10 @@ class NoiseLevelChange(Stage):
         Parameter("time", "other", "s from the first sample"),
     )
 
+    @property
+    def onset(self) -> float:
+        return self.time
+
     def factor(self, n: int, fs: float) -> Array:
         """The factor on the fast noise, shape (n,)."""
         self._require()

@@ -32,10 +32,15 @@ class Telegraph(Process):
     amplitude: float = FREE
     rate: float = FREE
     name: ClassVar[str] = "telegraph"
+    gaussian: ClassVar[bool] = False
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "amplitude", "between the two levels, signal unit"),
         Parameter("rate", "rate", "flips per second"),
     )
+
+    @property
+    def memory(self) -> float:
+        return self.twin.memory
 
     @property
     def twin(self) -> GaussMarkov:

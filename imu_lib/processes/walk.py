@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -31,6 +32,10 @@ class RandomWalk(Process):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("K", "amplitude", "density of the rate, unit/s/sqrt(Hz)"),
     )
+
+    @property
+    def memory(self) -> float:
+        return math.inf
 
     def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()

@@ -3,7 +3,7 @@
 from importlib import import_module
 from pkgutil import iter_modules
 
-from .base import ChannelEffect, ChannelView, Effect, Finding
+from .base import ChannelEffect, ChannelView, Effect, Finding, SignalEffect
 from .competitor import Competitor, Spectral
 from .drift import Drift
 
@@ -24,6 +24,8 @@ COMPETITORS = tuple(e for e in ALL if isinstance(e, Competitor))
 SPECTRAL = tuple(e for e in ALL if isinstance(e, Spectral))
 #: Functions of time or temperature.
 DRIFTS = tuple(e for e in ALL if isinstance(e, Drift))
+#: What is taken out of a channel as a signal.
+SIGNALS = tuple(e for e in ALL if isinstance(e, SignalEffect))
 #: What acts on the noise of a channel.
 CHANNEL = tuple(e for e in ALL if isinstance(e, ChannelEffect))
 #: By name; where several effects have one name, the last.
@@ -41,6 +43,8 @@ __all__ = [
     "Drift",
     "Effect",
     "Finding",
+    "SIGNALS",
     "SPECTRAL",
+    "SignalEffect",
     "Spectral",
 ]

@@ -10,7 +10,7 @@ from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH
 from imu_lib.likelihood.slot import Slot
 from imu_lib.processes import Autoregressive as Process
 
-from .competitor import Spectral
+from .competitor import SLOPE_BESIDE_FILTER, Spectral
 
 
 class Resonance(Slot):
@@ -63,6 +63,7 @@ class Autoregressive(Spectral):
     amplitude = "sigma"
     rarity = 1.0
     simple = False
+    local = True
 
     def worth_fitting(self, candidate, state, best, simple):
         # one in a channel, and a resonance only where it beats every simpler noise
@@ -71,6 +72,12 @@ class Autoregressive(Spectral):
         if not self.simple and candidate.screen < simple + 3:
             return False
         return super().worth_fitting(candidate, state, best, simple)
+
+    def of_differences(self, parameters):
+        return len(parameters["phi"]) == 1
+
+    def most_sure(self, parameters, beside, shared):
+        return SLOPE_BESIDE_FILTER if any(e.rolls_off for e in beside) else 1.0
 
     def beside(self, low_pass, fs):
         # a resonance of the samples has no spectrum at a filter's inner rate

@@ -20,6 +20,15 @@ class Effect:
     level: ClassVar[str] = "samples"
     #: Place among the others of its level.
     order: ClassVar[int] = 50
+    #: Whether samples are drawn anew or scaled where it is found: evidences of records that differ
+    #: in it cannot be compared.
+    alters: ClassVar[bool] = False
+    #: Whether it bends the fast end: a free base is fitted below it first.
+    rolls_off: ClassVar[bool] = False
+    #: Whether it comes of the levels of a converter.
+    rounds: ClassVar[bool] = False
+    #: Log evidence by which what is too small of it to be found may mislead a comparison.
+    unseen: ClassVar[float] = 0.0
 
     @property
     def key(self) -> str:
@@ -29,6 +38,18 @@ class Effect:
     def beside(self, low_pass, fs: float) -> bool:
         """Whether the effect can stand beside a filter (or None) in the sensor."""
         return True
+
+    def of_differences(self, parameters: dict) -> bool:
+        """Whether such a finding beside a grid may come of rounding the integral: differenced
+        errors, white noise the less, samples that agree.
+        """
+        return False
+
+    def most_sure(self, parameters: dict, beside: list[Effect], shared: float) -> float:
+        """Confidence at the most in such a finding `beside` the effects of its channel, which
+        shares noise of the density N `shared`.
+        """
+        return 1.0
 
 
 @dataclass
@@ -106,6 +127,20 @@ class ChannelView:
     given: object
     model_level: float
     temperature: np.ndarray | None = None
+
+
+class SignalEffect(Effect):
+    """What is in a channel as a signal: fitted and taken out before the noises compete."""
+
+    def find(self, data) -> tuple[list, object]:
+        """All there are, strongest first: [(finding, signal of shape (n,))], and the data without
+        them.
+        """
+        raise NotImplementedError
+
+    def foreseen(self, finding: Finding, given, data) -> bool:
+        """Whether the given model (or None) has it."""
+        return False
 
 
 class ChannelEffect(Effect):

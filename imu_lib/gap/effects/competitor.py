@@ -15,6 +15,9 @@ from imu_lib.likelihood.slot import Slot
 from .base import Effect
 
 Z95 = 1.959963984540054
+#: Confidence at the most in a noise that is strongest near half the sampling rate, beside a filter:
+#: one that is not of the catalogue's kinds leaves a slope there.
+SLOPE_BESIDE_FILTER = 0.8
 
 
 class Competitor(Effect):
@@ -28,6 +31,8 @@ class Competitor(Effect):
     #: Whether it stands for little else: others are tried only where they promise more than what is
     #: simple.
     simple: ClassVar[bool] = True
+    #: Whether it fills one place of the spectrum, where a tone that wanders would be on average.
+    local: ClassVar[bool] = False
 
     # -- candidates ------------------------------------------------------------------------------
     def candidates(self, state) -> list[Candidate]:
@@ -37,6 +42,16 @@ class Competitor(Effect):
     def candidates_beside(self, state, weighed) -> list[Candidate]:
         """Where it may be in place of other candidates, which have been weighed."""
         return []
+
+    def candidates_in_base(self, state) -> list[Candidate]:
+        """Where it may be in what a fitted base may have taken for a red noise of its own."""
+        return []
+
+    def levels(self, state, candidate: Candidate) -> list | None:
+        """(distance, flips per second) of two levels that would look like the fitted candidate;
+        None where it does not say how often they flip.
+        """
+        return None
 
     def worth_fitting(self, candidate, state, best: float, simple: float) -> bool:
         """Whether it is fitted, where the best candidate promises `best` and the best simple one
@@ -56,6 +71,14 @@ class Competitor(Effect):
     def log_prior(self, state, candidate: Candidate) -> float:
         """Log evidence of the fitted candidate beyond the likelihood and the widths of its slot."""
         return 0.0
+
+    def against(self, rival) -> float:
+        """Log evidence that is held against a weighed `rival` in its place."""
+        return 0.0
+
+    def absorbed(self, base) -> bool:
+        """Whether a free base (`absorbed.FreeBase`) may have swallowed it."""
+        return False
 
     def grow(self, state, candidate, fit, terms: list, stages: dict):
         """Add to the terms and stages of the grown model what `fit.terms` does not hold."""
@@ -137,6 +160,11 @@ class Spectral(Competitor):
         high = tuple(np.log(duration / 3) if p.kind == "time" else 30.0 for p in free)
         widths = tuple(TIME_WIDTH if p.kind == "time" else AMPLITUDE_WIDTH for p in free)
         return Slot(index, names, low, high, widths)
+
+    def absorbed(self, base):
+        return self.beside(base.low_pass, base.data.fs) and base.imitates(
+            self.grid(base.data.fs, base.data.duration)
+        )
 
     def candidates(self, state):
         fit, data = state.fit, state.cleaned

@@ -24,6 +24,8 @@ class Drift(Competitor):
     amplitude: ClassVar[str] = "amplitude"
     shape: ClassVar[str | None] = None
     sharp: ClassVar[bool] = False
+    #: Whether it takes a straight line's part until its shape is its own.
+    transient: ClassVar[bool] = False
     #: Fall of the log-likelihood at the ends of the interval of the shape parameter.
     fall: ClassVar[float] = 0.5 * Z95**2
 
@@ -120,6 +122,10 @@ class Drift(Competitor):
         return replace(candidate, note=note)
 
     # -- in a model and in the report ------------------------------------------------------------
+    def absorbed(self, base):
+        shapes = [] if self.sharp else self.shapes(base.data)
+        return bool(shapes) and base.hides(self.columns(shapes, base.data))
+
     def enter(self, assembly, candidate):
         assembly.add_column(candidate)
 

@@ -24,7 +24,7 @@ def buried_telegraph(state, candidate) -> bool:
     corner = np.array([0.5 / (np.pi * process.correlation_time)])
     noise = sum(float(t.psd(corner, state.data.fs)[0]) for t in others) / 2
     # beside a drift the likelihood of two levels is a lower bound, short by some tens
-    drift = any(not t.fast and t.name != "common_mode" for t in others)
+    drift = any(not t.fast for t in others)
     dwell = 2 * process.sigma**2 * process.correlation_time / noise
     return bool(dwell < (BURIED_IN_DRIFT if drift else BURIED))
 
@@ -41,6 +41,11 @@ class GaussMarkov(Spectral):
         return [
             Process(sigma=1.0, correlation_time=t) for t in np.geomspace(2 / fs, duration / 3, 20)
         ]
+
+    def levels(self, state, candidate):
+        process = state.fit.terms[state.assembly.place(candidate)]
+        rate, distance = 0.5 / process.correlation_time, 2 * process.sigma
+        return [(distance, rate), (distance, 0.4 * rate)]
 
     def alike(self, state, candidate):
         return {"telegraph": 0.5} if buried_telegraph(state, candidate) else {}

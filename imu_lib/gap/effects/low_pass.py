@@ -11,14 +11,18 @@ from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.data import SCREEN
 from imu_lib.likelihood.layout import Images
 from imu_lib.likelihood.slot import FILTER, Slot
+from imu_lib.processes import Autoregressive, WhiteNoise
 from imu_lib.processes import LowPass as Stage
-from imu_lib.processes import WhiteNoise
 
 from .competitor import Competitor, factor, process_parameters
 from .parameter_change import elsewhere
 
 #: Filters of different kinds that are fitted at the most.
 MOST_KINDS = 5
+#: Share of the spectrum at its weakest below which a free white noise has vanished, and the log
+#: evidence that this is held against: a sampled Gauss-Markov process has the spectrum of white noise
+#: behind exponential smoothing to the last digit, and no sensor is without white noise.
+VANISHED, BARE = 0.02, 3.0
 
 
 class LowPass(Competitor):
@@ -26,6 +30,7 @@ class LowPass(Competitor):
     cause = "The sensor filters its output, with a moving average or an analogue or digital filter of some order."
     domain = "psd"
     simple = False
+    rolls_off = True
 
     def filters(self, fs) -> list:
         """Filters from whose shapes the best start is chosen."""
@@ -83,6 +88,16 @@ class LowPass(Competitor):
     def settled(self, state, candidate):
         return replace(candidate, process=state.fit.low_pass)
 
+    def against(self, rival):
+        """A rival that needs the white noise to vanish."""
+        state = rival.state
+        weakest = np.min(state.fit.expected)
+        free = [state.fit.terms[slot.index] for slot in state.base_slots]
+        vanished = any(
+            isinstance(t, WhiteNoise) and 2.0 * t.N**2 < VANISHED * weakest for t in free
+        )
+        return BARE if vanished else 0.0
+
     def grow(self, state, candidate, fit, terms, stages):
         stages[self.name] = fit.low_pass
 
@@ -97,7 +112,7 @@ class LowPass(Competitor):
 
 def _behind(term, stage, fs) -> bool:
     """Whether the filter can stand behind a noise: one of samples has no spectrum at its rate."""
-    return elsewhere(term) or term.name != "autoregressive" or stage.rate == fs
+    return elsewhere(term) or not isinstance(term, Autoregressive) or stage.rate == fs
 
 
 @lru_cache(maxsize=4)

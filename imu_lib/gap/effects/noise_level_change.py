@@ -94,6 +94,7 @@ def change_point(y, independent: float = 1.0):
 
 class NoiseLevelChange(ChannelEffect):
     name = "noise_level_change"
+    alters = True
     cause = "The gain, the supply or the vibration around the sensor changed at one instant."
     domain = "stationarity"
 

@@ -10,6 +10,7 @@ from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.data import SCREEN
 from imu_lib.likelihood.problem import Problem
 from imu_lib.likelihood.slot import Slot
+from imu_lib.processes import CommonMode
 
 from .competitor import Competitor, factor
 
@@ -20,11 +21,17 @@ CHANGE_WIDTH, CHANGES = 2 * np.log(10.0), ((0.5, 0.5), (0.5, 2.0))
 TIMES_TRIED = np.array([-4.5, -3.4, -2.3, -1.2, 1.2, 2.3])
 
 
+#: Confidence at the most in a name that the make of another effect would explain as well.
+HALF = 0.5
+#: Part of the shared noise's variance by which its estimate may be off.
+SHARED = 0.1
+
+
 def elsewhere(term) -> bool:
     """Whether a term is settled before the competition: noise in common on the record, a rounded
     integral by its grid.
     """
-    return term.name == "common_mode" or bool(getattr(term, "rounded", None))
+    return isinstance(term, CommonMode) or bool(getattr(term, "rounded", None))
 
 
 class ParameterChange(Competitor):
@@ -41,9 +48,8 @@ class ParameterChange(Competitor):
             if index in free or elsewhere(term) or term.deterministic:
                 continue
             for p in term.parameters:
-                sampling = p.name == "rate" and term.name == "autoregressive"
                 known = f"{self.name}:{index}:{p.name}" in taken
-                if known or sampling or p.kind not in ("amplitude", "time", "rate"):
+                if known or p.kind not in ("amplitude", "time", "rate"):
                     continue
                 if getattr(term, p.name) > 0:
                     out += self._screened(state, index, p)
@@ -82,6 +88,22 @@ class ParameterChange(Competitor):
         if screened < 0.75 * SCREEN:
             return []
         return [Candidate(self, None, slot, at=index, screen=screened)]
+
+    def absorbed(self, base):
+        return True  # its parameters are free
+
+    def of_differences(self, parameters):
+        return parameters["name"] in ("N", "Q")
+
+    def most_sure(self, parameters, beside, shared):
+        """Where an angle or a velocity is rounded instead of the sample, its errors are
+        differenced, and N stands for the white noise that the grid then lacks; the density of
+        `shared` noise is known to some per cent, and a channel's own N makes up for the rest.
+        """
+        if parameters["name"] != "N":
+            return 1.0
+        moved = abs(parameters["to"] ** 2 - parameters["from"] ** 2)
+        return HALF if sum(e.rounds for e in beside) > 1 or moved < SHARED * shared**2 else 1.0
 
     def enter(self, assembly, candidate):
         assembly.free(candidate)

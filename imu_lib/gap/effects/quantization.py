@@ -5,12 +5,13 @@ from __future__ import annotations
 from imu_lib.processes import Quantization as Process
 
 from .base import Finding
-from .competitor import Spectral
+from .competitor import SLOPE_BESIDE_FILTER, Spectral
 
 
 class Quantization(Spectral):
     name = "quantization"
     single = True
+    rounds = True
     cause = "Increments of a rounded angle or velocity are read out: the rounding error of the integral is differenced."
     domain = "psd"
     process = Process
@@ -18,6 +19,12 @@ class Quantization(Spectral):
 
     def grid(self, fs, duration):
         return [Process(Q=1.0)]
+
+    def of_differences(self, parameters):
+        return True
+
+    def most_sure(self, parameters, beside, shared):
+        return SLOPE_BESIDE_FILTER if any(e.rolls_off for e in beside) else 1.0
 
     def on_grid(
         self, process: Process, step: float, levels: int, doubt: str | None = None

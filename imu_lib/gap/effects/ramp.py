@@ -20,7 +20,7 @@ class Ramp(Drift):
     def least(self, state):
         # beside a transient whose time constant is not yet its own it gains only when both are
         # found anew
-        return 0.0 if any(c.name == "warm_up" for c in state.items) else super().least(state)
+        return 0.0 if any(c.effect.transient for c in state.drifts) else super().least(state)
 
     def where(self, state, candidate):
         return f"mean of the signal: a drift over the {state.data.duration:.0f} s of the record"

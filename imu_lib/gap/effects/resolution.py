@@ -111,6 +111,7 @@ def _levels(x, step: float):
 
 class Resolution(Effect):
     name = "resolution"
+    rounds = True
     cause = (
         "The analogue-to-digital converter, or the number format of the output, rounds to a step."
     )

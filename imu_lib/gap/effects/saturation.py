@@ -62,6 +62,7 @@ def _piled(x, step, side) -> float:
 
 class Saturation(Effect):
     name = "saturation"
+    alters = True
     cause = "The signal leaves the range of an amplifier or converter and is clipped."
     domain = "distribution"
 

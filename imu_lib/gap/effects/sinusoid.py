@@ -9,7 +9,7 @@ from scipy.ndimage import median_filter
 from imu_lib.likelihood import tapered
 from imu_lib.processes import Sinusoid as Process
 
-from .base import Effect, Finding
+from .base import Finding, SignalEffect
 
 #: First ordinate that is searched: slower oscillations are drifts.
 FIRST = 32
@@ -38,7 +38,7 @@ def local_level(power) -> np.ndarray:
     return out
 
 
-class Sinusoid(Effect):
+class Sinusoid(SignalEffect):
     name = "sinusoid"
     order = 60
     cause = "Vibration, mains hum, a clock or a switching supply that couples in."
@@ -101,6 +101,12 @@ class Sinusoid(Effect):
         if ratio.max() > 16 or ratio[near].sum() > near.sum() + 6 * np.sqrt(near.sum()):
             return f"power spectral density beside {process.frequency:.5g} Hz: what is left is no steady sinusoid"
         return None
+
+    def foreseen(self, finding, given, data):
+        # a phase that is given is a drift of the model, and has been taken out
+        terms = () if given is None else given.terms
+        known = [t.frequency for t in terms if isinstance(t, Process) and t.phase is None]
+        return any(abs(f - finding.process.frequency) < 2 / data.duration for f in known)
 
     def find(self, data, *, most: int = 6, threshold: float = THRESHOLD):
         """All lines, strongest first: list of (Finding, signal) and the data without them."""

@@ -116,6 +116,8 @@ def shape(height, tail) -> float:
 
 class Spikes(Effect):
     name = "spikes"
+    alters = True
+    unseen = 15.0  # they are white noise to a free quantization
     cause = "Transmission errors, electrostatic discharges or shocks throw single samples off."
     domain = "distribution"
 

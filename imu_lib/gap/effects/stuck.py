@@ -61,8 +61,12 @@ LAGS = 30
 
 class Stuck(Effect):
     name = "stuck"
+    alters = True
     cause = "The read-out returns an old value again: a bus that is too slow, a register that is not refreshed."
     domain = "distribution"
+
+    def of_differences(self, parameters):
+        return True
 
     def detect(self, x, clipped, twin, held) -> Finding | None:
         """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the

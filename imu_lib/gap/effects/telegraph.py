@@ -14,6 +14,7 @@ from imu_lib.likelihood.evidence import amplitude_occam
 from imu_lib.processes import Telegraph as Process
 
 from .competitor import Z95, Competitor, process_parameters
+from .gauss_markov import GaussMarkov
 
 #: Samples that a level has to last on average to be told from noise.
 MIN_DWELL_SAMPLES = 50
@@ -22,8 +23,10 @@ MIN_DWELL_SAMPLES = 50
 MIN_GAIN, MAX_STARTS, MIN_FLIPS = 8.0, 6, 2.5
 #: Flips in the record from which two levels beside a fitted base are started.
 FLIPS = (10, 40)
-#: Noises that are no drift beside two levels.
-QUICK = ("white_noise", "quantization", "autoregressive", "common_mode")
+
+
+#: The noise of their spectrum.
+TWIN = GaussMarkov()
 
 
 @njit(cache=True, nogil=True)
@@ -173,8 +176,7 @@ class Telegraph(Competitor):
         """Two levels instead of the noises that would otherwise explain a red spectrum."""
         return self._decoded(state, self._starts(state, weighed))
 
-    def beside_base(self, state):
-        """Two levels beside a fitted base, which may have taken them for a red noise of its own."""
+    def candidates_in_base(self, state):
         duration, sd = state.data.duration, state.cleaned.slow_sd
         return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
 
@@ -186,7 +188,7 @@ class Telegraph(Competitor):
         s = with_extra(data.layout.spectrum(fit.terms), data.extra)
         s = s[data.layout.slow :]
         density = min(float(np.median(s[:40])), float(np.median(s))) / 2
-        drift = [t for t in fit.terms if t.name not in QUICK]
+        drift = [t for t in fit.terms if t.memory > 0]
 
         def gain(size, rate):
             f = np.maximum(np.arange(size // 2 + 1), 0.5) * rate / size
@@ -209,11 +211,10 @@ class Telegraph(Competitor):
         for w in weighed:
             if w.gain < MIN_GAIN or not w.item.effect.red:
                 continue
-            if w.item.name == "gauss_markov":
-                process = w.state.fit.terms[w.state.assembly.place(w.item)]
-                rate = 0.5 / process.correlation_time
-                if rate <= data.fs / MIN_DWELL_SAMPLES:
-                    starts += [(2 * process.sigma, rate), (2 * process.sigma, 0.4 * rate)]
+            levels = w.item.effect.levels(w.state, w.item)
+            if levels is not None:
+                if max(rate for _, rate in levels) <= data.fs / MIN_DWELL_SAMPLES:
+                    starts += levels
             elif len(starts) < 4:
                 sd = data.slow_sd
                 starts += [(2 * sd, 10 / data.duration), (2 * sd, 60 / data.duration)]
@@ -232,6 +233,10 @@ class Telegraph(Competitor):
             bonus=float(alike.evidence - trial.evidence + beyond + occam),
             gain=float(alike.ll - trial.ll + beyond),
         )
+
+    def absorbed(self, base):
+        # two levels whose dwells are lost in the noise have the spectrum of a Gauss-Markov process
+        return base.has(TWIN.process) or TWIN.absorbed(base)
 
     def enter(self, assembly, candidate):
         """It is taken out of the record instead."""

@@ -12,6 +12,7 @@ from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
 from imu_lib.gap.quieten import quietened
 from imu_lib.gap.sources import Source, Transforms, sources
+from imu_lib.processes import Sinusoid as Line
 from imu_lib.processes import Vibration as Process
 
 from .base import Effect, Finding
@@ -100,7 +101,7 @@ class Vibration(Effect):
             for c in s.channels
             if c in given
             for t in given[c].terms
-            if t.name == "sinusoid" and abs(t.frequency - s.frequency) < 2 / transforms.duration
+            if isinstance(t, Line) and abs(t.frequency - s.frequency) < 2 / transforms.duration
         }
         return not set(s.channels) <= foreseen
 
@@ -251,7 +252,7 @@ def _merged(bands):
 
 
 def _held(given):
-    return [] if given is None else [p for p in given.record if p.name == "vibration"]
+    return [] if given is None else [p for p in given.record if isinstance(p, Process)]
 
 
 def _alike(found: Process, held: Process) -> bool:

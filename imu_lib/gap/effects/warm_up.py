@@ -12,6 +12,7 @@ from .drift import Drift
 class WarmUp(Drift):
     name = "warm_up"
     red = True
+    transient = True
     single = True
     cause = (
         "The sensor heats itself after switching on until it is in balance with its surroundings."
