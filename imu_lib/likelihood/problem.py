@@ -83,6 +83,7 @@ class Problem:
         self.free: tuple[Free, ...] = ()
         self._at: dict[int, tuple[Slot, slice, int | None]] = {}
         self._held: tuple[Any, Array] | None = None
+        self._units: dict[Any, tuple[float, Array]] = {}  # what `_row` scales, by shape
         for slot in self.slots:
             process = self.process(slot.index)
             strength, first = slot.strength(process), len(self.free)
@@ -147,8 +148,12 @@ class Problem:
         vector, square = np.array(vector, float), 1.0
         if strength is not None:
             square, vector[strength] = float(np.exp(2 * vector[strength])), 0.0
-        unit, own = of_strength_one(slot.write(self.terms[index], vector))
-        return square * own * self.layout.shape(unit, low_pass)
+        key = index, vector.tobytes(), low_pass
+        if key not in self._units:
+            unit, own = of_strength_one(slot.write(self.terms[index], vector))
+            self._units[key] = own, self.layout.shape(unit, low_pass)
+        own, shape = self._units[key]
+        return square * own * shape
 
     def _of_held(self, low_pass: LowPass | None) -> Array:
         """Density of the terms that are held."""
