@@ -11,17 +11,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.fft import ifft, next_fast_len, rfft
 
+from imu_lib.gap.behaviour import BREATHES, SWEEPS, breathes, rises, sweeps
+from imu_lib.gap.episodes import BLOCKS, episodes
 from imu_lib.gap.narrow_band import Place
 
 #: Gain in log-likelihood from which on a channel feels what another one shows, and power over its
 #: surroundings that it needs at the least.
 FELT, LEAST = 9.0, 1.12
-#: Gain that a beginning and an end have to bring; share of the excess that may be left outside.
-TIMED, OUTSIDE = 18.0, 0.3
 #: Width over that of a stronger place from which on what is faint is what is left beside it.
 WIDE = 1.6
-#: Blocks in which the beginning and the end are sought.
-BLOCKS = 360
 
 
 @dataclass(frozen=True)
@@ -38,13 +36,16 @@ class Source:
     frequency: float
     frequency_sd: float
     bandwidth: float
-    start: float | None
-    stop: float | None
+    #: When it is there, (from, to) in s each; empty: all the time.
+    spans: tuple[tuple[float, float], ...]
     amplitude: dict
     sd: dict
     gain: float
     fading: float
     strength: float
+    #: Why it is no vibration where one channel alone has it: its amplitude rises and falls, or its
+    #: frequency goes from one end of the band to the other.
+    strange: str = ""
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -54,7 +55,17 @@ class Source:
     @property
     def whole(self) -> bool:
         """Whether it is there all the time."""
-        return self.start is None and self.stop is None
+        return not self.spans
+
+    @property
+    def start(self) -> float | None:
+        """When it is there first, s."""
+        return self.spans[0][0] if self.spans else None
+
+    @property
+    def stop(self) -> float | None:
+        """When it is there last, s."""
+        return self.spans[-1][1] if self.spans else None
 
 
 class Transforms:
@@ -106,8 +117,9 @@ def examined(place: Place, found_on, transforms: Transforms) -> Source:
     time = (np.arange(count) + 0.5) / count * transforms.duration
     on = (time >= place.start) & (time <= place.stop)
     felt = _felt(z, on, (b - a) / count, found_on)
-    span = _timed(felt, a, b, transforms)
-    on = np.ones(count, bool) if span is None else (time >= span[0]) & (time <= span[1])
+    wide = _Wide.around(felt, a, b, transforms)
+    spans = wide.episodes(transforms.duration)
+    on = within(spans, time)
     felt = _felt(z, on, (b - a) / count, found_on)
     frequency, frequency_sd, bandwidth = _width(z, felt, on, a, b, transforms)
     best = max(felt, key=lambda name: felt[name][1])
@@ -125,12 +137,22 @@ def examined(place: Place, found_on, transforms: Transforms) -> Source:
         frequency,
         frequency_sd,
         bandwidth,
-        *(span or (None, None)),
+        spans,
         {n: amplitude[n] for n in transforms.names if n in amplitude},
         sd,
         float(sum(g for _, g in felt.values())),
         _fading(z[best][on], ratio),
         float(ratio - 1.0),
+        wide.strange(
+            {
+                "spans": spans,
+                "frequency": frequency,
+                "bandwidth": bandwidth,
+                "crossed": (b - a) / transforms.duration,
+            },
+            best,
+            transforms.duration,
+        ),
     )
 
 
@@ -146,57 +168,57 @@ def _felt(z, on, share, found_on) -> dict:
     return out
 
 
-def _timed(felt, a, b, transforms) -> tuple[float, float] | None:
-    """(from, to) in s, sought in a band as much wider as its strength allows: its samples are
-    shorter.
+@dataclass(frozen=True)
+class _Wide:
+    """A band as much wider as its strength allows, so that its samples are shorter: `z` by channel,
+    noise of mean square 1, the `ratio` of each, the band's `width` in Hz.
     """
-    strength = max(r - 1.0 for r, _ in felt.values())
-    wider = int(np.clip(min(strength / 2, BLOCKS / (b - a)), 1, 40) * (b - a))
-    middle, half = (a + b) // 2, wider // 2 + 1
-    if wider > b - a and middle - half > 1 and middle + half < transforms.n // 2:
-        a, b = middle - half, middle + half
-    z = {name: transforms.zoom(name, a, b) for name in felt}
-    share = (b - a) / len(next(iter(z.values())))
-    ratio = {name: max(float(np.mean(np.abs(x) ** 2)) / share, 1.001) for name, x in z.items()}
-    z = {name: x / np.sqrt(share) for name, x in z.items()}
-    return _span(z, ratio, transforms.duration)
+
+    z: dict
+    ratio: dict
+    width: float
+
+    @classmethod
+    def around(cls, felt, a, b, transforms) -> _Wide:
+        strength = max(r - 1.0 for r, _ in felt.values())
+        wider = int(np.clip(min(strength / 2, BLOCKS / (b - a)), 1, 40) * (b - a))
+        middle, half = (a + b) // 2, wider // 2 + 1
+        if wider > b - a and middle - half > 1 and middle + half < transforms.n // 2:
+            a, b = middle - half, middle + half
+        z = {name: transforms.zoom(name, a, b) for name in felt}
+        share = (b - a) / len(next(iter(z.values())))
+        z = {name: x / np.sqrt(share) for name, x in z.items()}
+        ratio = {name: max(float(np.mean(np.abs(x) ** 2)), 1.001) for name, x in z.items()}
+        return cls(z, ratio, len(next(iter(z.values()))) / transforms.duration)
+
+    def episodes(self, duration: float) -> tuple[tuple[float, float], ...]:
+        """(from, to) in s; empty where it is there all the time."""
+        weight = {name: (r - 1) / r for name, r in self.ratio.items()}
+        total = sum(weight.values())
+        power = sum(w / total * np.abs(self.z[name]) ** 2 for name, w in weight.items())
+        return episodes(power, min(len(weight), 2), duration) or ()
+
+    def strange(self, source: dict, best: str, duration: float) -> str:
+        """Why it behaves as no vibration does, or nothing."""
+        x, spans = self.z[best], source["spans"]
+        time = (np.arange(len(x)) + 0.5) / len(x) * duration
+        on = within(spans, time)
+        whole = not spans
+        if sweeps(x[on], self.width, source["crossed"], source["frequency"], whole=whole):
+            return SWEEPS
+        parts = [x[within([span], time)] for span in spans]
+        line = source["bandwidth"] <= 0.1 * source["frequency"]
+        if line and (breathes(x[on]) or rises(parts)):
+            return BREATHES
+        return ""
 
 
-def _span(z, ratio, duration) -> tuple[float, float] | None:
-    """(from, to) in s where the excess has a beginning or an end, else None."""
-    share = {name: (r - 1) / r for name, r in ratio.items()}
-    total = sum(share.values())
-    power = sum(w / total * np.abs(z[name]) ** 2 for name, w in share.items())
-    size = max(1, len(power) // BLOCKS)
-    k = len(power) // size
-    if k < 12:
-        return None
-    e = power[: k * size].reshape(k, size).mean(axis=1)
-    dof = size * min(len(ratio), 2)
-    c = np.concatenate([[0.0], np.cumsum(e)])
-    i, j = np.triu_indices(k + 1, 2)
-    n_on, n_off = j - i, k - (j - i)
-    keep = n_off > 0
-    i, j, n_on, n_off = i[keep], j[keep], n_on[keep], n_off[keep]
-    on = (c[j] - c[i]) / n_on
-    off = (c[-1] - (c[j] - c[i])) / n_off
-    ll = -dof * (n_on * np.log(on) + n_off * np.log(np.maximum(off, 1e-12)))
-    ll[on < off] = -np.inf
-    best = int(np.argmax(ll))
-    gain = ll[best] + dof * k * np.log(c[-1] / k)
-    excess, outside = on[best] - 1.0, max(off[best] - 1.0, 0.0)
-    if gain < TIMED or excess <= 0 or outside > OUTSIDE * excess:
-        return None
-    # fainter, but there all the same
-    still = dof * n_off[best] * (outside - np.log1p(outside))
-    if still > 0.25 * dof * n_on[best] * (excess - np.log1p(excess)):
-        return None
-    step = duration * size / len(power)
-    start, stop = i[best] * step, j[best] * step
-    return (
-        float(start if i[best] > 1 else 0.0),
-        float(stop if j[best] < k - 1 else duration),
-    )
+def within(spans, time) -> np.ndarray:
+    """Whether times (n,) lie in one of the spans (from, to); all where there is none."""
+    out = np.full(len(time), not spans)
+    for start, stop in spans:
+        out |= (time >= start) & (time <= stop)
+    return out
 
 
 def _width(z, felt, on, a, b, transforms) -> tuple[float, float, float]:

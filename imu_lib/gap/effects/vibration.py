@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.gap import narrow_band, shared_band
+from imu_lib.gap.behaviour import SWEEPS
 from imu_lib.gap.families import grouped, weak_lines
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
@@ -63,12 +64,13 @@ class Vibration(Effect):
         found = [s for s in sources(places, transforms) if self._is_one(s, given, transforms)]
         # where the largest gain is looked for: frequencies, channels, stretches and widths
         looked_at = transforms.n * len(transforms.names) * WINDOWS
+        swept = {c for s in found if s.strange == SWEEPS for c in s.channels}
         families = [
             (f0, family)
             for f0, family in grouped(found, transforms)
-            if len(family) > 1 or self._stands_alone(family[0], transforms)
+            if self._is_vibration(family, swept)
         ]
-        out = [self._finding(f0, family, transforms) for f0, family in families]
+        out = [f for f0, family in families for f in self._findings(f0, family, transforms)]
         bands = shared_band.bands(quick, fs, [p.process for p in out])
         out += [self._of_band(band, transforms) for band in bands]
         rng = np.random.default_rng(len(next(iter(quick.values()))))
@@ -106,13 +108,42 @@ class Vibration(Effect):
         return not set(s.channels) <= foreseen
 
     @staticmethod
-    def _stands_alone(s: Source, transforms) -> bool:
-        """Whether a single source is a vibration: on several channels, for a time, or a line that
-        wanders. A steady line of one channel is a sinusoid, a band of normal noise a resonance.
+    def _is_vibration(family, swept) -> bool:
+        """Whether a family of sources is a vibration: on several channels, for a time, or a line
+        that wanders. A steady line of one channel is a sinusoid, a band of normal noise a
+        resonance, and a periodic signal of one channel, a tone that sweeps or one that rises and
+        falls has no name. On channels over which a tone has `swept`, pieces of its way are none.
         """
-        if len(s.channels) > 1 or not s.whole:
+        if len({c for s in family for c in s.channels}) > 1:
             return True
-        return s.bandwidth > 0 and s.bandwidth < 0.1 * s.frequency and s.fading < STEADY
+        s = family[0]
+        if len(family) > 1 or s.strange or not s.whole and swept & set(s.channels):
+            return False
+        return not s.whole or 0 < s.bandwidth < 0.1 * s.frequency and s.fading < STEADY
+
+    @classmethod
+    def _findings(cls, f0: float, family, transforms) -> list[Finding]:
+        """One finding an episode."""
+        first = cls._finding(f0, family, transforms)
+        spans = max(family, key=lambda s: s.gain).spans
+        if len(spans) < 2:
+            return [first]
+        total, out = sum(stop - start for start, stop in spans), []
+        strength = max(family, key=lambda s: s.gain).strength
+        for start, stop in spans:
+            if stop - start < SHORTEST:
+                continue
+            process = first.process.with_(start=start, stop=stop)
+            one = Finding(
+                VIBRATION,
+                process,
+                first.gain * (stop - start) / total,
+                where(process, strength, transforms.duration),
+                first.intervals,
+            )
+            one.bands = first.bands
+            out.append(one)
+        return out
 
     @staticmethod
     def _finding(f0: float, family, transforms) -> Finding:

@@ -1,0 +1,113 @@
+"""Does what was found in a narrow band behave as its name says? A vibration has an amplitude that
+stays and a frequency that wanders about one place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import chi2
+
+#: What it may do instead.
+SWEEPS, BREATHES = "its frequency sweeps", "its amplitude rises and falls"
+#: Blocks in which the amplitude is looked at, and samples in one at the least.
+BLOCKS, SAMPLES = 24, 6
+#: log10 of the probability of the scatter by chance, and the standard deviation of the power over
+#: its mean, from which on an amplitude rises and falls.
+RARE, DEPTH = -4.0, 0.25
+#: Slopes of the frequency that are tried, in bands of the tone over its duration, and how many.
+REACH, SLOPES = 2.0, 81
+#: Share of the tone's power that is one line once its frequency is straightened, and the share of
+#: that which a steady frequency leaves; power that no noise reaches; share of the band that it has
+#: to cross.
+STRAIGHT, BENT, BEYOND, CROSSED = 0.5, 0.6, 20.0, 0.4
+#: Samples of the band in which the frequency is taken for a straight line.
+SECTION = 64
+#: Share by which the power at the ends of an episode is less than in its middle, where it rises and
+#: falls.
+LESS = 0.25
+#: Share of the frequency that it has to move where it is there all the time: a machine warms up.
+MOVED = 0.03
+
+
+def breathes(x) -> bool:
+    """Whether the amplitude of a line rises and falls.
+
+    Parameters
+    ----------
+    x : ndarray of complex, shape (n,)
+        The band at its own width, while the line is there; the noise has mean square 1.
+    """
+    blocks = min(BLOCKS, len(x) // SAMPLES)
+    excess = float(np.mean(np.abs(x) ** 2)) - 1.0
+    if blocks < 6 or excess < 0.3:
+        return False
+    size = len(x) // blocks
+    e = (np.abs(x[: blocks * size]) ** 2).reshape(blocks, size).mean(axis=1)
+    chance = (2.0 * excess + 1.0) / size
+    scatter = float(np.sum((e - e.mean()) ** 2))
+    rare = chi2.logsf(scatter / chance, blocks - 1) / np.log(10)
+    depth = np.sqrt(max(scatter / (blocks - 1) - chance, 0.0)) / max(e.mean() - 1.0, 1e-9)
+    return bool(rare < RARE and depth > DEPTH)
+
+
+def sweeps(x, width: float, crossed: float, frequency: float, *, whole: bool) -> bool:
+    """Whether the frequency of a tone goes from one end of its band to the other.
+
+    Parameters
+    ----------
+    x : ndarray of complex, shape (n,)
+        As above.
+    width, crossed : float, Hz
+        Of the band `x`, and of the part of it that stands out.
+    frequency : float, Hz
+        The middle.
+    whole : bool
+        Whether the tone is there all the time.
+    """
+    parts = np.array_split(x, max(1, round(len(x) / SECTION)))
+    slope = [
+        _slope(part, width, crossed * len(part) / len(x) + width / len(part)) for part in parts
+    ]
+    found = [v for v in slope if v is not None]
+    if len(found) <= 0.6 * len(parts) or abs(np.sum(np.sign(found))) < 0.8 * len(found):
+        return False
+    moved = abs(np.median(found)) * len(x) / width
+    return bool(moved > CROSSED * crossed and (not whole or moved > MOVED * frequency))
+
+
+def _slope(x, width: float, reach: float) -> float | None:
+    """Slope in Hz/s of the frequency of a tone in `x` that moves by no more than about `reach` Hz;
+    None where it is steady or no tone.
+    """
+    n = len(x)
+    excess = float(np.mean(np.abs(x) ** 2)) - 1.0
+    if n < 10 or excess < 0.3:
+        return None
+    time, span = (np.arange(n) - 0.5 * n) / width, n / width
+    slopes = np.linspace(-REACH, REACH, SLOPES) * reach / span
+    straightened = x * np.exp(-1j * np.pi * slopes[:, None] * time**2)
+    kept = np.max(np.abs(np.fft.fft(straightened, 4 * n, axis=1)) ** 2, axis=1) / n**2
+    best = int(np.argmax(kept))
+    steady = kept[SLOPES // 2] > BENT * kept[best]
+    return (
+        None if steady or kept[best] < max(STRAIGHT * excess, BEYOND / n) else float(slopes[best])
+    )
+
+
+def rises(parts) -> bool:
+    """Whether the amplitude rises and falls within the episodes `parts` (arrays as above) instead
+    of going on and off.
+    """
+    edge, middle = [], []
+    for x in parts:
+        power, quarter = np.abs(x) ** 2, len(x) // 4
+        if quarter >= 3:
+            edge.append(np.r_[power[1:quarter], power[-quarter:-1]])
+            middle.append(power[quarter:-quarter])
+    if not edge:
+        return False
+    edge, middle = np.concatenate(edge), np.concatenate(middle)
+    excess = middle.mean() - 1.0
+    chance = (2.0 * excess + 1.0) * (1 / len(edge) + 1 / len(middle))
+    less = middle.mean() - edge.mean()
+    return bool(less > LESS * excess and less > 3.0 * np.sqrt(max(chance, 1e-12)))
