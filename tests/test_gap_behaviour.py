@@ -49,4 +49,4 @@ def test_a_machine_that_goes_on_and_off_is_named_with_its_times():
 
 def test_noise_has_no_episodes():
     rng = np.random.default_rng(2)
-    assert all(episodes(rng.exponential(size=3000), 1, 300.0) is None for _ in range(200))
+    assert all(episodes(rng.exponential(size=3000), 1, 300.0) is None for _ in range(60))
