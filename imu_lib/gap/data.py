@@ -56,10 +56,11 @@ class Data:
         self.duration = self.n / self.fs
         self.temperature = temperature
         self._extra = extra
+        self._kept: dict = {}
 
     def minus(self, signal) -> Data:
         """The channel without a deterministic signal."""
-        return Data(
+        out = Data(
             self.x - signal,
             self.fs,
             white=self.white,
@@ -67,10 +68,13 @@ class Data:
             extra=self._extra,
             blind=self.blind,
         )
+        out._kept = self._kept
+        return out
 
     def below(self, frequency: float) -> Data:
         """The channel with what is above a frequency in Hz left out."""
         out = Data(self.x, self.fs, white=self.white, temperature=self.temperature)
+        out._kept = self._kept
         out._extra, above = self._extra, self.layout.frequency >= frequency
         out.blind = above if self.blind is None else above | self.blind
         out.__dict__["z"] = self.z
@@ -99,6 +103,12 @@ class Data:
     def z(self):
         """Transform of the tapered record."""
         return tapered.transform(self.x)
+
+    def once(self, key, make):
+        """What `make()` gives, made once for this channel whatever is taken out of it."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
 
     # -- drifts ----------------------------------------------------------------------------------
     @property

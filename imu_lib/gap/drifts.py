@@ -8,8 +8,9 @@ import numpy as np
 
 
 def scanner(state, columns):
-    """Function of (effect, processes) that gives gain, amplitude and squared norm of drifts by
-    generalised least squares under the fitted noise, beside `columns`.
+    """Function of (effect, processes, their columns where these are known) that gives gain,
+    amplitude and squared norm of drifts by generalised least squares under the fitted noise, beside
+    `columns`.
     """
     data = state.cleaned
     white = 1.0 / np.sqrt(data.stats.slow_ordinates(state.fit.expected))
@@ -19,8 +20,8 @@ def scanner(state, columns):
         basis, _ = np.linalg.qr(white[:, None] * columns)
         e = e - basis @ (basis.T @ e)
 
-    def scan(effect, processes):
-        a = white[:, None] * effect.columns(processes, data)
+    def scan(effect, processes, known=None):
+        a = white[:, None] * (effect.columns(processes, data) if known is None else known)
         if basis is not None:
             a = a - basis @ (basis.T @ a)
         norm = np.maximum(np.sum(a * a, axis=0), 1e-300)

@@ -36,6 +36,7 @@ class Draws:
 
     def __init__(self, seed, n: int, fs: float, temperature=None):
         self.seed, self.n, self.fs, self.temperature = list(np.atleast_1d(seed)), n, fs, temperature
+        self.t = np.arange(n) / fs
         self._made = {}
 
     def rng(self, name: str, count: int = 0):
@@ -50,7 +51,7 @@ class Draws:
             if getattr(term, "rounded", None):  # the sum rounds its integral
                 continue
             if term.deterministic:
-                slow += term.mean(np.arange(self.n) / self.fs, self.temperature)
+                slow += term.mean(self.t, self.temperature)
                 continue
             amplitude = next(p.name for p in term.parameters if p.kind == "amplitude")
             unit = term.with_(**{amplitude: 1.0})

@@ -41,6 +41,15 @@ class Drift(Competitor):
         t, temperature = data.grid_time, data.grid_temperature
         return data.columns(np.column_stack([p.mean(t, temperature) for p in processes]))
 
+    def trials(self, data) -> tuple[list, np.ndarray]:
+        """The shapes and their columns: one set for all states of a record."""
+
+        def made():
+            shapes = self.shapes(data)
+            return shapes, self.columns(shapes, data) if shapes else np.zeros((data.orders, 0))
+
+        return data.once(self, made)
+
     def penalty(self, data, snr: float) -> float:
         """Log of posterior over prior width of the shape parameter at a signal-to-noise ratio."""
         return 0.0
@@ -89,10 +98,10 @@ class Drift(Competitor):
     def best(self, state, scan) -> Candidate | None:
         """The likeliest shape beside the other columns, by the scan of `drifts.scanner`."""
         data = state.cleaned
-        trials = self.shapes(data)
+        trials, columns = self.trials(data)
         if not trials:
             return None
-        gain, _, _ = scan(self, trials)
+        gain, _, _ = scan(self, trials, columns)
         j = int(np.argmax(gain))
         if gain[j] < self.least(state):
             return None
@@ -123,8 +132,10 @@ class Drift(Competitor):
 
     # -- in a model and in the report ------------------------------------------------------------
     def absorbed(self, base):
-        shapes = [] if self.sharp else self.shapes(base.data)
-        return bool(shapes) and base.hides(self.columns(shapes, base.data))
+        if self.sharp:
+            return False
+        shapes, columns = self.trials(base.data)
+        return bool(shapes) and base.hides(columns)
 
     def enter(self, assembly, candidate):
         assembly.add_column(candidate)
