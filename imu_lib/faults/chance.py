@@ -86,6 +86,7 @@ class Levels:
         What half of the mass around it has, not the mean level: under printed digits finer than the
         converter's grid, few levels hold all samples.
         """
+        width *= 1.0 + 1e-6  # a level at just that distance counts, on either side
         low, high = np.searchsorted(
             self.values, (self.values[at] - width, self.values[at] + width), side="left"
         )
