@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
+from scipy.ndimage import median_filter, minimum_filter1d
 
 WINDOW = 64  # samples over which late stamps may be made up for by the early ones after them
 BURST_WINDOW = 512  # the same where a host read the sensor in bursts
@@ -197,10 +197,12 @@ def spread_repeats(time: np.ndarray) -> tuple[np.ndarray, int]:
     size = np.diff(np.r_[first, len(time)])
     stamp = time[first]
     tick = np.diff(stamp)
-    usual = float(np.median(tick)) if tick.size else 1.0
+    # of the ticks nearby: stamps that are printed to so many digits grow coarser
+    usual = median_filter(tick, 9, mode="nearest") if tick.size else np.ones(0)
+    last = float(usual[-1]) if tick.size else 1.0
     # a group never spreads further than the clock's usual tick: what follows is a gap and stays
     # one
-    width = np.r_[np.minimum(tick, usual), usual]
+    width = np.r_[np.minimum(tick, usual), last]
     interval = width / size
     inner = interval[1:-1] if len(interval) > 2 else interval
     sampling = float(np.median(inner))
@@ -208,9 +210,9 @@ def spread_repeats(time: np.ndarray) -> tuple[np.ndarray, int]:
     out = np.repeat(stamp, size) + inside * np.repeat(interval, size)
     if len(size) > 2:
         # the record began and ended within a tick: those groups are not whole
-        if size[0] < usual / sampling and tick[0] < 1.5 * usual:
+        if size[0] < usual[0] / sampling and tick[0] < 1.5 * usual[0]:
             out[: size[0]] = stamp[1] - (size[0] - np.arange(size[0])) * sampling
-        if size[-1] < usual / sampling:
+        if size[-1] < last / sampling:
             out[first[-1] :] = stamp[-1] + np.arange(size[-1]) * sampling
     return out, repeats
 

@@ -125,6 +125,10 @@ def files(folder):
     text["clock.csv"] = table(
         f"time,{THREE}", [c if k != 300 else "25:99" for k, c in enumerate(clock((10, 0, 0)))], GYRO
     )
+    frames = [f"10:59:{k // 17:02d}:{k % 17:02d}" for k in I]
+    text["frames.csv"] = table(f"tc,{THREE}", frames, GYRO)
+    text["rises.csv"] = table(f"moment_of_it,{THREE}", T + 4, GYRO)
+    text["g_of_x.csv"] = table("Time [s],G(x),G(y),G(z)", T, ACCEL / 9.80665)
     text["soon.csv"] = table(
         f"date,clock,{THREE}",
         ["2021-03-04"] * N,

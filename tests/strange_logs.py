@@ -146,7 +146,7 @@ def asking():
     out["whole_seconds.csv"] = (table("t,gx,gy,gz", I, GYRO), "--gyro-unit rad/s", "--rate HZ", "--rate 100", 100)
     out["flag_of_a_column_that_is_not_there.csv"] = (table("time,foo_x,foo_y,foo_z", T, GYRO), "--gyro-unit rad/s", "--columns", "--columns time,gyro_x,gyro_y,gyro_z", 100)
     out["counts.csv"] = (table("time [s],gx [lsb],gy [lsb],gz [lsb]", T, np.rint(DPS * 1e4).astype(int)), "", "--gyro-unit counts:C", "--gyro-unit counts:10000", 100)
-    out["hundredths.csv"] = (table("t [s],gx [0.01 deg/s],gy [0.01 deg/s],gz [0.01 deg/s]", T, DPS * 100), "", "--gyro-unit counts:100", "--gyro-unit counts:100", 100)
+    out["hundredths.csv"] = (table("t [s],gx [deg/s*100],gy [deg/s*100],gz [deg/s*100]", T, DPS * 100), "", "--gyro-unit counts:100", "--gyro-unit counts:100", 100)
     out["tenths.csv"] = (table("t [0.1 ms],gx [rad/s],gy [rad/s],gz [rad/s]", I * 100, GYRO), "", "--time-unit ticks:10000", "--time-unit ticks:10000", 100)
     out["accel_first.csv"] = (table("", T, zero + 3, ACCEL, zero + 4, GYRO), SI, "--columns", None, 100)
     out["minutes.csv"] = (table("time,gx,gy,gz", T / 6, GYRO, form="%.9f"), "--gyro-unit rad/s", "--time-unit min", "--time-unit min", 10)

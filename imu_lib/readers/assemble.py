@@ -127,7 +127,11 @@ def _ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
     """InputError where both units are missing: asked for at once."""
     for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
         family = kind if kind in raw.kinds() else _INCREMENT[kind]
-        if family not in raw.kinds() or flag or raw.unit(family) is not None:
+        try:
+            known = family not in raw.kinds() or flag or raw.unit(family) is not None
+        except InputError:
+            return  # asked about with the other one
+        if known:
             return
     raise InputError(
         f"{raw.source} does not state the unit of its gyro columns; give --gyro-unit {_OTHER['gyro']}; nor that of its accelerometer columns;"
@@ -162,6 +166,10 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
         raise InputError(
             f"{raw.source} does not state the unit of its {'gyro' if kind == 'gyro' else 'accelerometer'} columns; give --{kind}-unit {_OTHER[kind]}."
         )
+    if unit not in names.UNITS[family]:  # the size of a count
+        flag = spelling.scaled(unit, kind)
+        raw.notes += (f"Readings in [{unit}] were taken as --{kind}-unit {flag} would.",)
+        return names.stated(flag, kind)
     return names.UNITS[family][unit], 0.0, unit
 
 

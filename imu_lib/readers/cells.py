@@ -18,6 +18,7 @@ _LIST = re.compile(rf"^\s*[\[({{]\s*({_FLOAT}(?:[\s,;]+{_FLOAT})+)\s*[\])}}]\s*$
 _HEX = re.compile(r"^0[xX]([0-9A-Fa-f]{2,8})$")
 _UNIT = re.compile(rf"^({_FLOAT})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
 _THOUSANDS = {",": re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+(?:\.\d+)?$"), ".": re.compile(r"^[+-]?\d{1,3}(?:\.\d{3})+(?:,\d+)?$")}  # fmt: skip
+_LABELS = ("field", "channel", "signal", "variable", "channelname", "signalname")
 SOME = 60  # rows that are looked at first
 
 
@@ -28,7 +29,8 @@ def plain(text: str) -> Table | None:
         r"[\[({]\s*[+-]?[\d.]|0x[0-9A-Fa-f]{2}|\d[.,]\d{3}[.,]\d|[\d.]\s?[a-zµ°]", sample
     ):
         return _long(text, sample)
-    for delimiter in (";", "\t", "|", ","):
+    blank = (" ",) if re.search(r"0x[0-9A-Fa-f]+ +-?0x", sample) else ()
+    for delimiter in (";", "\t", "|", ",", *blank):
         head = _rows("\n".join(sample.split("\n")[:SOME]), delimiter)
         width = Counter(len(r) for r, _ in head).most_common(1)[0][0] if head else 0
         if width < 2:
@@ -172,11 +174,11 @@ def _long(text: str, sample: str) -> Table | None:
     delimiter = next((d for d in ("\t", ";", ",") if d in lines[0] and d in lines[-2]), None)
     if delimiter is None:
         return None
-    head = [h.strip().strip('"') for h in lines[0].split(delimiter)]
+    head = [h.strip().strip('"').lstrip("_") for h in lines[0].split(delimiter)]
     body = [[f.strip().strip('"') for f in x.split(delimiter)] for x in lines[1:-1]]
-    if len(head) not in (3, 4) or any(len(r) != len(head) for r in body[:SOME]):
+    if not 3 <= len(head) <= 12 or any(len(r) != len(head) for r in body[:SOME]):
         return None
-    label = next((i for i in range(len(head)) if _channels({r[i] for r in body[:SOME]}) >= 3), None)
+    label = next((i for i, h in enumerate(head) if _channels({r[i] for r in body[:SOME]}) >= (1 if h.lower() in _LABELS else 3)), None)  # fmt: skip
     value = next(
         (i for i, h in enumerate(head) if re.fullmatch(r"(?i)values?|val|reading|data|wert|y", h)),
         None,

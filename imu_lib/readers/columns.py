@@ -23,7 +23,7 @@ from imu_lib.readers.asking import (
     example,
     suggestion,
 )
-from imu_lib.readers.habits import alpha, habits, numbered
+from imu_lib.readers.habits import alpha, habits, letter_g, numbered
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.time_columns import add_up, intervals, letter_t, one_time
@@ -87,6 +87,9 @@ def decide(
     raw.instances = instances.find(told, headings, load) if named else None
     wanted = [i for i, m in enumerate(told) if m.quantity]
     values = load(wanted)
+    if named and not columns:
+        letter_g(raw, told, headings, values)
+        raw.unnamed_time = _unnamed_time(raw, told, headings, load)
     if interval is not None:
         add_up(raw, told, headings, values, interval)
     told = letter_t(told, headings, values)
@@ -101,6 +104,23 @@ def decide(
         else:
             raw.add(m.canonical, values[i], m.unit, heading.name, m.why + by_call)
     return raw
+
+
+def _unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
+    """The names to give where a column of an unknown name rises as a time does, and no other is one."""
+    if raw.rate or any(m.quantity in ("time", "date", "clock", "counter") for m in told):
+        return None
+    free = [i for i, (m, h) in enumerate(zip(told, headings)) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
+    try:
+        values = load(free) if free else {}
+    except InputError:
+        return None  # a damaged line in a column that nobody needs
+    for i in free:
+        if np.asarray(values[i]).dtype.kind in "fi" and (np.diff(values[i]) > 0).mean() > 0.9:
+            said = list(told)
+            said[i] = Meaning("time")
+            return f"`{headings[i].name}` rises as a time does: {suggestion(said, headings)}"
+    return None
 
 
 def _say_unused(raw: Raw, told: list[Meaning], headings) -> None:

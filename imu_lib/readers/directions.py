@@ -13,8 +13,16 @@ FORCE = {
     "lateral": "y", "lat": "y", "sway": "y", "transverse": "y",
     "vertical": "z", "vert": "z", "heave": "z",
 }  # fmt: skip
-_TURN = {"roll": "x", "pitch": "y", "yaw": "z"}
-_BODY = {"fwd": "x", "forward": "x", "right": "y", "down": "z"}
+TURN = {"roll": "x", "pitch": "y", "yaw": "z"}
+_BODY = {
+    "fwd": "x",
+    "forward": "x",
+    "front": "x",
+    "right": "y",
+    "left": "y",
+    "down": "z",
+    "up": "z",
+}
 ALONG = "by its direction"
 TURNED = re.compile(
     r"^(?:[-\u2212]\s*|(?:neg|minus|inv|inverted|negated)[ _])(?=[A-Za-z])", re.IGNORECASE
@@ -22,12 +30,15 @@ TURNED = re.compile(
 _PLACES = "left|right|l|r|a|b|c|front|rear|upper|lower|top|bottom|wrist|thigh|shank|foot|hip|chest|waist|head|back|primary|secondary"
 _LETTERS = {"g", "w", "a", "f", "t"}
 _WHOLE = {
-    **{
-        f"{w}rate": ("rate", a) for w, a in {**_TURN, "gier": "z", "nick": "y", "wank": "x"}.items()
-    },
+    **{f"{w}rate": ("rate", a) for w, a in {**TURN, "gier": "z", "nick": "y", "wank": "x"}.items()},
     **{
         f"{w}beschleunigung": ("acceleration", a)
         for w, a in {"langs": "x", "laengs": "x", "quer": "y", "vertikal": "z"}.items()
+    },
+    **{
+        f"{w}{kind}": ("acceleration", FORCE[w])
+        for w in ("long", "lat", "vert")
+        for kind in ("acc", "accel", "g")
     },
 }
 _KINDS = "|".join(sorted(lexicon.KIND_OF, key=len, reverse=True))
@@ -40,14 +51,14 @@ def axis_of(words: list[str]) -> tuple[list[str], str] | None:
     if len(words) == 1 and words[0] in _WHOLE:
         word, axis = _WHOLE[words[0]]
         return (["gyro"] if word == "rate" else [word]), axis
-    said = [w for w in words if w in FORCE or w in _TURN or w in _BODY]
+    said = [w for w in words if w in FORCE or w in TURN or w in _BODY]
     rest = [w for w in words if w not in said]
     if len(said) != 1 or not rest:
         return None
     have = set(rest)
     force = bool(have & (lexicon.ACCEL - _LETTERS)) or have == {"a"}
     turn = bool(have & (lexicon.GYRO - _LETTERS))
-    for is_there, axes in ((force, FORCE), (turn, _TURN), (force or turn, _BODY)):
+    for is_there, axes in ((force, FORCE), (turn, TURN), (force or turn, _BODY)):
         if is_there and said[0] in axes:
             return rest, axes[said[0]]
     return None

@@ -35,9 +35,16 @@ def families(told: list[Meaning], headings) -> list[Meaning]:
 
 
 def _following(told: list[Meaning], headings) -> list[Meaning]:
-    """Bare y and z behind a column that names its sensor and x are of that sensor."""
+    """Bare y and z behind a column that names its sensor and x are of that sensor; so are x, y and z
+    behind one that names the sensor alone and is empty, as a nested message is laid flat.
+    """
     out = list(told)
     bare = [h.name.strip().lower() for h in headings]
+    for i, m in enumerate(told[:-3]):
+        empty = headings[i].kind == "empty" and m.quantity in SIGNALS and not m.axis
+        if empty and bare[i + 1 : i + 4] == ["x", "y", "z"]:
+            for k, axis in enumerate("xyz", i + 1):
+                out[k] = Meaning(m.quantity, axis, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`")  # fmt: skip
     for i, m in enumerate(told[:-2]):
         if m.quantity in SIGNALS and m.axis == "x" and bare[i + 1 : i + 3] == ["y", "z"]:
             if all(told[k].quantity is None for k in (i + 1, i + 2)):

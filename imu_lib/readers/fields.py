@@ -19,13 +19,17 @@ _NUMBER = re.compile(
 )
 
 
+#: A date with its clock in digits alone, to a part of a second.
+_DIGITS = re.compile(
+    r"^(?:19|20)\d\d(?:0[1-9]|1[0-2])[0-3]\d(?:[01]\d|2[0-3])[0-5]\d[0-5]\d(?:[.,]\d{1,9}|\d{3}|\d{6})?$"
+)
 _COMMA_NUMBER = re.compile(r"^[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?$")
 
 
-_D = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}\.?|\d{1,2}[-/.]\d{1,2}[-/.]\d{4}\.?|\d{4}年\d{1,2}月\d{1,2}日|\d{1,2}[-/ ][A-Za-z]{3}[-/ ]\d{4})"
+_D = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}\.?|\d{1,2}[-/.]\d{1,2}[-/.]\d{4}\.?|\d{4}年\d{1,2}月\d{1,2}日|\d{2}[-/.]\d{2}[-/.]\d{2}|\d{1,2}[-/ ][A-Za-z]{3}[-/ ]\d{4})"
 
 
-_C = r"(?:\d{1,2}:\d{2}(?::\d{2}(?:[.,:]\d+)?)?|\d{1,3}:\d{2}[.,]\d+)(?:\s*[AaPp]\.?[Mm]\.?)?"
+_C = r"(?:\d{1,2}:\d{2}(?::\d{2}(?:[.,:;]\d+)?)?|\d{1,3}:\d{2}[.,]\d+)(?:\s*[AaPp]\.?[Mm]\.?)?"
 
 
 _DATE = re.compile(rf"^{_D}$")
@@ -63,6 +67,8 @@ def kind(field: str, decimal: str = ".") -> str:
     """What a field looks like: number, date, clock, moment, empty or text."""
     if field == "" or field in NULLS:
         return "empty"
+    if len(field) > 13 and _DIGITS.match(field):
+        return "moment"
     if _NUMBER.match(field) or (decimal == "," and _COMMA_NUMBER.match(field)):
         return "number"
     if len(field) > 14 and calendar.usual(field):

@@ -6,11 +6,55 @@ import numpy as np
 
 from imu_lib import timing
 
+SYSTEM = 1 / 64  # s, the tick of many a computer's clock, whatever the decimals of its stamps
+
 
 def grain(stamp: np.ndarray, factor: float) -> float:
     """Step of the clock itself, s: what the whole numbers or the decimals of the stamps allow."""
-    some = stamp[:5000]
-    if stamp.dtype.kind == "i":
+    return max(_grain(stamp[:5000], factor), _single(stamp[-5000:]) * factor)
+
+
+def _single(some: np.ndarray) -> float:
+    """Step of numbers of single precision at the size of the stamps; 0 where they are of double."""
+    if some.dtype.kind != "f" or len(some) < 20:
+        return 0.0
+    short = some.astype(np.float32)
+    step = float(np.spacing(np.abs(short).max()))
+    exact = np.abs(some.astype(float) - short.astype(float)).max() <= 0.02 * step
+    return step if exact and (some != np.rint(some)).any() else 0.0
+
+
+def coarser(time: np.ndarray, tick: float) -> float:
+    """Grain of the last stamps, s, where they were printed with fewer decimals as they grew (six
+    digits of 999.99 and of 1000.1); `tick` where they were not.
+    """
+    late = _grain(time[-min(max(100, len(time) // 4), 5000) :], 1.0)
+    return late if late > 5.0 * max(tick, 1e-9) and late < 10.0 else tick
+
+
+def ticking(time: np.ndarray, tick: float) -> float | None:
+    """Tick, s, of a clock that is coarser than its stamps are printed: all steps are whole numbers of
+    it, and rows share a stamp or it is that of a computer's clock. None where there is none.
+    """
+    step = np.diff(time)
+    up = step[step > 0]
+    if len(up) < 20:
+        return None
+    low = float(np.quantile(up, 0.05))
+    base = float(up[np.abs(up - low) <= max(1.5 * tick, 0.05 * low)].mean())
+    for _ in range(2):
+        times = np.maximum(np.rint(up / base), 1)
+        base = float(up.sum() / times.sum())
+    fits = np.abs(up - times * base) <= 1.01 * tick + 0.02 * base
+    if base < 3.0 * tick or fits.mean() < 0.98:
+        return None
+    shared = float((step <= 0).mean()) > 0.02
+    system = abs(base / SYSTEM - 1.0) < 3e-3 and float((times > 1).mean()) > 0.02
+    return base if shared or system else None
+
+
+def _grain(some: np.ndarray, factor: float) -> float:
+    if some.dtype.kind == "i":
         step = np.diff(some)
         common = int(np.gcd.reduce(step[step != 0])) if (step != 0).any() else 1
         tick = 1  # a decimal part: a common step of 2532500 ns is the sampling, not the clock

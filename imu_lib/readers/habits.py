@@ -4,7 +4,10 @@ writes.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+
+import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers.asking import suggestion
@@ -58,6 +61,28 @@ def alpha(told: list[Meaning]) -> list[Meaning]:
         )
         for m in told
     ]
+
+
+def letter_g(raw: Raw, told: list[Meaning], headings, values) -> None:
+    """InputError where three columns that only the letter g names (`G(x)`) have the length of gravity in
+    g all the time, and the file has no accelerometer: a g-force, or a gyro.
+    """
+    there = [i for i, m in enumerate(told) if m.quantity == "gyro" and m.axis in ("x", "y", "z")]
+    lone = all(re.fullmatch(r"g[_ ]?[\[(]?[xyz][\])]?", headings[i].name.strip().lower()) for i in there)  # fmt: skip
+    if len(there) != 3 or not lone or any(m.quantity in ("accel", "dv") for m in told):
+        return
+    if any(told[i].unit for i in there):
+        return
+    x = np.column_stack([np.asarray(values[i], dtype=float) for i in there])
+    size = np.linalg.norm(x, axis=1)
+    middle = float(np.nanmedian(size))
+    if abs(middle - 1.0) > 0.05 or not np.nanmean(np.abs(size - middle)) < 0.05 * middle:
+        return
+    force = [replace(m, quantity="accel", unit="g") if i in there else m for i, m in enumerate(told)]  # fmt: skip
+    raise InputError(
+        f"{raw.source}: `{headings[there[0]].name}` may be a gyro or a g-force; its three axes have a length of {middle:.3g} all the time, which is "
+        f"gravity in g; {suggestion(force, headings)} (gyro_x, gyro_y, gyro_z if it is a gyro)."
+    )
 
 
 def habits(told: list[Meaning], headings) -> list[Meaning]:

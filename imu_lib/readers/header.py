@@ -6,6 +6,7 @@ import re
 
 from imu_lib.readers import names
 from imu_lib.readers.fields import COMMENTS, fields, kind
+from imu_lib.readers.spelling import unwrapped
 
 _RATE = re.compile(
     r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate|output[ _]?(?:data[ _]?)?rate|odr)$",
@@ -25,6 +26,46 @@ _STEP = re.compile(
 )
 
 
+_AT = re.compile(
+    r"\b(?:at|rate|frequency|sampled|sampling)\b[^\d,;]{0,12}?(\d+(?:\.\d+)?)\s*(?:Hz|S/s|samples/s)\b",
+    re.IGNORECASE,
+)
+_SENSORS = {
+    "gyro": re.compile(r"\b(?:gyro\w*|angular (?:rate|velocity)s?|rates?)\b", re.IGNORECASE),
+    "accel": re.compile(r"\b(?:acc\w*|specific forces?)\b", re.IGNORECASE),
+}
+
+
+_OTHER_RATE = re.compile(
+    r"filter|cut|band|pass|lpf|noise|vibrat|camera|gps|gnss|mag", re.IGNORECASE
+)
+
+
+def rate_said(lines) -> float | None:
+    """The rate that a line of words states, Hz; None where none does, or several do."""
+    found = {
+        float(m[1])
+        for line in lines[-40:]
+        if (m := _AT.search(line)) and not _OTHER_RATE.search(line[: m.end()])
+    }
+    return found.pop() if len(found) == 1 else None
+
+
+def units_said(lines) -> dict[str, str]:
+    """Units that a line of words states for a sensor, as in `gyro in deg/s, accel in g`."""
+    out: dict[str, str] = {}
+    for line in lines[-40:]:
+        for part in re.split(r"[,;]|\band\b", line.strip("#%/! \t\r\n")):
+            said = re.match(
+                r"^(.{3,40}?)\s*(?:\bin\b|:|=|\bunits?\b)[\s:=]*[\[(]?\s*([^\s\])]+(?: per \w+)?)\s*[\])]?\.?\s*$",
+                part,
+            )
+            for sensor, word in _SENSORS.items():
+                if said and word.search(said[1]) and names.unit_of(said[2]) in names.UNITS[sensor]:
+                    out.setdefault(sensor, names.unit_of(said[2]))
+    return out
+
+
 def header_of(lines, first, delimiter, width):
     """Column names from the line above the data (a comment line may hold them), the row of units
     where there is one, and the rate where the preamble states one.
@@ -37,7 +78,15 @@ def header_of(lines, first, delimiter, width):
         line = line.strip(" \r\n")
         if not line.strip():
             continue
+        listed = re.match(r"^units?\s*[:=]\s*(.*)$", line, re.IGNORECASE)
+        if listed and unit_row is None:
+            found = [f for d in (delimiter, ",", ";") if len(f := fields(listed[1], d)) == width]
+            if found and _all_units(found[0]):
+                unit_row = tuple(found[0])
+                continue
         names_ = _fit(line, delimiter, width)
+        if names_ and sum(f != "" for f in names_) > 2 and len(set(names_) - {""}) == 1:
+            continue  # how each column was sampled
         if names_ and header is None and i >= first - 4:
             if unit_row is None and _all_units(names_):
                 unit_row = tuple(names_)
@@ -125,5 +174,7 @@ def _two_lines(above: list[str], header: tuple[str, ...]) -> tuple[str, ...]:
     for top, name in zip(above, header):
         last = top.strip() or last
         is_axis = re.fullmatch(r"[xyz123]", name.strip().lower())
-        out.append(f"{last} {name}".strip() if is_axis else name)
+        if not is_axis and top.strip() and names.unit_of(name):
+            name = f"{top.strip()} [{unwrapped(name)}]"
+        out.append(f"{last} {name}".strip() if is_axis else name or top.strip())
     return tuple(out)

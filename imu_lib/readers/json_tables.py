@@ -76,7 +76,7 @@ def _columns(rows: list) -> dict:
     """Samples (dicts, perhaps nested) as columns; a sample without a value has NaN there."""
     if rows and isinstance(rows[0], list):
         return {"": rows}
-    flat = [dict(_leaves(r, "")) for r in rows if isinstance(r, dict)]
+    flat = [f for r in rows if isinstance(r, dict) for f in _unpacked(dict(_leaves(r, "")))]
     keys = dict.fromkeys(k for r in flat for k in r)
     out: dict = {}
     for key in keys:
@@ -90,6 +90,25 @@ def _columns(rows: list) -> dict:
             for v in values
         ):
             out[key] = [blank if v is None else v for v in values]
+    return out
+
+
+def _unpacked(row: dict) -> list[dict]:
+    """A message as the samples that it holds: lists of dicts (`ArrayAcc: [{x, y, z}, ...]`) one by one,
+    each with what else the message says.
+    """
+    lists = {k: v for k, v in row.items() if isinstance(v, list) and v and all(isinstance(x, dict) for x in v)}  # fmt: skip
+    if not lists:
+        return [row]
+    rest = {k: v for k, v in row.items() if k not in lists}
+    size = max(len(v) for v in lists.values())
+    out = []
+    for i in range(size):
+        one = dict(rest)
+        for key, value in lists.items():
+            if i < len(value):
+                one.update(_leaves(value[i], key))
+        out.append(one)
     return out
 
 

@@ -43,7 +43,9 @@ def unfold(text: str) -> Table | None:
         return None
     if sum(line.strip() == "---" for line in some) >= 2:
         return _documents(lines)
-    middle = some[len(some) // 4 :]
+    middle = [x for x in some[len(some) // 4 :] if re.search(r"\d", x)]
+    if not middle:
+        return None
     for test, make in ((is_sentences, sentences), (_is_pairs, _pairs), (_is_prefixed, _prefixed)):
         if test(middle):
             table = make(lines)
@@ -130,6 +132,9 @@ def _scan(line: str) -> list[tuple[str, str]]:
     by axes, a bare Y or Z belongs to the sensor named before it, and a unit after a value belongs
     to every value of its label.
     """
+    if not re.search(r"[=:\[]", line):  # gx 0.1 gy 0.2
+        pairs = re.findall(rf"([^\W\d]\w*)[ \t]+({NUMBER})(?![\w.])", line)
+        return [tuple(p) for p in pairs] if len(pairs) > 2 else []
     out: list[list[str]] = []
     at, sensor = 0, ""
     while True:
@@ -137,6 +142,7 @@ def _scan(line: str) -> list[tuple[str, str]]:
         if not label:
             break
         name = " ".join(label[1].split()).strip("{}[]()<>,;| ")
+        name = name.rpartition("(")[2] if ")" not in label[1] else name  # IMU(GyroX: 0.1
         if line.lstrip().startswith("<"):
             name = name.split()[-1]  # an attribute of an element
         at = label.end()
@@ -149,6 +155,8 @@ def _scan(line: str) -> list[tuple[str, str]]:
                 break
             at += follow.end()
         if not values:
+            if re.fullmatch(r"[A-Za-z][\w ]*", name) and label[0].rstrip().endswith(":"):
+                sensor = name  # Gyro: x=0.1 y=0.2 z=0.3
             continue
         unit = ""
         word = re.match(

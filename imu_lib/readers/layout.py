@@ -5,12 +5,12 @@ units, first line of data.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from imu_lib.errors import InputError
 from imu_lib.readers import names
 from imu_lib.readers.fields import COMMENTS, STAMPS, decode, fields, kind
-from imu_lib.readers.header import header_of
+from imu_lib.readers.header import header_of, rate_said, units_said
 
 _DATA_MARK = re.compile(r"^\s*(?:\*+End_of_Header\*+|@data|endheader|DATA_START|\[data\])\s*$", re.IGNORECASE)  # fmt: skip
 
@@ -30,6 +30,8 @@ class Layout:
     rate: float | None
     encoding: str
     comment: str | None
+    said: dict[str, str] = field(default_factory=dict)  # sensor -> unit that a line above states
+    rate_said: float | None = None  # Hz, in a line of words
 
     def split(self, line: str) -> list[str]:
         return fields(line, self.delimiter)
@@ -119,9 +121,18 @@ def sniff(head: bytes, source: str, *, whole: bool = True) -> Layout:
     kinds = _settled(rows[start], rows[start + 1 : start + 200])
     first = kept[start]
     header, unit_row, rate = header_of(lines, first, delimiter, len(kinds))
+    if (
+        header is None and kinds[-1] == "empty"
+    ):  # a delimiter behind every row, not behind the names
+        header, unit_row, rate = header_of(lines, first, delimiter, len(kinds) - 1)
+        header, unit_row = (None if h is None else (*h, "") for h in (header, unit_row))
     if header is None:
         header = _over_two(lines, first, delimiter, kinds)
-    return Layout(delimiter, decimal, header, unit_row, first, kinds, rate, encoding, comment)
+    said = units_said(lines[:first]) if unit_row is None else {}
+    told = rate_said(lines[:first])
+    return Layout(
+        delimiter, decimal, header, unit_row, first, kinds, rate, encoding, comment, said, told
+    )
 
 
 def _blanks(lines, kept, best) -> bool:

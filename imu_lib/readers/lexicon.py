@@ -18,7 +18,7 @@ def words(text: str) -> set[str]:
 #: Words that tell what a column is, in the languages in which phone apps and loggers write them.
 GYRO = words(
     "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop gyrometer pqr"
-    " omega w wb wib wibb angvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
+    " omega w wb wib wibb angvel anglvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
     " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus uhlovarychlost szogsebesseg acisalhiz"
     " гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
@@ -30,11 +30,19 @@ ACCEL = words(
     " przyspieszenie akcelerometr zrychleni ivme ускорение акселерометр 加速度 加速度计 加速计 加速度計"
     " 가속도 accreading f fb fib fibb a gforce gf specificforce sf accs"
 )
+ANGULAR = words("angular ang angulaire angolare rotation rotational turn rot katowa winkel")
+SPEED = words("velocity vel rate rates vitesse velocidad velocita velocidade predkosc speed turn")
+#: Letters that name a sensor where they stand nearly alone, and what may stand beside them.
+LETTERS = words("g w a f")
+BESIDE_LETTERS = words("rs s b ib imu raw data cal field meas body sensor msg kf r i lsm mpu out")
+DELTA = words("delta d del increment inc dang dvel dtheta dv velinc deltav deltatheta")
+DELTA_ANGLE = words("theta angle ang angles dtheta dang rot deltatheta gyro gyr")
+DELTA_VELOCITY = words("v vel velocity dv dvel velinc deltav acc accel")
 TIME = words(
     "time times timestamp timestamps stamp t zeit zeitstempel temps tiempo tempo tijd czas cas zaman"
     " время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos datetime datenum serialdate filetime"
     " seconds secs sec second nsecs nsec nanosec nanosecs nanoseconds usec usecs microseconds"
-    " milliseconds msec msecs ms us ns s minutes timestampstart ticks tick sampletimefine"
+    " milliseconds msec msecs ms us ns s minutes unix jd mjd julian juliandate timestampstart ticks tick sampletimefine"
 )
 TEMPERATURE = words(
     "temp temps temperature temperatures temperatur temperatura tmp temper температура 温度 온도 tempc tempf"
@@ -76,7 +84,7 @@ FREE = words(
     "linear lineare lineaire linearen user free lin freeacc useracceleration linearacceleration lineal"
 )
 ARRIVAL = words(
-    "host arrival received receive recv rx system pc log logging server local bag write rostime"
+    "host arrival received receive recv rx system pc log logging server local bag rosbag write rostime"
 )
 OWN = words("header sensor device imu hw hardware")
 #: Prefixes of maker's field descriptors (MIP data sets 0x80): what each holds.
@@ -85,7 +93,7 @@ DESCRIPTORS = {
     "8006": (None, None), "8017": (None, None),
 }  # fmt: skip
 PARTS = {
-    "year": "year", "yyyy": "year", "month": "month", "hour": "hour", "hours": "hour", "hh": "hour",
+    "year": "year", "yyyy": "year", "month": "month", "hour": "hour", "hours": "hour", "hh": "hour", "h": "hour", "hr": "hour", "hrs": "hour",
     "stunde": "hour",
 }  # fmt: skip
 FINE = {
@@ -94,7 +102,8 @@ FINE = {
     "us": "us", "msec": "ms", "msecs": "ms", "millis": "ms", "milliseconds": "ms", "ms": "ms",
     "millisecond": "ms", "microsecond": "us", "nanosecond": "ns",
     "sec": "s", "secs": "s", "seconds": "s", "second": "s", "s": "s", "tow": "s", "sod": "s", "sow": "s",
-    "minutes": "min", "datenum": "day", "serialdate": "day",
+    "minutes": "min", "datenum": "day", "serialdate": "day", "jd": "day", "mjd": "day", "julian": "day",
+    "juliandate": "day",
     "centiseconds": "cs", "centisecond": "cs", "hundredths": "cs", "csec": "cs",
 }  # fmt: skip
 COMPACT = re.compile(

@@ -9,7 +9,7 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 
 
 PREFIX = re.compile(
-    r"^\s*[\[(]?\s*((?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}[T ]\s*)?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:\s*[AP]M)?)\s*[\])]?\s*(->|=>|>|\||:)?\s*",
+    r"^\s*[\[(]?\s*((?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}[T ]\s*)?\d{1,2}:\d{2}:\d{2}(?!\.\d+,\d{3}\])(?:[.,]\d+)?(?:\s*[AP]M)?)\s*[\])]?\s*(->|=>|>|\||:)?\s*",
     re.IGNORECASE,
 )
 
@@ -19,6 +19,10 @@ LOGGERS = {
     "time [ms]": re.compile(r"^\s*[IWDEV] \((\d+)\) [\w.-]+:\s*"),  # ESP-IDF
     "time [s]": re.compile(r"^\s*\[\s*(?:DEBUG|INFO|WARN|ERROR)\s*\]\s*\[(\d+\.\d+)\](?:\s*\[[\w./-]+\])?:\s*"),  # ROS
     "clock": re.compile(r"^\s*(?:\d{4}-)?\d{2}-\d{2}\s+(\d{2}:\d{2}:\d{2}[.,]\d+)\s+\d+\s+\d+\s+[VDIWEF]\s+[^:]{1,40}:\s*"),  # Android
+    "clock ": re.compile(r"^\s*\[(\d{2}:\d{2}:\d{2}\.\d{3},\d{3})\]\s*(?:<\w+>\s*)?(?:[\w.-]+:\s*)?"),  # Zephyr
+    "time [s]  ": re.compile(r"^\s*\[\s*(\d+\.\d{3,9})\]\s*(?:[\w.-]+:\s*)?"),  # a kernel's messages
+    "time [s]   ": re.compile(r"^\s*(\d+\.\d+) ?s(?:ec)?\s*:\s+"),
+    "time [ms] ": re.compile(r"^\s*(\d+) ?ms\s*:\s+"),
     "time [s] ": re.compile(r"^\s*\((\d{9,10}\.\d+)\)\s+"),  # candump and the like
 }  # fmt: skip
 
@@ -43,7 +47,7 @@ def without_stamp(line: str) -> tuple[str, str]:
         return m[1].strip(), line[m.end() :]
     for shape in LOGGERS.values():
         if m := shape.match(line):
-            return m[1], line[m.end() :]
+            return m[1].replace(",", "") if "." in m[1] else m[1], line[m.end() :]
     return "", line
 
 

@@ -11,6 +11,7 @@ import re
 from dataclasses import replace
 
 from imu_lib.readers import directions, lexicon
+from imu_lib.readers.slips import misspelled
 from imu_lib.readers.spelling import (
     ACCEL_UNITS,
     GYRO_UNITS,
@@ -37,10 +38,19 @@ __all__ = [
 ]
 
 
+#: A heading that says by what its readings were multiplied, behind their unit.
+_TIMES = re.compile(
+    r"^(.+?)[_ ]((?:m?dps|rads?|mg|g|deg_?s|rad_?s|m_?s2|mss))[_ ]*[x*×](10{1,6})$", re.IGNORECASE
+)
+
+
 def _split(name: str) -> tuple[str, str | None, str | None]:
     """A heading without its unit, the unit as spelled, and an axis that stands in brackets."""
     text = plain(str(name)).strip("\ufeff \t").lstrip("#%").strip().strip("\"'").strip()
     unit = axis = None
+    piped = re.match(r'^([^|]+?)"?\|"?([^|"]*)"?\|', text)
+    if piped and unit_of(piped[2]):  # a logger's name|unit|least|most|rate
+        text, unit = piped[1], piped[2]
     for inside in re.findall(r"[\[({<]([^\])}>]*)[\])}>]", text):
         spelled = inside.strip()
         if re.fullmatch(r"[xyzXYZ0-3]", spelled):
@@ -59,8 +69,13 @@ def _split(name: str) -> tuple[str, str | None, str | None]:
         ),
         text,
     )
+    if unit is None and (tail := re.match(r"^(.+?)[_ .-]+([^\s_]*/\S+)$", text)):
+        if unit_of(tail[2]):  # gyro_x_rad/s
+            text, unit = tail[1], tail[2]
+    if unit is None and (tail := _TIMES.match(text)):
+        text, unit = tail[1], f"{tail[2]}*{tail[3]}"  # gx_dps_x10
     if unit is None:
-        tail = re.match(r"^(.*?\S)\s*(?:,|/|\bin\b|:|\|)\s*(\S+(?:\s?\S+)?)$", text)
+        tail = re.match(r"^(.*?\S)\s*(?:,|/|\bin\b|:|\|)\s*(\S+(?:\s?\S+){0,4})$", text)
         if tail and unit_of(tail[2]) and len(tail[1]) > 0:
             text, unit = tail[1], tail[2]
     return text.strip(), unit, axis
@@ -114,6 +129,10 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
         text = re.sub(r"\bx80\d\d\b", "", text).strip()
     key = _key(text)
     found = read(key, axis, signal, str(name))
+    if found.quantity is None and found.why == UNKNOWN and (right := misspelled(key)):
+        found = read(right, axis, signal, str(name))
+        if found.quantity:
+            found = replace(found, why=f"{found.why}, as it is misspelled")
     if descriptor and descriptor[1] in lexicon.DESCRIPTORS:
         kind, unit = lexicon.DESCRIPTORS[descriptor[1]]
         if kind is None:
@@ -148,6 +167,8 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
     if found.part == "interval":
         return replace(found, unit=unit or found.unit)
     if found.quantity is None:
+        if unit in GYRO_UNITS and key in directions.TURN:  # Yaw [deg/s]
+            return Meaning("gyro", directions.TURN[key], unit, 2, why=f"a turn in {unit}")
         return found
     unit = unit or found.unit
     if unit and unit != "counts" and directions.ALONG in found.why:
@@ -194,6 +215,8 @@ def by_unit(name: str, unit: str | None) -> Meaning | None:
     text, spelled, pointed = _split(name)
     found = unit_of(unit or spelled or "")
     kind = next((k for k in ("gyro", "accel") if found in UNITS[k]), None)
+    if found in TIME_UNITS and re.fullmatch(r"x(?:[ _]?(?:value|axis))?", _key(text)):
+        return Meaning("time", unit=found, why=f"an abscissa in {found}")
     if kind is None:
         return None
     tokens = [t for t in _key(text).split("_") if t]

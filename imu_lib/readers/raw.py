@@ -64,6 +64,7 @@ class Raw:
     described: list[Column] = field(default_factory=list)
     received: bool = False  # the rows are in order of receipt, as in a bag
     held_rows: float = 1.0  # rows for which each reading stood, where they were taken once
+    unnamed_time: str | None = None  # what to say of a column that may be the time
     subseconds: np.ndarray | None = None  # fraction of the clock's whole seconds, s
     instances: Any = None  # the column that tells several sensors apart, as `instances.find` has it
     set_back: tuple[tuple[int, float], ...] = ()  # rows at which the clock fell, and by how much
@@ -157,6 +158,8 @@ class Raw:
                     "each column is with --columns (names by position, - skips)."
                 )
             scaled = spelling.scaled(unit, kind)
+            if scaled and kind in ("gyro", "accel") and spelling.size_of_a_count(unit):
+                return unit
             if scaled and kind != "time" and (whole := spelling.of_range(unit)):
                 raise InputError(
                     f"{self.source}: `{heading}` is in [{unit}]; give {flag} {whole} if that is the range of the sensor, {flag} {scaled} if it is the size of "

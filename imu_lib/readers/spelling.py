@@ -195,12 +195,16 @@ def scaled(text: str, kind: str) -> str | None:
     found = re.match(
         r"^\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*(?:/\s*(\d+\.?\d*))?\s*[*x ]?\s*(\D.*)$", text
     )
-    unit = unit_of(found[3]) if found else None
-    if unit is None or unit not in UNITS.get(kind, {}) or not float(found[1]) > 0:
-        return None
-    if found[2] is not None and not float(found[2]) > 0:
-        return None
-    size = float(found[1]) / float(found[2] or 1.0) * UNITS[kind][unit]
+    times = re.match(r"^\s*(\D.*?)\s*[*x×]\s*(\d+(?:\.\d+)?)\s*$", text)
+    if times and unit_of(times[1]) in UNITS.get(kind, {}) and float(times[2]) > 0:
+        size = UNITS[kind][unit_of(times[1])] / float(times[2])  # deg/s*100: a hundredth
+    else:
+        unit = unit_of(found[3]) if found else None
+        if unit is None or unit not in UNITS.get(kind, {}) or not float(found[1]) > 0:
+            return None
+        if found[2] is not None and not float(found[2]) > 0:
+            return None
+        size = float(found[1]) / float(found[2] or 1.0) * UNITS[kind][unit]
     if kind == "time":
         return f"ticks:{1.0 / size:.10g}"
     if kind in ("gyro", "accel"):
@@ -214,6 +218,12 @@ def of_range(text: str) -> str | None:
     """
     found = re.match(r"^\s*[±+-]*\s*(\d+(?:\.\d+)?)\s*(\D.*)$", text)
     return unit_of(found[2]) if found and float(found[1]) >= 1 else None
+
+
+def size_of_a_count(text: str) -> bool:
+    """Whether a text like `0.1dps` or `1/16 mg` begins with a number below one: the size of a count."""
+    found = re.match(r"^\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+))?", text)
+    return bool(found) and 0 < float(found[1]) / float(found[2] or 1) < 1
 
 
 def stated_time(flag: str) -> float:

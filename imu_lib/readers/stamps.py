@@ -4,29 +4,17 @@ from the first sample.
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-
 import numpy as np
 
-from imu_lib import timing
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, clock, names
-from imu_lib.readers.grain import grain, lattice_rate, without_grain
+from imu_lib.readers import calendar, clock, names, numerals
+from imu_lib.readers.grain import grain
+from imu_lib.readers.rated import Timing, even, rated
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.rising import counted, newest_first, rising
 
 LOWEST, HIGHEST = 0.5, 10_100.0  # Hz, of the output of inertial sensors
 BURSTS = 0.1  # of the steps
-
-
-@dataclass(frozen=True)
-class Timing:
-    """time: s from the first sample, None where even. rate: Hz. keep: rows kept."""
-
-    time: np.ndarray | None
-    rate: float
-    keep: np.ndarray
 
 
 def _stamps(raw: Raw) -> tuple[np.ndarray, str]:
@@ -40,11 +28,10 @@ def _stamps(raw: Raw) -> tuple[np.ndarray, str]:
         raise InputError(
             f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the stamps out with --time-unit none --rate HZ."
         )
-    if re.fullmatch(r"h+m+s+(\.s+)?", str(raw.units["time"] or "").lower()):
-        # 100012.34 is 10:00:12.34
-        whole = np.asarray(stamp, dtype=float)
-        stamp = whole // 10_000 * 3600.0 + whole // 100 % 100 * 60.0 + np.round(whole % 100, 9)
-        raw.units["time"] = "s"
+    written = numerals.seconds(stamp, raw.units["time"])
+    if written is not None:
+        stamp, raw.units["time"] = written.stamp, written.unit
+        raw.notes += (f"`{raw.headings['time']}` holds {written.what}.",)
     return (stamp.astype(np.int64) if stamp.dtype.kind == "u" else stamp), where
 
 
@@ -110,6 +97,10 @@ def _untimed(raw: Raw, rate, n) -> Timing:
         unread = [c.name for c in raw.described if c.evidence == "it holds text" and names.meaning(c.name).quantity in ("time", "date", "clock")]  # fmt: skip
         if unread and not count:
             beside = f" that is readable (`{unread[0]}` holds text)"
+        if raw.unnamed_time:
+            raise InputError(
+                f"{raw.source} has no column that is named a time and states no rate; {raw.unnamed_time}; or give --rate HZ."
+            )
         raise InputError(
             f"{raw.source} has no time column{beside} and states no rate; give --rate HZ."
         )
@@ -127,7 +118,7 @@ def _twice_counted(raw, time, rate, keep) -> Timing:
         keep = np.flatnonzero(np.r_[True, ~same])
         raw.notes += (f"{int(same.sum()):,} rows with the number of the row before were left out.",)
         time = time[keep]
-    return Timing(*_even(time, rate), keep)
+    return Timing(*even(time, rate), keep)
 
 
 def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
@@ -176,7 +167,7 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     if told.factor is None:
         raw.told("time", None, told.why)
         raw.notes += (f"`{raw.headings['time']}` counts the samples; the rate is that of --rate.",)
-        return Timing(*_even(relative / given, float(given)), keep)
+        return Timing(*even(relative / given, float(given)), keep)
     raw.told("time", told.unit, f"{_evidence(raw, 'time')}; {told.why}")
     fast = clock.mean_step(relative) < 1.0 / 300.0  # in minutes it would be a usual rate, too
     if not told.stated and (told.unit != "s" or stamp.dtype.kind != "f" or fast):
@@ -192,9 +183,7 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
             f"The clock falls back by {-fall * told.factor:.6g} s at {raw.line(i)} (it was set, or the logger began anew); the stamps "
             "go on from there by one interval, what was lost in between is not known.",
         )
-    return _rated(
-        raw, relative * told.factor, keep, grain(stamp, told.factor), given, rate, lenient
-    )
+    return rated(raw, relative * told.factor, keep, grain(stamp, told.factor), given, rate, lenient)
 
 
 def _evidence(raw, canonical) -> str:
@@ -234,74 +223,4 @@ def _calendar(raw, given, lenient) -> Timing:
             f"{raw.source}, {heading}: minutes and seconds are all that a spreadsheet left of the stamps, and {100 * repeated:.0f} % of the "
             "rows repeat the stamp before; give --rate HZ."
         )
-    return _rated(raw, time, keep, grain(time, 1.0), given, given, lenient)
-
-
-def _rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
-    """Repeats spread, rate measured and held against the stated one, the clock's grain taken out."""
-    n = len(time)
-    same = np.flatnonzero(np.diff(time) == 0) + 1
-    # a clock coarser than the sampling repeats as often as its tick holds more than one sample
-    ticks = tick * (n - 1) / max(time[-1] - time[0], 1e-12)
-    coarse = ticks > 1.02 and abs(same.size / n - (1.0 - 1.0 / ticks)) < 0.05
-    scattered = same.size < 0.2 * n and len(np.unique(np.diff(same))) > 1 or same.size == 1
-    if same.size and scattered and not coarse:
-        time, kept = _single_repeats(raw, time, same, keep, lenient)
-        keep = keep[kept]
-        same = same[:0]
-    if same.size:
-        time, repeats = timing.spread_repeats(time)
-        raw.notes += (
-            f"{repeats:,} of {n:,} time stamps repeat the one before (the clock is coarser than the sampling); "
-            "each group was spread evenly up to the next stamp.",
-        )
-    if len(time) < 2:
-        raise InputError(f"{raw.source} has only {len(time)} sample; at least two are needed.")
-    measured = timing.measured_rate(time)
-    step = np.diff(time)
-    even = np.abs(step * measured - 1.0) < 0.02
-    if tick * measured > 0.2 and even.mean() < 0.97:
-        time, measured = without_grain(raw, time, tick, measured)
-    elif even.mean() < 0.97:
-        measured = lattice_rate(step) or measured
-    for value, name in ((rate, "--rate"), (raw.rate, "the rate the file states,")):
-        if value is not None and not 0.95 < value / measured < 1.05:
-            raise InputError(
-                f"{raw.source}: its time stamps tell {measured:.6g} Hz, {name} {value:g} Hz does not fit; "
-                "correct it, or leave the stamps out with --time-unit none --rate HZ."
-            )
-    return Timing(*_even(time, measured), keep)
-
-
-def _single_repeats(raw, time, same, keep, lenient):
-    data = [
-        np.asarray(x)[keep]
-        for c, x in raw.columns.items()
-        if c not in ("time", "date", "clock", "counter", "time_accel")
-    ]
-    twice = np.ones(len(same), dtype=bool)
-    for x in data:
-        twice &= (x[same] == x[same - 1]) | ((x[same] != x[same]) & (x[same - 1] != x[same - 1]))
-    if not twice.all() and not lenient:
-        row = int(keep[same[~twice][0]])
-        raise InputError(
-            f"{raw.source}, {raw.line(row)}: the time repeats that of the row before, with other values ({int((~twice).sum())} such rows); "
-            "remove one of the two, or leave the stamps out with --time-unit none --rate HZ."
-        )
-    drop = same[twice]
-    kept = np.delete(np.arange(len(time)), drop)
-    if drop.size:
-        raw.notes += (f"{drop.size:,} rows logged twice (same time, same values) were left out.",)
-    time = time[kept].copy()
-    still = np.flatnonzero(np.diff(time) == 0) + 1
-    if still.size:
-        raw.notes += (f"{still.size:,} time stamps repeat the one before with other values.",)
-        time = timing.spread_repeats(time)[0]
-    return time, kept
-
-
-def _even(time, rate):
-    """No stamps where they say no more than the rate: an even grid to a hundredth of a sample."""
-    if np.abs(time * rate - np.arange(len(time))).max() < 1e-2:
-        return None, rate
-    return time, rate
+    return rated(raw, time, keep, grain(time, 1.0), given, given, lenient)

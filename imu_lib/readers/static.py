@@ -10,6 +10,7 @@ from imu_lib.errors import InputError
 from imu_lib.readers import (
     sentinels,
     streams,
+    unsigned,
 )
 from imu_lib.readers.asking import Unnamed
 from imu_lib.readers.assemble import assemble, check_units
@@ -174,6 +175,7 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
             raw.drop(c, "left out by --time-unit none")
     if not (raw.simulated or raw.contract):
         sentinels.missing(raw)
+        unsigned.signed(raw, units.get("accel"))
     if not raw.simulated:
         streams.drop_copies(raw)
     parts = streams.separate(raw)

@@ -9,99 +9,23 @@ from __future__ import annotations
 
 import io
 import itertools
-import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, cells, fields, labelled, tagged
+from imu_lib.readers import calendar, fields, names
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
+from imu_lib.readers.source_text import Lines
 from imu_lib.readers.spelling import unwrapped
 
 NULLS = ["", "NaN", "nan", "NAN", "NA", "N/A", "null", *fields.NULLS]
 
 
 THREADED = 1 << 24  # bytes from which Arrow's threads are worth their start
-
-
-class Lines:
-    """The text of a file: its bytes, and what a row of the table is called in a message."""
-
-    def __init__(self, data: bytes, source: str):
-        self.data, self.source = data, source
-        self.places: list[int] | None = None  # lines of the file, where the text was rewritten
-        self.notes: tuple[str, ...] = ()
-
-    def head(self) -> tuple[bytes, bool]:
-        return self.data[: fields.HEAD], len(self.data) <= fields.HEAD
-
-    def unfold(self) -> None:
-        """Words between the numbers become a header."""
-        head, whole = self.head()
-        text, encoding = fields.decode(head, self.source, whole)
-        for how in (lambda t: tagged.unfold(t, self.source), labelled.unfold, cells.plain):
-            if how(text) is None:
-                continue
-            table = how(self.data.decode(encoding, errors="replace"))
-            if table is not None:
-                self.data, self.places, self.notes = table.text.encode(), table.lines, table.notes
-                return
-
-    def trim(self, layout) -> bool:
-        """Leave out what a logger writes between and below the rows: its header again, and words
-        at the end. Whether anything was left out.
-        """
-        if self.places is not None or layout.encoding == "utf-16":
-            return False
-        tail = self.data[-4096:].rstrip().split(b"\n")
-        words = next((k for k, r in enumerate(reversed(tail)) if not _words(r, layout)), 0)
-        top = self.data[: fields.HEAD].split(b"\n")[: layout.first]
-        named = next((r for r in reversed(top) if r.strip()), b"").strip() if layout.header else b""
-        below = sum(len(r) + 1 for r in top)
-        if not words and not (named and self.data.find(named, below) >= 0):
-            return False
-        rows = self.data.rstrip().split(b"\n")
-        end = len(rows) - words
-        again = {i for i in range(layout.first, end) if named and rows[i].strip() == named}
-        text = [i for i in range(layout.first, len(rows)) if i >= end and rows[i].strip()]
-        if not again and not text:
-            return False
-        keep = [i for i in range(len(rows)) if i < end and i not in again]
-        self.data = b"\n".join(rows[i] for i in keep) + b"\n"
-        comment = tuple(c.encode() for c in fields.COMMENTS)
-        self.places = [
-            i + 1
-            for i in keep
-            if i >= layout.first and rows[i].strip() and not rows[i].lstrip().startswith(comment)
-        ]
-        if again:
-            self.notes += (
-                f"The header stands {len(again) + 1} times in the file (line {min(again) + 1} is the second): sessions that were appended.",
-            )
-        if text:
-            self.notes += (
-                f"{len(text)} line{'s' * (len(text) > 1)} of words at the end were left out.",
-            )
-        return True
-
-
-def _words(line: bytes, layout) -> bool:
-    """Whether a line below the rows is words: a remark, or statistics under a name of their own."""
-    text = line.decode(layout.encoding, errors="replace").strip()
-    if not text:
-        return True
-    found = layout.split(text)
-    first = next((i for i, f in enumerate(found) if f), 0)
-    other = first >= len(layout.kinds) or layout.kinds[first] not in ("text", "empty")
-    return (
-        other
-        and fields.kind(found[first], layout.decimal) == "text"
-        and re.search(r"[^\W\d_]{3}", found[first]) is not None
-    )
 
 
 def read_text(path, *, columns=None, signal: str | None = None, data: bytes | None = None) -> Raw:
@@ -127,22 +51,17 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
     if data is None:
         with open(path, "rb") as file:
             data = file.read()
-    filled = len(data) - len(data.rstrip(b"\0"))
-    if filled > 1 and data[:2] not in (b"\xff\xfe", b"\xfe\xff"):
-        data = data[:-filled]  # a card's file that was made before it was written
-    if data[:2] not in (b"\xff\xfe", b"\xfe\xff"):
-        data = data.replace("\u2212".encode(), b"-")  # a typesetter's minus
-    if re.search(rb"\d\.\d*[dD][+-]\d\d", data[:4096]):  # Fortran's double precision
-        data = re.sub(rb"(\d\.\d*)[dD]([+-]\d\d)", rb"\1E\2", data)
-    lines = Lines(data, str(path))
-    if filled > 1:
-        lines.notes += (f"{filled:,} empty bytes behind the last line were left out.",)
+    lines = Lines.of(data, str(path))
     lines.unfold()
     head, whole = lines.head()
     layout = lay.sniff(head, str(path), whole=whole)
     if lines.trim(layout):
         layout = lay.sniff(*lines.head()[:1], str(path), whole=lines.head()[1])
-    raw = Raw(str(path), rate=layout.rate, line=lambda row: f"line {_line_of(lines, layout, row)}")
+    raw = Raw(
+        str(path),
+        rate=lines.rate or layout.rate,
+        line=lambda row: f"line {_line_of(lines, layout, row)}",
+    )
     raw.notes += lines.notes
     layout = _labels_as_header(lines, layout)
     units = layout.units or ("",) * len(layout.kinds)
@@ -158,9 +77,23 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
     def load(wanted):
         return _parse(path, lines, layout, wanted)
 
-    return decide(
-        raw, headings, load, columns=columns, signal=signal, named=layout.header is not None
-    )
+    decide(raw, headings, load, columns=columns, signal=signal, named=layout.header is not None)
+    _by_the_lines_above(raw, layout)
+    return raw
+
+
+def _by_the_lines_above(raw: Raw, layout) -> None:
+    """Units and a rate that a line above the table states, where its columns state none."""
+    timed = {"time", "date", "clock"} & set(raw.columns)
+    if layout.rate_said and raw.rate is None and not timed:
+        raw.rate = layout.rate_said
+        raw.notes += (f"A line above the table states {raw.rate:g} Hz.",)
+    for kind, unit in layout.said.items():
+        there = raw.axes(kind)
+        if there and not any(raw.units[c] for c in there):
+            for c in there:
+                raw.units[c] = unit
+            raw.notes += (f"A line above the table states {unit} for the {kind}.",)
 
 
 def _labels_as_header(lines, layout):
@@ -306,6 +239,11 @@ def _explain(path, lines, layout, wanted):
     """
     width = len(layout.kinds)
     for number, row in _rows(lines, layout):
+        if sum(names.meaning(f).quantity is not None for f in row) > 1 and layout.header:
+            raise InputError(
+                f"{path}, line {number}: another header stands there, with other columns than the first ({', '.join(row)[:60]}); "
+                "cut the file in two before that line."
+            )
         if len(row) != width and not (len(row) == width + 1 and row[-1] == ""):
             raise InputError(
                 f"{path}, line {number}: {len(row)} columns where line {layout.first + 1} has {width}; the file is cut off "

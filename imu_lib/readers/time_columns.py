@@ -161,7 +161,7 @@ def _is_pair(whole: Meaning, sub: Meaning, seconds, fraction, a: int, b: int) ->
     if not (np.isfinite(seconds).all() and np.isfinite(fraction).all()) or len(seconds) < 2:
         return False
     limit = {"ns": 1e9, "us": 1e6, "ms": 1e3, "cs": 1e2}[sub.unit]
-    integers = (seconds == np.rint(seconds)).all()
+    integers = (seconds == np.rint(seconds)).all() and seconds.max() < 1e11
     falls = (np.diff(fraction) < 0).any() or (seconds == seconds[0]).all()
     return bool(integers and fraction.min() >= 0 and fraction.max() < limit and falls)
 

@@ -61,169 +61,96 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
             return replace(
                 found, rank=max(found.rank, 2), why=f"{found.why}, {found.axis} {directions.ALONG}"
             )
-    have = set(words)
-    joined = "".join(words)
+    have, joined = set(words), "".join(words)
+    refused = _refused(words, have)
+    if refused:
+        return refused
+    if have & lexicon.TEMPERATURE or any(t in joined for t in ("temperature", "temperatur")):
+        return Meaning("temperature", why="named a temperature")
+    if words[-1:] == ["d"] and have & {"vel", "v", "velocity"}:
+        return Meaning(why="a velocity")
+    kind = _increment(have, axis)
+    if kind == "t":
+        return Meaning(why="an interval between stamps")
+    turn = have & set(directions.TURN)
+    if kind is None and turn and have & {"rate", "rates"} and len(have) <= 3:
+        return Meaning("gyro", directions.TURN[turn.pop()], why="named a body rate")
+    if kind is None:
+        kind = _kind(have, joined, axis)
+    if kind == "alpha":
+        return Meaning(
+            "alpha", axis, why="alpha beside omega is Kalibr's name for the accelerometer"
+        )
+    if kind is None:
+        return Meaning(why="a velocity" if have & {"velocity", "vel", "speed"} else UNKNOWN)
+    return _reading(kind, axis, words)
+
+
+def _refused(words: list[str], have: set[str]) -> Meaning | None:
+    """Why a heading is no inertial reading, None where nothing says so."""
+    turning = have & {"rate", "rates", "velocity", "speed", "rot", "geschwindigkeit"}
     for word in words:
-        turning = have & {"rate", "rates", "velocity", "speed", "rot", "geschwindigkeit"}
         if word.startswith("grav") and have & {"including", "includes", "incl", "with"}:
             continue  # accelerationIncludingGravity is the specific force
-        if word in lexicon.NOT and not (word in ("roll", "pitch", "yaw") and turning):
+        if word in lexicon.NOT and not (word in directions.TURN and turning):
             if not (word == "speed" and have & {"angular", "ang", "rotation", "winkel"}):
                 return Meaning(why=lexicon.NOT[word])
     if have & {"angular", "rotational"} and have & (lexicon.ACCEL - {"a", "f"}):
         return Meaning(why="an angular acceleration")
-    if have & lexicon.TEMPERATURE or any(t in joined for t in ("temperature", "temperatur")):
-        return Meaning("temperature", why="named a temperature")
-    kind = None
+    return None
+
+
+def _increment(have: set[str], axis: str | None) -> str | None:
+    """dtheta, dv, or t for an interval of time; None where a heading names no increment."""
+    if have & lexicon.DELTA:
+        for kind, named in (("dtheta", lexicon.DELTA_ANGLE), ("dv", lexicon.DELTA_VELOCITY), ("t", {"t", "time"})):  # fmt: skip
+            if have & named:
+                return kind
+    return "dtheta" if have & {"dt", "da"} and axis else None
+
+
+def _kind(have: set[str], joined: str, axis: str | None) -> str | None:
+    """gyro, accel or alpha (which of the two its neighbours tell); None where it is neither."""
+    spoken = bool(have & lexicon.ANGULAR and have & lexicon.SPEED)
+    gyro = spoken or have & lexicon.GYRO or joined in lexicon.GYRO
+    gyro = gyro or have & {"angularvelocity", "angularrate"}
+    gyro = bool(gyro) or (have - {"imu", "sensor", "body", "raw"} == {"rate"} and bool(axis))
+    # single letters tell only where they stand nearly alone
+    have = {"accel" if w == "ag" else w for w in have}
+    have = {w for w in have if not lexicon.CHIP.fullmatch(w)}
+    others = have - lexicon.BESIDE_LETTERS
+    named = bool(have & (lexicon.GYRO - lexicon.LETTERS))
+    force = have & (lexicon.ACCEL - lexicon.LETTERS) or joined in lexicon.ACCEL - lexicon.LETTERS
+    force = force or {"specific", "force"} <= have or {"g", "force"} <= have
+    if gyro and not named and force:
+        gyro = False
+    if not gyro:
+        if force:
+            return "accel"
+        if not axis or len(others) != 1:
+            return None
+        return {"g": "gyro", "w": "gyro", "a": "accel", "f": "accel", "alpha": "alpha"}.get(
+            next(iter(others))
+        )
+    if not named and have & lexicon.LETTERS and len(others) > 1 and not spoken:
+        return None
+    return "gyro"
+
+
+def _reading(kind: str, axis: str | None, words: list[str]) -> Meaning:
+    """A reading of a kind, with its rank among others of that kind and a unit that its words imply."""
+    have = {"accel" if w == "ag" else w for w in words if not lexicon.CHIP.fullmatch(w)}
     group = next(
         (w for w in words if re.fullmatch(r"(?:imu|sensor|gyro|acc|accel|mpu|s)_?\d+", w)), ""
     )
-    if words[-1:] == ["d"] and have & {"vel", "v", "velocity"}:
-        return Meaning(why="a velocity")
-    delta = have & {
-        "delta",
-        "d",
-        "del",
-        "increment",
-        "inc",
-        "dang",
-        "dvel",
-        "dtheta",
-        "dv",
-        "velinc",
-        "deltav",
-        "deltatheta",
-    }
-    if delta:
-        if have & {
-            "theta",
-            "angle",
-            "ang",
-            "angles",
-            "dtheta",
-            "dang",
-            "rot",
-            "deltatheta",
-            "gyro",
-            "gyr",
-        }:
-            kind = "dtheta"
-        elif have & {"v", "vel", "velocity", "dv", "dvel", "velinc", "deltav", "acc", "accel"}:
-            kind = "dv"
-        elif have & {"t", "time"}:
-            return Meaning(why="an interval between stamps")
-    if kind is None and have & {"dt", "da"} and axis:
-        kind = "dtheta"
-    if (
-        kind is None
-        and have & {"roll", "pitch", "yaw"}
-        and have & {"rate", "rates"}
-        and len(have) <= 3
-    ):
-        return Meaning("gyro", {"roll": "x", "pitch": "y", "yaw": "z"}[(have & {"roll", "pitch", "yaw"}).pop()], why="named a body rate")  # fmt: skip
-    if kind is None:
-        angular = have & {
-            "angular",
-            "ang",
-            "angulaire",
-            "angolare",
-            "rotation",
-            "rotational",
-            "turn",
-            "rot",
-            "katowa",
-            "winkel",
-        }
-        speed = have & {
-            "velocity",
-            "vel",
-            "rate",
-            "rates",
-            "vitesse",
-            "velocidad",
-            "velocita",
-            "velocidade",
-            "predkosc",
-            "speed",
-            "turn",
-        }
-        if (
-            (angular and speed)
-            or have & lexicon.GYRO
-            or joined in lexicon.GYRO
-            or have & {"angularvelocity", "angularrate"}
-        ):
-            kind = "gyro"
-        elif have - {"imu", "sensor", "body", "raw"} == {"rate"} and axis:
-            kind = "gyro"
-    # single letters tell only where they stand nearly alone
-    letters = {"g", "w", "a", "f"}
-    have = {"accel" if w == "ag" else w for w in have}
-    have = {w for w in have if not lexicon.CHIP.fullmatch(w)}
-    others = have - {
-        "rs",
-        "s",
-        "b",
-        "ib",
-        "imu",
-        "raw",
-        "data",
-        "cal",
-        "field",
-        "meas",
-        "body",
-        "sensor",
-        "msg",
-        "kf",
-        "r",
-        "i",
-        "lsm",
-        "mpu",
-        "out",
-    }
-    is_force = (
-        have & (lexicon.ACCEL - letters)
-        or joined in lexicon.ACCEL - letters
-        or have & {"specific", "force"} == {"specific", "force"}
-    )
-    is_force = is_force or ({"g", "force"} <= have)
-    if kind == "gyro" and not have & (lexicon.GYRO - letters) and is_force:
-        kind = None
-    if kind is None:
-        if is_force:
-            kind = "accel"
-        elif others == {"g"} and axis:
-            kind = "gyro"
-        elif others & {"a", "f"} and len(others) == 1 and axis:
-            kind = "accel"
-        elif others == {"w"} and axis:
-            kind = "gyro"
-        elif others == {"alpha"} and axis:
-            return Meaning(
-                "alpha", axis, why="alpha beside omega is Kalibr's name for the accelerometer"
-            )
-    if (
-        kind == "gyro"
-        and not have & (lexicon.GYRO - letters)
-        and have & letters
-        and len(others) > 1
-        and not (angular and speed)
-    ):
-        kind = None
-    if kind is None:
-        if have & {"velocity", "vel", "speed"}:
-            return Meaning(why="a velocity")
-        return Meaning(why=UNKNOWN)
-    rank = 1
-    unit = None
-    if kind == "accel" and have & lexicon.FREE:
-        rank = 2
+    rank = 2 if kind == "accel" and have & lexicon.FREE else 1
     if have & {"uncalibrated", "uncal", "raw", "adc", "counts", "lsb"}:
         rank = max(rank, 2)
     if have & {"unfiltered", "unfilt"}:
         rank = 3
-    if kind == "accel" and have & {"gf", "gforce"} or {"g", "force"} <= have:
-        unit = "g"
+    implied = kind == "accel" and have & {"gf", "gforce"} or {"g", "force"} <= have
+    unit = "g" if implied else None
     if axis is None:
         return Meaning(kind, None, unit, rank, why=f"named {kind}", group=group)
-    return Meaning(kind, axis, unit, rank, why=f"named {'an accelerometer' if kind in ('accel', 'dv') else 'a gyro'}", group=group)  # fmt: skip
+    said = "an accelerometer" if kind in ("accel", "dv") else "a gyro"
+    return Meaning(kind, axis, unit, rank, why=f"named {said}", group=group)

@@ -1,0 +1,135 @@
+"""The text of a file before it is a table: what is no text is left out, words between the numbers become
+a header, what stands below the rows goes.
+"""
+
+from __future__ import annotations
+
+import re
+
+from imu_lib.readers import cells, fields, labelled, tagged
+
+
+class Lines:
+    """The text of a file: its bytes, and what a row of the table is called in a message."""
+
+    def __init__(self, data: bytes, source: str):
+        self.data, self.source = data, source
+        self.places: list[int] | None = None  # lines of the file, where the text was rewritten
+        self.notes: tuple[str, ...] = ()
+        self.rate: float | None = None
+
+    @classmethod
+    def of(cls, data: bytes, source: str) -> Lines:
+        """The bytes of a file without what is no text: a card's empty end, colours of a terminal."""
+        wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+        filled = 0 if wide else len(data) - len(data.rstrip(b"\0"))
+        if filled > 1:
+            data = data[:-filled]  # a card's file that was made before it was written
+        if not wide:
+            data = data.replace("\u2212".encode(), b"-")  # a typesetter's minus
+        if b"\x1b[" in data[:4096]:
+            data = re.sub(rb"\x1b\[[0-9;]*[A-Za-z]", b"", data)
+        if re.search(rb"\d\.\d*[dD][+-]\d\d", data[:4096]):  # Fortran's double precision
+            data = re.sub(rb"(\d\.\d*)[dD]([+-]\d\d)", rb"\1E\2", data)
+        if _glued(data):  # %10.5f of Fortran and C, without a blank before a minus
+            data = re.sub(rb"(?<=[\d.])(-)(?=[\d.])", rb" \1", data)
+        lines = cls(data, source)
+        if filled > 1:
+            lines.notes += (f"{filled:,} empty bytes behind the last line were left out.",)
+        lines._start_and_rate()
+        return lines
+
+    def _start_and_rate(self) -> None:
+        """The start and the rate that stand above the readings, once in every column, as Empatica's
+        wristbands write them.
+        """
+        rows = [r.split(b",") for r in self.data[:600].split(b"\n")[:4]]
+        if len(rows) < 4 or len({len(r) for r in rows[:3]}) != 1:
+            return
+        try:
+            start, rate, first = ([float(f) for f in r] for r in rows[:3])
+        except ValueError:
+            return
+        same = all(len(set(r)) == 1 for r in (start, rate))
+        if not same or not 9e8 < start[0] < 2.3e9 or not 0 < rate[0] <= 10_000 or first[0] > 9e8:
+            return
+        self.data = b"\n".join(self.data.split(b"\n")[2:])
+        self.places = list(range(3, self.data.count(b"\n") + 4))
+        self.rate = rate[0]
+        self.notes += (
+            f"The two rows above the readings are the start and the rate: {rate[0]:g} Hz.",
+        )
+
+    def head(self) -> tuple[bytes, bool]:
+        return self.data[: fields.HEAD], len(self.data) <= fields.HEAD
+
+    def unfold(self) -> None:
+        """Words between the numbers become a header."""
+        head, whole = self.head()
+        text, encoding = fields.decode(head, self.source, whole)
+        for how in (lambda t: tagged.unfold(t, self.source), labelled.unfold, cells.plain):
+            if how(text) is None:
+                continue
+            table = how(self.data.decode(encoding, errors="replace"))
+            if table is not None:
+                self.data, self.places, self.notes = table.text.encode(), table.lines, table.notes
+                return
+
+    def trim(self, layout) -> bool:
+        """Leave out what a logger writes between and below the rows: its header again, and words
+        at the end. Whether anything was left out.
+        """
+        if self.places is not None or layout.encoding == "utf-16":
+            return False
+        tail = self.data[-4096:].rstrip().split(b"\n")
+        words = next((k for k, r in enumerate(reversed(tail)) if not _words(r, layout)), 0)
+        top = self.data[: fields.HEAD].split(b"\n")[: layout.first]
+        named = next((r for r in reversed(top) if r.strip()), b"").strip() if layout.header else b""
+        below = sum(len(r) + 1 for r in top)
+        if not words and not (named and self.data.find(named, below) >= 0):
+            return False
+        rows = self.data.rstrip().split(b"\n")
+        end = len(rows) - words
+        again = {i for i in range(layout.first, end) if named and rows[i].strip() == named}
+        text = [i for i in range(layout.first, len(rows)) if i >= end and rows[i].strip()]
+        if not again and not text:
+            return False
+        keep = [i for i in range(len(rows)) if i < end and i not in again]
+        self.data = b"\n".join(rows[i] for i in keep) + b"\n"
+        comment = tuple(c.encode() for c in fields.COMMENTS)
+        self.places = [
+            i + 1
+            for i in keep
+            if i >= layout.first and rows[i].strip() and not rows[i].lstrip().startswith(comment)
+        ]
+        if again:
+            self.notes += (
+                f"The header stands {len(again) + 1} times in the file (line {min(again) + 1} is the second): sessions that were appended.",
+            )
+        if text:
+            self.notes += (
+                f"{len(text)} line{'s' * (len(text) > 1)} of words at the end were left out.",
+            )
+        return True
+
+
+def _words(line: bytes, layout) -> bool:
+    """Whether a line below the rows is words: a remark, or statistics under a name of their own."""
+    text = line.decode(layout.encoding, errors="replace").strip()
+    if not text:
+        return True
+    found = layout.split(text)
+    first = next((i for i, f in enumerate(found) if f), 0)
+    other = first >= len(layout.kinds) or layout.kinds[first] not in ("text", "empty")
+    return (
+        other
+        and fields.kind(found[first], layout.decimal) == "text"
+        and re.search(r"[^\W\d_]{3}", found[first]) is not None
+    )
+
+
+def _glued(data: bytes) -> bool:
+    """Whether numbers of a fixed width touch each other where one is negative."""
+    rows = [r for r in data[:8192].split(b"\n")[2:-1] if r.strip()][:20]
+    found = [len(re.findall(rb"\d\.\d+-\d", r)) for r in rows]
+    return len(rows) > 3 and all(found) and not any(re.search(rb"[A-Za-z:,;]", r) for r in rows)
