@@ -15,6 +15,10 @@ from . import columns, select
 STEPS = 3
 STILL = 1.0  # nats: a step that gains less is the last
 SURE = 8.0  # times the price of what leaves: where the regression loses more, nothing is tried
+#: Nats, and share of an effect's worth, by which a rival may lack about the path held and still be
+#: the better one on its own: what is large is not quite linear.
+OPEN, BENT = 20.0, 0.05
+EXCHANGES = 3
 
 
 def converge(state, kept):
@@ -61,6 +65,48 @@ def simplify(state, say):
             return
         say("as good on a path of their own: " + ", ".join(found.kept))
         state.take(found)
+
+
+def exchange(state, say):
+    """Try each effect's nearest rivals in its place, each on a path of its own, and hold what fits
+    better; what the rivals lack stays in `state.apart`, {(effect, rival): nats}.
+    """
+    for _ in range(EXCHANGES):
+        temper, best = state.reg.temper, None
+        top, apart = _misfit(state, temper), {}
+        for effect, rival in _rivals(state):
+            kept = tuple(rival if e == effect else e for e in state.kept)
+            trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
+            converge(trial, kept)
+            lacks = _misfit(trial, temper) - top
+            apart[effect, rival] = lacks
+            if lacks < 0.0 and (best is None or lacks < best[0]):
+                best = lacks, trial, effect, rival
+        state.apart = apart
+        if best is None:
+            return
+        lacks, trial, effect, rival = best
+        say(f"{rival} instead of {effect}: {-lacks:.1f} nats better on a path of its own")
+        state.take(trial)
+    state.apart = {}
+
+
+def _rivals(state):
+    """(effect, rival): the two nearest of each that the regression about this path leaves open."""
+    out, top = [], select.score_of(state.reg, state.kept)
+    for effect in state.kept:
+        rest = tuple(e for e in state.kept if e != effect)
+        worth = top - select.score_of(state.reg, rest)
+        near = []
+        for rival in select.GROUPS:
+            if rival in state.kept or not np.diag(state.reg.information)[select.GROUPS[rival]].any():
+                continue
+            kept = tuple(rival if e == effect else e for e in state.kept)
+            lacks = top - select.score_of(state.reg, kept)
+            if lacks < OPEN + BENT * worth:
+                near.append((lacks, rival))
+        out += [(effect, rival) for _, rival in sorted(near)[:2]]
+    return out
 
 
 def _misfit(state, temper):

@@ -154,7 +154,7 @@ def close(
         for step in found:
             step["confidence"] = min(step["confidence"], 0.8)
     return DriveReport(
-        drive, given, tuple(found), tuple(steps.invisible(state)), whole, before, after, result,
+        drive, given, tuple(found), tuple(steps.invisible(state, turned)), whole, before, after, result,
         unexplained, tuple(notes), state, first,
     )  # fmt: skip
 

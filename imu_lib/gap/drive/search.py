@@ -73,6 +73,7 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
             continue
         break
     alone.simplify(state, say)
+    alone.exchange(state, say)
     _prune(state, say)
     if state.changes:
         _prune_linear(state, say)

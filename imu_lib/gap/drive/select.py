@@ -145,14 +145,18 @@ def best(reg, candidates, most=8):
     return kept, top
 
 
-def confidence(reg, kept, candidates):
-    """For each kept effect: how sure its name is, and what comes second ("nothing" included)."""
+def confidence(reg, kept, candidates, apart):
+    """For each kept effect: how sure its name is, and what comes second ("nothing" included).
+
+    apart : {(effect, rival): nats} that rivals lack on paths of their own, where that was tried
+    """
     top = score_of(reg, kept)
     out = {}
     for effect in kept:
         others = tuple(k for k in kept if k != effect)
         rivals = {"nothing": score_of(reg, others)}
         rivals |= {e: score_of(reg, (*others, e)) for e in candidates if e not in kept}
+        rivals |= {e: top - lacks for (of, e), lacks in apart.items() if of == effect}
         second = max(rivals, key=rivals.get)
         apart = {e: float(np.exp(np.clip(v - top, -700, 50))) for e, v in rivals.items()}
         total = 1.0 + sum(apart.values())

@@ -26,7 +26,7 @@ class Change:
 
 @dataclass
 class State:
-    """What is held, and the drive under it."""
+    """What is held, and the drive under it; apart: nats that a rival on a path of its own lacks."""
 
     drive: Drive
     noise: Noise
@@ -41,6 +41,7 @@ class State:
     reg: object = None
     withhold: tuple = ()
     heading: float | None = None
+    apart: dict = field(default_factory=dict)
 
     def rebuild(self):
         """The path, innovations and regression at what is held now; fixes that the last path could

@@ -11,6 +11,9 @@ from .effects import CATALOGUE, LINEAR
 
 SUREST = 0.999  # no confidence above this is claimed
 ALIKE = 3.0  # nats
+ANGLES = ("roll", "pitch", "yaw")
+TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case is turned
+SEEN = 3.0 * DEG  # of a mounting angle: what the drive does not show of it is said
 
 
 def _step(effect, parameters, intervals, confidence, runner, alike, gaps, gain, where=None):
@@ -37,7 +40,7 @@ def of(state, first, noise, rng, before):
     sd = dict(zip(index, np.sqrt(np.diag(cov))))
     values = dict(zip(index, values))
     names = [n for n in select.GROUPS if n not in state.kept]
-    sure = select.confidence(state.reg, state.kept, names)
+    sure = select.confidence(state.reg, state.kept, names, state.apart)
     out, gap = [], before.index
     gains = {
         e: total - state.reg.solve([i for k in state.kept if k != e for i in select.GROUPS[k]])[2]
@@ -156,9 +159,9 @@ def mounting(turned, after):
         return []
     angles, sd = turned
     sizes = np.abs(angles) / sd
-    if not (sizes[1:] > 4.0).any() and sizes[0] < 5.0:
+    if not (sizes > TURNED).any():
         return []
-    names = ("roll", "pitch", "yaw")
+    names = ANGLES
     k = int(np.argmax(sizes))
     gain = 0.5 * float(np.sum(sizes**2))
     where = (
@@ -214,9 +217,11 @@ def arm_of_vehicle(found, drive, mount):
             step["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]
 
 
-def invisible(state):
-    """Parameters that the drive does not excite, with upper limits; and pairs that it can't part."""
-    out = []
+def invisible(state, turned):
+    """Parameters that the drive does not excite, with upper limits; turned: the mounting's angles and
+    their standard deviations, or None.
+    """
+    out = _angles_unseen(turned)
     kept = [i for e in state.kept for i in select.GROUPS[e]]
     for effect in LINEAR.values():
         if effect.name in ("gyro_bias", "accel_bias"):
@@ -240,6 +245,22 @@ def invisible(state):
                     }
                 )
     return out
+
+
+def _angles_unseen(turned):
+    """Entries of the mounting's angles that would have to be larger than SEEN to be named."""
+    if turned is None:
+        why = "the drive is too slow for its direction to show the case's"
+        return [
+            {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(np.pi)}
+            for a in ANGLES[1:]
+        ]
+    why = "the path's own attitude is not known well enough: the fixes are too rough, or the drive turns and brakes too little"
+    return [
+        {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(abs(x) + 1.96 * s)}
+        for a, x, s, least in zip(ANGLES, *turned, TURNED)
+        if least * s > SEEN and abs(x) < least * s and a != "roll"
+    ]
 
 
 def unexplained(state, after):

@@ -5,7 +5,7 @@ wrong heading at the start.
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-FASTER = 4.0  # m/s
+FASTER = 1.5  # m/s: what creeps says little, and is weighed by its speed
 TURNING = 0.3  # rad/s
 SYSTEMATIC = np.array([1.2, 0.25, 0.25]) * np.pi / 180  # roads are not level, tyres slip: rad
 
@@ -31,7 +31,6 @@ def mounting(problem, attitude_sd):
         x, left = _robust(a, case[:, k])
         out[3 - k if k == 1 else 1] = sign * x[0]
         spread[3 - k if k == 1 else 1] = left
-    out[2], spread[2] = out[2], spread[2]
     yaw, pitch = np.arcsin(np.clip(out[2], -1, 1)), np.arcsin(np.clip(out[1], -1, 1))
     level = (c_nb * Rotation.from_euler("ZYX", [yaw, pitch, 0.0]).inv()).as_euler("ZYX")
     # the vehicle's roll is zero on average: what the case rolls beyond is its own
