@@ -17,7 +17,7 @@ __all__ = ["POSITION", "RECOVERED", "REJECTED_POSITION", "REJECTED_VELOCITY", "V
 AVERAGE = 0.2  # s over which motion is averaged for the rows of the measurements' states
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def run(begin, end, state, imu, sensors, fixes, speeds, how, logs, nodes, smooth):
     """Epochs begin+1 .. end (epoch k ends interval k-1 of `imu`); epoch `begin` is the state given.
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import columns, select
+from .side_by_side import each
 
 STEPS = 3
 STILL = 1.0  # nats: a step that gains less is the last
@@ -35,6 +36,13 @@ def converge(state, kept):
             break
 
 
+def _led(state, kept):
+    """A state of its own, on the path of a set."""
+    trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
+    converge(trial, kept)
+    return trial
+
+
 def values(reg, kept):
     """(theta, other) of a set by the regression, in bounds with which a path can be built."""
     index = [i for e in kept for i in select.GROUPS[e]]
@@ -55,9 +63,7 @@ def simplify(state, say):
         found = None
         temper = state.reg.temper  # one for all, or a worse path would count for less
         top = _misfit(state, temper)
-        for kept in _smaller(state):
-            trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
-            converge(trial, kept)
+        for trial in each(lambda kept: _led(state, kept), _smaller(state)):
             value = _misfit(trial, temper)
             if value < top:
                 found, top = trial, value
@@ -74,10 +80,10 @@ def exchange(state, say):
     for _ in range(EXCHANGES):
         temper, best = state.reg.temper, None
         top, apart = _misfit(state, temper), {}
-        for effect, rival in _rivals(state):
-            kept = tuple(rival if e == effect else e for e in state.kept)
-            trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
-            converge(trial, kept)
+        pairs = _rivals(state)
+        sets = [tuple(r if e == of else e for e in state.kept) for of, r in pairs]
+        trials = each(lambda kept: _led(state, kept), sets)
+        for (effect, rival), trial in zip(pairs, trials):
             lacks = _misfit(trial, temper) - top
             apart[effect, rival] = lacks
             if lacks < 0.0 and (best is None or lacks < best[0]):
@@ -99,7 +105,10 @@ def _rivals(state):
         worth = top - select.score_of(state.reg, rest)
         near = []
         for rival in select.GROUPS:
-            if rival in state.kept or not np.diag(state.reg.information)[select.GROUPS[rival]].any():
+            if (
+                rival in state.kept
+                or not np.diag(state.reg.information)[select.GROUPS[rival]].any()
+            ):
                 continue
             kept = tuple(rival if e == effect else e for e in state.kept)
             lacks = top - select.score_of(state.reg, kept)

@@ -4,8 +4,8 @@ The nominal path is cut at nodes (every fix, and in between where fixes are rare
 interval the strapdown runs from the nominal state at its begin, and what an error of the state, a
 constant error of each channel, unit white noise of each channel and each parameter of `columns.IMU`
 do by its end is accumulated (the error model is that of the filter, `navigation.covariance`). The
-likelihood of the innovations then costs a step per fix and not one per IMU sample, and is linear in
-the parameters (multiple shooting; Friedland 1969 for the separation of parameters from states).
+likelihood of the innovations (`linear`) then costs a step per fix and not one per IMU sample, and is
+linear in the parameters (multiple shooting; Friedland 1969 for the separation of parameters from states).
 """
 
 import numpy as np
@@ -57,7 +57,7 @@ def _columns(w, f, warmth, speed, late, u):
         u[46 + i, i] = late
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def intervals(epochs, pos, vel, quat, dt, dtheta, dvel, bias, extra, warmth, late, sub, columns):
     """Accumulate over the intervals between nodes.
 
@@ -120,135 +120,3 @@ def intervals(epochs, pos, vel, quat, dt, dtheta, dvel, bias, extra, warmth, lat
         phi[i], gain[i], noise[i], force[i] = x, g, n, h
         _error_to(q, p, v, pos[i + 1], vel[i + 1], quat[i + 1], jump[i])
     return phi, gain, noise, force, jump
-
-
-@njit(cache=True)
-def innovations(
-    begins,
-    phi,
-    gain,
-    noise,
-    force,
-    jump,
-    kind,
-    powers,
-    walks,
-    output,
-    start,
-    first,
-    density,
-    per_speed,
-    speed,
-    bias,
-    gm_phi,
-    gm_sigma,
-    node_fix,
-    node_end,
-    y,
-    arm_rows,
-    variance,
-    use,
-    fraction,
-    wild_scale,
-    d,
-    held,
-    sens,
-):
-    """The linear filter over the nodes, with what each parameter does to each innovation.
-
-    begins (k,) bool: a stretch begins at the node; kind (k,) which of `powers`, `walks` an interval
-    takes; output (6, m); start, first: covariance of a stretch's navigation states and of the
-    sensor states; density, per_speed (6,): white noise N^2 and its growth with speed^2; node_fix,
-    node_end (k,) rows of fixes at the node: from, to before; y (f, 6) predicted minus measured; arm_rows (f, 3, 3); variance,
-    use (f, 6); d (f, 6, P); sens: whether to carry the parameters.
-    held (P,): values taken as known, beyond what the path was built with; fraction, wild_scale: of wild positions, m; a fix is taken for wild where that is likelier
-    returns : e (f, 6) whitened, s (f, 6) variance of the innovations, j (f, 6, P) whitened,
-    wild (f,) bool, doubt (f,) nats by which one of wild and tame is likelier (infinite where no fix
-    can be wild)
-    """
-    m, count = output.shape[1], d.shape[2]
-    n = 9 + m + 3
-    e, s = np.full(y.shape, np.nan), np.full(y.shape, np.nan)
-    jac = np.zeros(d.shape) if sens else np.zeros((1, 6, count))
-    p, x, z = np.zeros((n, n)), np.zeros(n), np.zeros((n, count))
-    p[9 : 9 + m, 9 : 9 + m] = first
-    for i in range(3):
-        p[9 + m + i, 9 + m + i] = gm_sigma * gm_sigma
-    f, h = np.zeros((n, n)), np.zeros(n)
-    imu = force.shape[1]
-    wild = np.zeros(y.shape[0], np.bool_)
-    doubt = np.full(y.shape[0], np.inf)
-    for node in range(begins.size):
-        if begins[node]:
-            x[:9] = 0.0
-            z[:9] = 0.0
-            p[:9, :] = 0.0
-            p[:, :9] = 0.0
-            for i in range(9):
-                p[i, i] = start[i]
-        else:
-            k = node - 1
-            which = kind[k]
-            f[:, :] = 0.0
-            f[:9, :9] = phi[k]
-            f[:9, 9 : 9 + m] = gain[k] @ output
-            f[9 : 9 + m, 9 : 9 + m] = powers[which]
-            for i in range(3):
-                f[9 + m + i, 9 + m + i] = gm_phi[k]
-            p = f @ p @ f.T
-            for ch in range(6):
-                level = density[ch] + per_speed[ch] * speed[node] ** 2
-                p[:9, :9] += level * noise[k, ch]
-            p[9 : 9 + m, 9 : 9 + m] += walks[which]
-            for i in range(3):
-                p[9 + m + i, 9 + m + i] += gm_sigma**2 * (1.0 - gm_phi[k] ** 2)
-            x = f @ x
-            x[:9] -= jump[k] + gain[k] @ bias
-            x[:9] += force[k].T @ held[:imu]
-            if sens:
-                z = f @ z
-                z[:9, :imu] += force[k].T
-        for fix in range(node_fix[node], node_end[node]):
-            if fraction > 0.0 and use[fix, 0]:
-                tame = np.log(1.0 - fraction)
-                other = np.log(fraction)
-                for i in range(3):
-                    h[:] = 0.0
-                    h[i] = 1.0
-                    h[6:9] = arm_rows[fix, i]
-                    h[9 + m + i] = 1.0
-                    var = variance[fix, i] + h @ (p @ h)
-                    apart = (y[fix, i] - d[fix, i] @ held - h @ x) ** 2
-                    more = var + wild_scale * wild_scale
-                    tame -= 0.5 * (apart / var + np.log(var))
-                    other -= 0.5 * (apart / more + np.log(more))
-                wild[fix] = other > tame
-                doubt[fix] = np.abs(other - tame)
-            for i in range(6):
-                if not use[fix, i]:
-                    continue
-                h[:] = 0.0
-                h[i] = 1.0
-                if i < 3:
-                    h[6:9] = arm_rows[fix, i]
-                    h[9 + m + i] = 1.0
-                ph = p @ h
-                var = variance[fix, i] + h @ ph
-                if i < 3 and wild[fix]:
-                    var += wild_scale * wild_scale
-                root = np.sqrt(var)
-                residual = y[fix, i] - d[fix, i] @ held - h @ x
-                e[fix, i], s[fix, i] = residual / root, var
-                gain_k = ph / var
-                x += gain_k * residual
-                if sens:
-                    row = h @ z + d[fix, i]
-                    jac[fix, i] = row / root
-                    for a in range(n):
-                        for b in range(count):
-                            z[a, b] -= gain_k[a] * row[b]
-                for a in range(n):
-                    for b in range(n):
-                        p[a, b] -= gain_k[a] * ph[b]
-        p = 0.5 * (p + p.T)
-    return e, s, jac, wild, doubt

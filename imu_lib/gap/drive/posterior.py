@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
 from . import random_effects
+from .side_by_side import each
 
 STEPS = {1: np.linspace(-3.0, 3.0, 9), 2: np.linspace(-2.5, 3.5, 7)}  # standard deviations
 FINE = 121
@@ -29,7 +30,8 @@ def intervals(state, found):
     axes = _axes(at, centre)
     steps = STEPS[min(centre.size, 2)]
     shape = [steps.size] * centre.size
-    grid = np.array([at(centre + axes @ steps[list(p)]) for p in np.ndindex(*shape)]).reshape(shape)
+    points = [centre + axes @ steps[list(p)] for p in np.ndindex(*shape)]
+    grid = np.array(each(at, points)).reshape(shape)
     fine = np.linspace(steps[0], steps[-1], FINE)
     if centre.size == 1:
         dense = make_interp_spline(steps, grid)(fine)
@@ -54,15 +56,13 @@ def _quantiles(values, weight, levels=LEVELS):
 def _axes(at, x):
     """Columns: principal axes of the likelihood about x, one standard deviation long."""
     h, k = 0.1, x.size
-    here, hessian = at(x), np.zeros((k, k))
-    for i in range(k):
-        for j in range(i + 1):
-            a, b = np.eye(k)[i] * h, np.eye(k)[j] * h
-            if i == j:
-                hessian[i, i] = (at(x + a) - 2 * here + at(x - a)) / h**2
-            else:
-                mixed = at(x + a + b) - at(x + a - b) - at(x - a + b) + at(x - a - b)
-                hessian[i, j] = hessian[j, i] = mixed / (4 * h**2)
+    unit, pairs = np.eye(k) * h, [(i, j) for i in range(k) for j in range(i)]
+    points = [x] + [x + s * a for a in unit for s in (1, -1)]
+    points += [x + s * unit[i] + t * unit[j] for i, j in pairs for s in (1, -1) for t in (1, -1)]
+    values = np.array(each(at, points))
+    hessian = np.diag(values[1 : 2 * k + 1].reshape(k, 2).sum(axis=1) - 2 * values[0]) / h**2
+    for (i, j), four in zip(pairs, values[2 * k + 1 :].reshape(-1, 4)):
+        hessian[i, j] = hessian[j, i] = (four[0] - four[1] - four[2] + four[3]) / (4 * h**2)
     size, turn = np.linalg.eigh(-hessian)
     axes = turn / np.sqrt(np.maximum(size, 1.0 / random_effects.PRIOR**2))
     # the skewed side is the larger value's

@@ -13,10 +13,15 @@ from imu_lib.processes import Constant, GaussMarkov, Sum, WhiteNoise
 from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
 
-from . import condense
+from . import linear
 
 TURN_ON = (0.1 * DEG, 0.05)  # rad/s, m/s^2: biases left at switch-on where the model states none
 STRETCHES, STRETCH = 3, 1000  # how many of how many nodes, of a long drive
+#: Names in `Problem.arrays` of what `linear.Track` holds, in its order.
+TRACK = (
+    "begins", "phi", "gain", "noise", "force", "jump", "kind", "node_speed", "bias", "node_fix",
+    "node_end",
+)  # fmt: skip
 # what the linear filter starts with, so that no alignment is believed: m, m/s, rad
 START = np.array([30.0, 30.0, 30.0, 3.0, 3.0, 3.0, 0.06, 0.06, 0.5])
 
@@ -59,7 +64,7 @@ class Innovations:
 
 @dataclass
 class Problem:
-    """A drive along its nominal path. See `condense.innovations` for the arrays."""
+    """A drive along its nominal path. `arrays` : those of `linear.Track` and more."""
 
     drive: Drive
     turn_on: tuple
@@ -105,21 +110,34 @@ class Problem:
         sensors = sensor_states(
             for_search(noise.model), self.rate, turn_on_sd=self.turn_on, flicker="markov"
         )
-        output = np.zeros((6, sensors.count))
-        for c in range(6):
-            part = slice(sensors.first[c], sensors.first[c + 1])
-            output[c, part] = sensors.output[part]
-        powers, walks = _powers(sensors, a["counts"])
-        variance = self.stated * np.repeat([noise.position**2, noise.velocity**2], 3)
         density = np.array([w if n is None else n**2 for w, n in zip(sensors.white, noise.still)])
-        e, s, jac, wild, doubt = condense.innovations(
-            a["begins"], a["phi"], a["gain"], a["noise"], a["force"], a["jump"], a["kind"],
-            powers, walks, output, START**2, sensors.initial, density,
-            np.asarray(noise.per_speed, float) ** 2, a["node_speed"], a["bias"],
-            np.exp(-a["gap"] / max(noise.tau, 1e-3)), noise.sigma, a["node_fix"], a["node_end"], self.y,
-            a["arm_rows"], variance, self.use if use is None else use, noise.fraction,
-            noise.scale, a["d"], np.zeros(a["d"].shape[2]) if held is None else held, sens,
-        )  # fmt: skip
+        random = linear.Random(
+            START**2,
+            sensors.initial,
+            *_powers(sensors, a["counts"]),
+            np.repeat(np.arange(6), np.diff(sensors.first[:7])),
+            sensors.output,
+            density,
+            np.asarray(noise.per_speed, float) ** 2,
+            np.exp(-a["gap"] / max(noise.tau, 1e-3)),
+            float(noise.sigma),
+            float(noise.fraction),
+            float(noise.scale),
+        )
+        track = linear.Track(*(a[name] for name in TRACK))
+        y = self.y
+        if held is not None and held.any():
+            y = y - a["d"] @ held
+            forced = np.einsum("kpi,p->ki", a["force"], held[: a["force"].shape[1]])
+            track = track._replace(jump=a["jump"] - forced)
+        fixes = linear.Fixes(
+            y,
+            a["arm_rows"],
+            self.stated * np.repeat([noise.position**2, noise.velocity**2], 3),
+            self.use if use is None else use,
+            a["d"],
+        )
+        e, s, jac, wild, doubt = linear.innovations(track, random, fixes, sens)
         good = np.isfinite(e)
         value = -0.5 * float(np.sum(e[good] ** 2 + np.log(s[good])))
         if noise.fraction > 0.0:

@@ -10,6 +10,7 @@ from imu_lib.record import CHANNELS
 
 from .problem import Noise, Problem
 from .select import PER_EFFECT, PER_PARAMETER
+from .side_by_side import each
 
 _TRIES = 35
 LEAST = 0.02  # ratio of errors of fixes to the stated ones: what is below is no noise of a receiver
@@ -174,17 +175,31 @@ def screen(state, noise, base, options):
     """Gain of a few values of each change's first parameter, the best first, one for each key:
     [(gain, change)].
     """
-    ranked = {}
+    tried = []
     for change in options:
-        gains = []
-        factors = _FACTORS.get(change.effect, (1.0, 0.25))
-        for factor in factors:
-            v = np.array(change.start, float)
-            v[0] *= factor
-            tried = replace(change, start=tuple(v))
-            value = state.evaluate(change.enter(noise, v)).log_likelihood - base
-            gains.append((value if np.isfinite(value) else -np.inf, tried))
-        top = max(gains, key=lambda g: g[0])
-        if change.key not in ranked or ranked[change.key][0] < top[0]:
-            ranked[change.key] = top
+        for factor in _FACTORS.get(change.effect, (1.0, 0.25)):
+            first, *others = change.start
+            tried.append(replace(change, start=(first * factor, *others)))
+
+    def gain(change):
+        entered = change.enter(noise, np.array(change.start, float))
+        value = state.evaluate(entered).log_likelihood - base
+        return value if np.isfinite(value) else -np.inf
+
+    ranked = {}
+    for value, change in zip(each(gain, tried), tried):
+        if change.key not in ranked or ranked[change.key][0] < value:
+            ranked[change.key] = value, change
     return sorted(ranked.values(), key=lambda g: -g[0])
+
+
+def shortlist(ranked):
+    """Of what `screen` ranked, what is fitted: the three best, and what else there is on the channel of
+    the first, which a few values of one parameter do not part from it.
+    """
+    ranked = [r for r in ranked if r[0] > 1.0]
+    if not ranked:
+        return []
+    top, first = ranked[0]
+    near = [r for r in ranked[3:] if r[0] > top / 5.0 and r[1].key[1:2] == first.key[1:2]]
+    return [*ranked[:3], *near]

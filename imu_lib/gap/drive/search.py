@@ -11,6 +11,7 @@ import numpy as np
 
 from . import alone, columns, random_effects, select
 from .problem import Problem
+from .side_by_side import each
 from .state import Change, State
 
 ROUNDS = 14
@@ -148,11 +149,12 @@ def _noise_step(state, given):
     options = random_effects.changes(state.problem, state.noise, given)
     taken = {c.change.key for c in state.changes}
     ranked = random_effects.screen(state, state.noise, base, options)
-    ranked = [r for r in ranked if r[0] > 1.0 and r[1].key not in taken][:3]
-    found = []
-    for _, change in ranked:
-        values, gain, noise = change.fitted(state, state.noise, base)
-        found.append((gain - random_effects.penalty(change), gain, change, values, noise))
+    ranked = random_effects.shortlist([r for r in ranked if r[1].key not in taken])
+    fitted = each(lambda r: r[1].fitted(state, state.noise, base), ranked)
+    found = [
+        (gain - random_effects.penalty(change), gain, change, values, noise)
+        for (_, change), (values, gain, noise) in zip(ranked, fitted)
+    ]
     if not found:
         return None
     found.sort(key=lambda f: -f[0])

@@ -158,7 +158,7 @@ def confidence(reg, kept, candidates, apart):
         rivals |= {e: score_of(reg, (*others, e)) for e in candidates if e not in kept}
         rivals |= {e: top - lacks for (of, e), lacks in apart.items() if of == effect}
         second = max(rivals, key=rivals.get)
-        apart = {e: float(np.exp(np.clip(v - top, -700, 50))) for e, v in rivals.items()}
-        total = 1.0 + sum(apart.values())
-        out[effect] = (1.0 / total, second, apart[second] / total, rivals)
+        weights = {e: float(np.exp(np.clip(v - top, -700, 50))) for e, v in rivals.items()}
+        total = 1.0 + sum(weights.values())
+        out[effect] = (1.0 / total, second, weights[second] / total, rivals)
     return out
