@@ -1,0 +1,97 @@
+"""What a fix says to the linear filter, compiled: innovations, corrections, and what the parameters do
+to both.
+"""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _project(p, arm, i, tail, ph):
+    """P h into ph (n,) for number i of a fix, arm (3,) being its row; h' P h is returned."""
+    for j in range(ph.size):
+        ph[j] = p[i, j]
+    if i < 3:
+        for r in range(3):
+            if arm[r] != 0.0:
+                for j in range(ph.size):
+                    ph[j] += arm[r] * p[6 + r, j]
+        if tail < ph.size:
+            for j in range(ph.size):
+                ph[j] += p[tail + i, j]
+    return _along(ph, arm, i, tail)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _along(x, arm, i, tail):
+    """h' x for number i of a fix."""
+    v = x[i]
+    if i < 3:
+        v += arm[0] * x[6] + arm[1] * x[7] + arm[2] * x[8]
+        if tail < x.size:
+            v += x[tail + i]
+    return v
+
+
+@njit(cache=True, nogil=True)
+def judge(room, random, fixes, fix, out):
+    """A position is taken for wild where that is likelier."""
+    tail = 9 + random.weight.size
+    tame, other = np.log(1.0 - random.fraction), np.log(random.fraction)
+    for i in range(3):
+        arm = fixes.arm[fix, i]
+        var = fixes.variance[fix, i] + _project(room.p, arm, i, tail, room.ph)
+        apart = (fixes.y[fix, i] - _along(room.x, arm, i, tail)) ** 2
+        more = var + random.scale * random.scale
+        tame -= 0.5 * (apart / var + np.log(var))
+        other -= 0.5 * (apart / more + np.log(more))
+    out.wild[fix] = other > tame
+    out.doubt[fix] = np.abs(other - tame)
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def take(room, random, fixes, fix, out):
+    """The numbers of a fix, one after the other: innovations, and the corrections."""
+    x, p, z, ph = room.x, room.p, room.z, room.ph
+    n, tail, count = x.size, 9 + random.weight.size, z.shape[1]
+    for i in range(6):
+        if not fixes.use[fix, i]:
+            continue
+        arm = fixes.arm[fix, i % 3]
+        var = fixes.variance[fix, i] + _project(p, arm, i, tail, ph)
+        if i < 3 and out.wild[fix]:
+            var += random.scale * random.scale
+        root = np.sqrt(var)
+        residual = fixes.y[fix, i] - _along(x, arm, i, tail)
+        out.e[fix, i], out.s[fix, i] = residual / root, var
+        if count:
+            _parameters(z, ph, fixes.columns[fix, i], arm, (i, tail), var, out.jac[fix, i])
+        for a in range(n):
+            v = ph[a] / var
+            x[a] += v * residual
+            for b in range(n):
+                p[a, b] -= v * ph[b]
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _parameters(z, ph, column, arm, place, var, row):
+    """What the parameters do to an innovation, into row (P,), and to the states after it."""
+    i, tail = place
+    n, count = z.shape
+    for j in range(count):
+        row[j] = column[j] + z[i, j]
+    if i < 3:
+        for r in range(3):
+            if arm[r] != 0.0:
+                for j in range(count):
+                    row[j] += arm[r] * z[6 + r, j]
+        if tail < n:
+            for j in range(count):
+                row[j] += z[tail + i, j]
+    for a in range(n):
+        v = ph[a] / var
+        for j in range(count):
+            z[a, j] -= v * row[j]
+    root = np.sqrt(var)
+    for j in range(count):
+        row[j] /= root

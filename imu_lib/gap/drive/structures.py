@@ -1,0 +1,96 @@
+"""What the compiled linear filter is given and gives back, as named tuples of arrays.
+
+n states: 9 errors of navigation, m of the sensors, then three Gauss-Markov errors of the positions
+where there are some; P parameters (`columns`).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Track(NamedTuple):
+    """What `condense.intervals` made of the path, k nodes.
+
+    begins (k,) bool: a stretch begins at the node; phi (k-1, 9, 9), gain (k-1, 9, 6), noise (k-1,
+    6, 9, 9), force (k-1, columns, 9), jump (k-1, 9); kind (k-1,) which of `Random.powers` an
+    interval takes; speed (k,) m/s; bias (6,) taken off the readings; first, last (k,) rows of the
+    fixes at the node: from, to before.
+    """
+
+    begins: np.ndarray
+    phi: np.ndarray
+    gain: np.ndarray
+    noise: np.ndarray
+    force: np.ndarray
+    jump: np.ndarray
+    kind: np.ndarray
+    speed: np.ndarray
+    bias: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+
+
+class Random(NamedTuple):
+    """A hypothesis about noise.
+
+    start (9,), sensors (m, m): variance and covariance at the begin of a stretch; powers, walks (u,
+    m, m): transition and noise of the sensor states over an interval; channel (m,) of each state,
+    and its weight (m,) there; density, per_speed (6,): white noise N^2 and its growth with speed^2;
+    decay (k-1,), sigma m: of the positions' Gauss-Markov errors; fraction, scale m: of wild
+    positions.
+    """
+
+    start: np.ndarray
+    sensors: np.ndarray
+    powers: np.ndarray
+    walks: np.ndarray
+    channel: np.ndarray
+    weight: np.ndarray
+    density: np.ndarray
+    per_speed: np.ndarray
+    decay: np.ndarray
+    sigma: float
+    fraction: float
+    scale: float
+
+
+class Fixes(NamedTuple):
+    """y (f, 6) predicted minus measured; arm (f, 3, 3) rows of the attitude error; variance, use (f,
+    6); columns (f, 6, P): what a parameter does to y beyond what it does to the path.
+    """
+
+    y: np.ndarray
+    arm: np.ndarray
+    variance: np.ndarray
+    use: np.ndarray
+    columns: np.ndarray
+
+
+class Out(NamedTuple):
+    """e (f, 6) whitened, s (f, 6) variance of the innovations, jac (f, 6, P) whitened (empty where not
+    asked for), wild (f,) bool, doubt (f,) nats by which one of wild and tame is likelier (infinite
+    where no fix can be wild).
+    """
+
+    e: np.ndarray
+    s: np.ndarray
+    jac: np.ndarray
+    wild: np.ndarray
+    doubt: np.ndarray
+
+
+class Room(NamedTuple):
+    """States x (n,), covariance p (n, n), what parameters do to them z (n, P); top (9, n), es (6, n),
+    zs (6, P), low (m, n), zt (n, P), ph (n,): room to work in.
+    """
+
+    x: np.ndarray
+    p: np.ndarray
+    z: np.ndarray
+    top: np.ndarray
+    es: np.ndarray
+    zs: np.ndarray
+    low: np.ndarray
+    zt: np.ndarray
+    ph: np.ndarray
