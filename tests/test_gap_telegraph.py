@@ -8,8 +8,14 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from imu_lib.gap.channel import analyse
-from imu_lib.gap.effects.telegraph import _amplitude, _beyond_spectrum, _cosines, _posterior
-from imu_lib.processes import Sum, from_json
+from imu_lib.gap.two_levels import (
+    _amplitude,
+    _beyond_spectrum,
+    _cosines,
+    _posterior,
+    decoded,
+)
+from imu_lib.processes import Sum, Telegraph, from_json
 
 FS, N = 100.0, 360_000
 
@@ -92,3 +98,27 @@ def test_levels_lost_in_the_noise_are_told_from_a_gauss_markov_process(rate, see
             Sum.of(from_json(e) for e in base),
         )
         assert [s.effect for s in found.steps if s.effect in truth] == [name]
+
+
+def test_the_spread_of_the_rate_is_that_of_many_records():
+    """Where a dwell hardly stands out of the noise: counted flips alone would say it three times as
+    well as it is known.
+    """
+    rng, noise, off = np.random.default_rng(3), 1e-3, []
+    for _ in range(40):
+        rate = float(np.exp(rng.uniform(np.log(0.1), np.log(1.0))))
+        true = Telegraph(amplitude=noise * np.sqrt(8.0 * rate), rate=rate)
+        x = noise * np.sqrt(FS) * rng.standard_normal(40_000) + true.simulate(40_000, FS, rng)
+        found = decoded(x, FS, true, noise**2)
+        distance, often = found.spread()
+        off.append(
+            (
+                np.log(found.process.rate / rate) / often,
+                np.log(found.process.amplitude / true.amplitude) / distance,
+                often * np.sqrt(found.flips),
+            )
+        )
+    off = np.array(off)
+    # 40 records: a scatter of 1 / sqrt(80), three times that
+    assert np.all(np.abs(np.std(off[:, :2], axis=0) - 1) < 0.34)
+    assert np.median(off[:, 2]) > 2

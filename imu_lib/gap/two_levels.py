@@ -1,0 +1,213 @@
+"""A signal between two levels, decoded from noise and from a drift: expectation maximisation on a
+hidden Markov chain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.fft import dct, idct
+
+from imu_lib.processes import Telegraph
+
+#: Step in the logarithms of distance and rate over which the bend of the likelihood is measured.
+BEND = 0.02
+#: Rounds of the expectation maximisation.
+ROUNDS = 12
+
+
+@njit(cache=True, nogil=True)
+def _posterior(y, a, flip, var):
+    """Probability of the upper level and log-likelihood against pure noise of y = a (s - 1/2) +
+    N(0, var).
+    """
+    n = len(y)
+    alpha = np.empty(n)
+    ll = 0.0
+    p = 0.5
+    for k in range(n):
+        q = p * (1 - flip) + (1 - p) * flip
+        odds = a * y[k] / var  # log of upper to lower, relative to the likelier one: no overflow
+        up, down = (1.0, np.exp(-odds)) if odds > 0 else (np.exp(odds), 1.0)
+        total = q * up + (1 - q) * down
+        ll += np.log(total) + 0.5 * abs(odds) - a * a / (8 * var)
+        p = q * up / total
+        alpha[k] = p
+    out = np.empty(n)
+    out[n - 1] = alpha[n - 1]
+    flips = 0.0
+    for k in range(n - 2, -1, -1):
+        forward = alpha[k] * (1 - flip) + (1 - alpha[k]) * flip
+        stay_up = alpha[k] * (1 - flip) / max(forward, 1e-300)
+        up_to_down = alpha[k] * flip / max(1 - forward, 1e-300)
+        out[k] = out[k + 1] * stay_up + (1 - out[k + 1]) * up_to_down
+        flips += (1 - out[k + 1]) * up_to_down + out[k + 1] * (1 - stay_up)
+    return out, ll, flips
+
+
+def _cosines(x):
+    """Orthonormal cosine transform of a series less its mean, shape (n,)."""
+    return dct(x - x.mean(), norm="ortho")
+
+
+def _amplitude(y, w, v, var, quiet):
+    """Distance of the two levels by generalised least squares of `y` on the expected states `w` -
+    of variance `v` each - and its
+    standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at
+    each ordinate.
+
+    `y` and `w` are given by their cosine transforms.
+    """
+    square = max(float(np.sum(quiet * w**2) + v * np.mean(quiet) * len(w)), 1e-300)
+    return float(np.sum(quiet * y * w)) / square, float(np.sqrt(var / square))
+
+
+def _beyond_spectrum(y, rest, w, a, flip, ll, var, quiet) -> float:
+    """Log-likelihood of two levels beyond that of the Gaussian process of the same spectrum.
+
+    The first is a lower bound: the expectation over the paths, of probability `ll` under white
+    noise of variance `var` in
+    `rest` = `y` less its drift, of the likelihood of `y` under the noise with its drift, less
+    their divergence from what
+    the flips foretell. The second is Whittle's, on the same cosine transform. Equal where the
+    noise is white.
+    """
+    n = len(y)
+    power, left = _cosines(y)[1:] ** 2, _cosines(y - a * w)[1:] ** 2
+    noise = var / np.broadcast_to(quiet, n)[1:]
+    unknown = 0.5 * a * a * np.mean(1 / noise) * np.sum(0.25 - w**2)
+    levels = (
+        0.5 * np.sum((power - left) / noise) - unknown + ll - np.sum(a * rest * w - a * a / 8) / var
+    )
+    phi = 1 - 2 * flip
+    both = (
+        noise
+        + 0.25
+        * a
+        * a
+        * (1 - phi * phi)
+        / np.abs(1 - phi * np.exp(-1j * np.pi * np.arange(1, n) / n)) ** 2
+    )
+    return float(levels + 0.5 * np.sum(np.log(both / noise) + power / both - power / noise))
+
+
+@dataclass(frozen=True, eq=False)
+class TwoLevels:
+    """Two levels as they were decoded.
+
+    Attributes
+    ----------
+    process : processes.Telegraph
+    signal : ndarray, shape (n,)
+    flips : float
+        Expected number of flips.
+    beyond : float
+        Log-likelihood beyond that of a Gauss-Markov process of the same spectrum.
+    sd : float
+        Standard deviation of the distance of the levels, by least squares.
+    left : ndarray, shape (k,)
+        The record in means over `step` s, less its drift and middle.
+    step : float, s
+    variance : float
+        Of the white noise in these means.
+    """
+
+    process: Telegraph
+    signal: np.ndarray
+    flips: float
+    beyond: float
+    sd: float
+    left: np.ndarray
+    step: float
+    variance: float
+
+    def spread(self) -> tuple[float, float]:
+        """Standard deviations of the logarithms of distance and rate, from the bend of the
+        likelihood of the chain: counted flips say how often, but where the noise is loud not
+        surely when, nor how many in a row.
+        """
+
+        def log_likelihood(u, v):
+            flip = _flips(self.process.rate * np.exp(v), self.step)
+            return _posterior(self.left, self.process.amplitude * np.exp(u), flip, self.variance)[1]
+
+        h, top = BEND, log_likelihood(0.0, 0.0)
+        bend = np.empty((2, 2))
+        for k, (u, v) in enumerate(((h, 0.0), (0.0, h))):
+            bend[k, k] = log_likelihood(u, v) - 2 * top + log_likelihood(-u, -v)
+        bend[0, 1] = bend[1, 0] = 0.25 * (
+            log_likelihood(h, h)
+            - log_likelihood(h, -h)
+            - log_likelihood(-h, h)
+            + log_likelihood(-h, -h)
+        )
+        # the counted flips and the least squares are all that there can be known
+        least = np.array([self.sd / self.process.amplitude, 1.0 / np.sqrt(max(self.flips, 1.0))])
+        size, axes = np.linalg.eigh(-bend / h**2)
+        if size.min() <= 0:  # it does not bend: no maximum of its own
+            return float(least[0]), float(least[1])
+        sd = np.sqrt(np.sum(axes**2 / size, axis=1))
+        return float(max(sd[0], least[0])), float(max(sd[1], least[1]))
+
+
+def _flips(rate: float, step: float) -> float:
+    """Probability that the level is another one `step` s later."""
+    return float(0.5 * -np.expm1(-2 * rate * step))
+
+
+def decoded(x, fs: float, start: Telegraph, density: float, drift_gain=None) -> TwoLevels | None:
+    """Two levels by expectation maximisation, or None where they are lost on the way.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    fs : float, Hz
+    start : processes.Telegraph
+    density : float
+        N^2 of the white noise.
+    drift_gain : callable, optional
+        Of (size, rate): the Wiener gain of the model's own drift on a real transform of `size`
+        points at a decimated rate.
+    """
+    # a step is a small part of a dwell, and no longer than it takes to see on which level the
+    # signal is
+    seen = 2.0 * density * fs / start.amplitude**2
+    q = int(max(1, min(round(fs / (12 * start.rate)), seen, len(x) // 64)))
+    k = len(x) // q
+    y = x[: k * q].reshape(k, q).mean(axis=1)
+    y = y - 0.5 * (np.quantile(y, 0.1) + np.quantile(y, 0.9))
+    var = density * fs / q
+    a, rate, middle, drift = start.amplitude, start.rate, 0.0, np.zeros(k)
+    gain = None if drift_gain is None else drift_gain(2 * k, fs / q)[:k]
+    waves = _cosines(y)
+    # share of the noise that is white at each ordinate
+    quiet = 1.0 if gain is None else 1.0 - gain
+    for _ in range(ROUNDS):
+        if not (np.isfinite(a) and a > 0):
+            return None
+        s, _, flips = _posterior(y - drift - middle, a, _flips(rate, q / fs), var)
+        rest = y - drift
+        # two levels by weighted means
+        up, down = np.sum(s), np.sum(1 - s)
+        if min(up, down) < 2:
+            return None
+        high, low = np.sum(s * rest) / up, np.sum((1 - s) * rest) / down
+        states = _cosines(s - 0.5)
+        a, sd = _amplitude(waves, states, np.mean(s * (1 - s)), var, quiet)
+        middle = 0.5 * (high + low)
+        seldom, often = 2.0 * fs / len(x), fs / q / 4
+        rate = -0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q
+        rate = float(np.clip(rate, seldom, often))
+        if gain is not None:
+            drift = idct((waves - a * states) * gain, norm="ortho")
+    if not (np.isfinite(a) and a > 0):  # the last round may have lost the levels
+        return None
+    left, flip = y - drift - middle, _flips(rate, q / fs)
+    s, ll, flips = _posterior(left, a, flip, var)
+    beyond = _beyond_spectrum(y, left, s - 0.5, a, flip, ll, var, quiet)
+    signal = np.repeat(a * (s - 0.5), q)
+    signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
+    process = Telegraph(amplitude=float(a), rate=rate)
+    return TwoLevels(process, signal, float(flips), beyond, sd, left, q / fs, var)
