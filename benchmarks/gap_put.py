@@ -250,7 +250,11 @@ def _on_record(effect, channels, fs, rng):
         if rng.random() < 0.6:
             return {c: np.where(hit, 0.0, x) for c, x in out.items()}, names, 1e3, {"value": 0}
         rows = np.arange(n) - (hit & (np.arange(n) > 0))
-        return {c: x[rows] for c, x in out.items()}, names, 1e3, {"held": True}
+        # rows that equal the one before in all channels by chance hide copies
+        alike = np.all([np.diff(x) == 0 for x in out.values()], axis=0)
+        chance, copies = alike.sum() + 1.0, float(np.sum(hit[1:] & ~alike))
+        gain = (chance + copies) * np.log1p(copies / chance) - copies
+        return {c: x[rows] for c, x in out.items()}, names, min(gain, 1e3), {"held": copies}
     if effect == "time_gaps":
         keep = np.ones(n, bool)
         for k in rng.integers(n // 20, n - n // 20, int(rng.integers(2, 8))):

@@ -12,11 +12,13 @@ from scipy.stats import chi2
 LENGTH, BANDS = 256, 32
 #: log10 of the probability of a band's coherence by chance from which on it stands out.
 RARE = -6.0
+#: Coherence over that of the rest of the spectrum from which on it is a band of its own.
+ABOVE, SKIRT = 3.0, 1.5
 #: First band in which shared noise that ends further up is no noise shared before filters.
 LOWEST = 3
 #: Share of the spectrum beyond which shared noise is white, and coherence outside of a band over
 #: that inside.
-BROAD, OUTSIDE = 0.7, 0.15
+BROAD, OUTSIDE = 0.7, 0.3
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,8 @@ def _found(names, cross, level, square, count, edge, step) -> list[Band]:
     best = None
     for i, j in combinations(range(len(names)), 2):
         stands = chi2.logsf(2 * count * square[:, i, j], 2) / np.log(10) < RARE
+        if stands.mean() > BROAD:  # a band above what is shared everywhere
+            stands &= square[:, i, j] > ABOVE * np.quantile(square[:, i, j], 0.3)
         if not stands.any() or stands.mean() > BROAD:
             continue
         a, b = _run(square[:, i, j], stands)
@@ -98,7 +102,19 @@ def _found(names, cross, level, square, count, edge, step) -> list[Band]:
     height = np.abs(cross[a:b, i, j])
     half = np.flatnonzero(height > 0.5 * np.median(np.sort(height)[-max(2, (b - a) // 2) :]))
     low, high = edge[a + half[0]], edge[a + half[-1] + 1]
-    return [Band(float(low), float(high), amplitude, mean, gain, (edge[a], edge[b]))]
+    return [
+        Band(float(low), float(high), amplitude, mean, gain, _reach(square[:, i, j], a, b, edge))
+    ]
+
+
+def _reach(value, a: int, b: int, edge) -> tuple[float, float]:
+    """Where the coherence comes down to that of the rest of the spectrum on both sides, Hz."""
+    floor = SKIRT * np.quantile(value, 0.3)
+    while a > LOWEST and value[a - 1] > floor:
+        a -= 1
+    while b < len(value) - 1 and value[b] > floor:
+        b += 1
+    return float(edge[a]), float(edge[b])
 
 
 def _segments(x, length):

@@ -31,12 +31,20 @@ OF_SAMPLES = (
 )
 
 
+#: Those of them that may be what makes the distribution uneven: the others leave it as even as it
+#: was.
+ONE_SIDED = ("saturation", "spikes", "stuck")
+#: Domain of the test of that.
+SKEW = "skewness"
+
+
 def weighed(tests, named) -> tuple[Check, list[str]]:
     """The worst test of those whose disagreement matters, and what the others see beyond chance, in
     words; `named` are the effects that the channel has.
     """
     strict = any(effect in OF_SAMPLES for effect in named)
-    small = [c for c in tests if c.size < 1.0 and not strict]
+    uneven = any(effect in ONE_SIDED for effect in named)
+    small = [c for c in tests if c.size < 1.0 and not (uneven if c.domain == SKEW else strict)]
     worst = min((c for c in tests if c not in small), key=lambda c: c.log_p)
     return worst, [c.where for c in small if c.log_p < LIMIT]
 
@@ -199,9 +207,10 @@ def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[
         excess = max(excess, 0.0)
     return [
         Check(
-            "distribution",
+            SKEW,
             float(_log10_normal(skew / np.sqrt(6 / n))),
-            f"distribution of the innovations: skewness {skew:+.3g}",
+            f"distribution of the innovations: skewness {skew:+.3g}, {np.count_nonzero(u > 4)} samples "
+            f"beyond +4 standard deviations and {np.count_nonzero(u < -4)} beyond -4",
             size,
         ),
         Check(

@@ -7,6 +7,7 @@ from scipy.optimize import minimize
 from scipy.special import gammaln, ndtri
 from scipy.stats import t as student
 
+from imu_lib.gap.innovations import whitened
 from imu_lib.processes import HeavyTails as Stage
 
 from .base import ChannelEffect, Finding
@@ -18,8 +19,9 @@ from .resolution import grid_of
 GAIN, MOST = 14.0, 60.0
 #: Degrees of freedom below which the variance hangs on the few largest samples.
 LEAST = 2.3
-#: Step of a grid, in standard deviations of the noise, beyond which its levels show.
-COARSE = 0.5
+#: Step of a grid, in standard deviations of the noise, beyond which its levels show, and beyond
+#: which the distribution is the grid's.
+COARSE, COARSER = 0.5, 1.2
 #: log10 p of an unsteady level below which tails may be nothing but that.
 STEADY = -5.0
 
@@ -69,8 +71,12 @@ class HeavyTails(ChannelEffect):
         if held is not None:
             return []
         grid = grid_of(view.raw[~np.isnan(view.raw)])
-        if grid is not None and grid[0] > COARSE * np.sqrt(view.smooth.conditional_variance):
+        coarse = 0.0 if grid is None else grid[0] / np.sqrt(view.smooth.conditional_variance)
+        if coarse > COARSER:
             return []  # a few levels have a distribution of their own
+        if coarse > COARSE:  # each level spread over its own width, which makes tails the lighter
+            rng = np.random.default_rng(len(y))
+            y = whitened(view.x + grid[0] * (rng.random(len(y)) - 0.5), view.smooth)
         gain, freedom, _, sd = fitted(y - np.mean(y))
         gain *= independent
         if gain < GAIN or freedom > MOST:

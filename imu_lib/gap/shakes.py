@@ -1,0 +1,188 @@
+"""What shakes the sensor as an entry of the model: a family of lines, a band, a forest of lines; each
+with its gain, its bands and a sentence of where it shows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from imu_lib.gap.families import weak_lines
+from imu_lib.processes import Vibration as Process
+
+#: Lines beyond which a sentence says how many there are.
+FOREST = 40
+
+
+@dataclass
+class Shake:
+    """A vibration that was found.
+
+    `bands` are (low, high) in Hz, which hold all of it; `signal` what it puts into each channel,
+    where that is known already.
+    """
+
+    process: Process
+    gain: float
+    where: str
+    intervals: dict
+    bands: list = field(default_factory=list)
+    signal: dict = field(default_factory=dict)
+
+
+def of_family(f0: float, family, transforms, shortest: float) -> list[Shake]:
+    """A family of sources, multiples of `f0` Hz where that is not 0: one shake an episode of
+    `shortest` s or more.
+    """
+    best = max(family, key=lambda s: s.gain)
+    amplitudes, weak = _amplitudes(f0, family, transforms)
+    keys = sorted(amplitudes)
+    names = [n for n in transforms.names if any(n in s.amplitude for s in family)]
+    matrix = np.array([[amplitudes[k].get(n, 0.0) for k in keys] for n in names])
+    strength, ratios = _factors(matrix)
+    order = max(round(best.frequency / f0), 1) if f0 else 1
+    process = Process(
+        frequency=float(f0 or best.frequency),
+        amplitude=tuple(float(v) for v in strength),
+        bandwidth=float(best.bandwidth / order),
+        channels=tuple(names),
+        **_lines(f0, keys, ratios),
+    )
+    spread = 1.96 * max(best.frequency_sd / order, 1e-9)
+    intervals = {"frequency": [process.frequency - spread, process.frequency + spread]}
+    intervals["amplitude"] = [
+        [max(0.0, a - 1.96 * _sd(family, n)), a + 1.96 * _sd(family, n)]
+        for n, a in zip(names, process.amplitude)
+    ]
+    half = max(1.0 / transforms.duration, 0.5 * process.bandwidth)
+    bands = _merged(
+        [(s.place.low, s.place.high) for s in family]
+        + [(k * f0 - k * half, k * f0 + k * half) for k in weak]
+    )
+    gain, out = float(sum(s.gain for s in family)), []
+    spans = [v for v in best.spans if len(best.spans) < 2 or v[1] - v[0] >= shortest]
+    total = sum(stop - start for start, stop in spans)
+    for start, stop in spans or [(None, None)]:
+        one = process.with_(start=start, stop=stop)
+        share = 1.0 if start is None else (stop - start) / total
+        text = where(one, best.strength, transforms.duration)
+        out.append(Shake(one, gain * share, text, intervals, bands))
+    return out
+
+
+def _amplitudes(f0, family, transforms):
+    """(amplitudes by channel of each line, by its order or its frequency; those too weak to stand
+    out alone).
+    """
+    weak = weak_lines(f0, family, transforms) if f0 else {}
+    out = {int(round(s.frequency / f0)) if f0 else s.frequency: s.amplitude for s in family}
+    return {**out, **weak}, weak
+
+
+def _lines(f0, keys, ratios) -> dict:
+    """Fields of a process of several lines."""
+    if len(keys) == 1 and (not f0 or keys == [1]):
+        return {}
+    count = max(keys) if f0 else len(keys)
+    table = np.zeros(count)
+    for i, k in enumerate(keys):
+        table[k - 1 if f0 else i] = ratios[i]
+    more = {"harmonics": int(count), "ratios": tuple(float(v) for v in table)}
+    return more if f0 else {**more, "lines": tuple(float(k) for k in keys)}
+
+
+def of_band(band) -> Shake:
+    """Noise that channels share in a band."""
+    process = Process(
+        frequency=0.5 * (band.low + band.high),
+        amplitude=tuple(band.amplitude.values()),
+        bandwidth=band.high - band.low,
+        channels=tuple(band.amplitude),
+    )
+    return Shake(
+        process,
+        band.gain,
+        f"coherence between {_names(process.channels)} from {band.low:.3g} to {band.high:.3g} Hz: {band.coherence:.2g} there and none elsewhere",
+        {"frequency": [band.low, band.high]},
+        [band.reach],
+    )
+
+
+def of_forest(found, signal: dict, duration: float) -> Shake:
+    """A forest of lines with what it puts into its channels."""
+    order = np.argsort(found.frequencies)
+    lines, matrix = found.frequencies[order], found.amplitude[:, order]
+    strength, ratios = _factors(matrix)
+    process = Process(
+        frequency=float(found.frequencies[0]),
+        amplitude=tuple(float(v) for v in strength),
+        channels=found.channels,
+        harmonics=len(lines),
+        ratios=tuple(float(v) for v in ratios),
+        lines=tuple(float(v) for v in lines),
+    )
+    text = (
+        f"power spectral density: {found.count} lines between {lines.min():.3g} and "
+        f"{lines.max():.3g} Hz on {_names(found.channels)}, all the time from 0 to "
+        f"{duration:.0f} s: products of two clocks"
+    )
+    spread = 0.5 / duration
+    return Shake(
+        process,
+        found.gain,
+        text,
+        {"frequency": [process.frequency - spread, process.frequency + spread]},
+        signal=signal,
+    )
+
+
+def where(process: Process, strength: float, duration: float) -> str:
+    """Where it shows, in a sentence."""
+    lines = process.frequencies
+    decibel = f", {10 * np.log10(1 + strength):.0f} dB above the noise"
+    if process.harmonics == 1:
+        what = f"power spectral density at {process.frequency:.5g} Hz{decibel}"
+    elif process.lines is not None:
+        what = f"power spectral density: {process.harmonics} lines between {lines.min():.4g} and {lines.max():.4g} Hz{decibel}"
+    else:
+        count = np.count_nonzero(process.shape)
+        what = f"power spectral density at {count} multiples of {process.frequency:.5g} Hz{decibel}"
+    if process.bandwidth > 0 and process.harmonics == 1:
+        what += f", {process.bandwidth:.2g} Hz wide"
+    what += f", on {_names(process.channels)}"
+    if process.start is not None:
+        what += f", from {process.start:.0f} to {process.stop:.0f} s"
+    else:
+        what += f", all the time from 0 to {duration:.0f} s"
+    return what
+
+
+def _names(channels) -> str:
+    return ", ".join(channels)
+
+
+def _factors(matrix):
+    """Amplitudes of the channels and of the lines over the strongest whose product is nearest to
+    `matrix`, shapes (channels,), (lines,).
+    """
+    u, s, v = np.linalg.svd(matrix)
+    ratios = np.abs(v[0])
+    top = ratios.max()
+    return np.abs(u[:, 0]) * s[0] * top, ratios / top
+
+
+def _sd(family, name) -> float:
+    """Standard deviation of a channel's amplitude, from its best line."""
+    return min((s.sd[name] for s in family if name in s.sd), default=0.0)
+
+
+def _merged(bands):
+    """Bands in order, those that meet joined."""
+    out = []
+    for low, high in sorted(bands):
+        if out and low <= out[-1][1]:
+            out[-1] = (out[-1][0], max(high, out[-1][1]))
+        else:
+            out.append((low, high))
+    return out

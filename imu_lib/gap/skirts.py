@@ -1,0 +1,62 @@
+"""How far the skirts of a line that wanders reach: a strong one is above its surroundings long after
+its own band has ended.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Ordinates in a band, widths of the band that a skirt may reach on each side, and widths beyond
+#: that tell the level.
+ORDINATES, REACH, BESIDE = 8, 3.0, 1.5
+#: Power over the level down to which it is a skirt, or that over chance in standard deviations.
+LEAST, CHANCE = 1.08, 3.0
+
+
+def widened(x, fs: float, bands, *, start: float = 0.0, stop: float | None = None) -> list:
+    """Bands (low, high) in Hz of a channel `x` (n,) with the skirts of each, as there are between
+    `start` and `stop` s.
+    """
+    part = x[int(start * fs) : None if stop is None else int(stop * fs)]
+    return [_widened(part, fs, *band) for band in bands]
+
+
+def _widened(x, fs, low, high):
+    width = high - low
+    m = int(2 ** np.round(np.log2(max(ORDINATES * fs / width, 32))))
+    if len(x) < 16 * m:
+        return low, high
+    window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
+    part = np.lib.stride_tricks.sliding_window_view(x, m)[:: m // 2]
+    power = np.mean(np.abs(np.fft.rfft((part - part.mean(axis=1)[:, None]) * window)) ** 2, axis=0)
+    f = np.arange(len(power)) * fs / m
+    level = _level(f, power, low, high, fs)
+    if level is None:
+        return low, high
+    # neighbours under the window go together
+    ratio = np.convolve(power / level, [0.25, 0.5, 0.25], "same")
+    floor = max(LEAST, 1.0 + CHANCE / np.sqrt(2.0 * len(part)))
+    a, b = np.searchsorted(f, [low, high])
+    first, last = np.searchsorted(f, [low - REACH * width, high + REACH * width])
+    while a > max(first, 2) and ratio[a - 1] > floor:
+        a -= 1
+    while b < min(last, len(f) - 2) and ratio[b] > floor:
+        b += 1
+    return min(low, float(f[a])), max(high, float(f[b]))
+
+
+def _level(f, power, low, high, fs):
+    """The level under the band: a straight line in the logarithm between what lies beyond the
+    skirts; None where one side is missing.
+    """
+    width, at, value = high - low, [], []
+    for a, b in (
+        (low - (REACH + BESIDE) * width, low - REACH * width),
+        (high + REACH * width, high + (REACH + BESIDE) * width),
+    ):
+        inside = (f >= max(a, 2 * f[1])) & (f <= min(b, 0.48 * fs))
+        if inside.sum() < 3:
+            return None
+        at.append(f[inside].mean())
+        value.append(np.log(np.median(power[inside])))
+    return np.exp(np.interp(f, at, value))
