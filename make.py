@@ -86,6 +86,7 @@ def test(arguments):
         "2",
         "--dist",
         "loadfile",
+        "--no-loadscope-reorder",  # conftest.py puts what takes longest first
         "--nbval",
         "--nbval-current-env",
         "--nbval-cell-timeout",

@@ -116,37 +116,49 @@ def outliers(table, channel, method, coefficient, *, level=0.05) -> pd.DataFrame
 def drift(table, channel, method, coefficient) -> Estimate | None:
     """How a coefficient grows with time, as the change of its logarithm a year: each sensor's own
     slope over its dates, combined (random effects, Hartung and Knapp's interval); None where fewer
-    than three sensors have three dates or more.
+    than three sensors have three dates or more. Dates scatter by the same amount in all sensors,
+    found by Paule and Mandel's condition.
     """
-    slopes, errors = [], []
-    rows = coefficients(table, channel, method, coefficient)
+    series = _series(coefficients(table, channel, method, coefficient))
+    if len(series) < 3:
+        return None
+    # days scatter by more than the estimates' own error; by how much, all sensors tell together:
+    # each alone has too few dates, and weights made of its own scatter would be as uncertain
+    wanted = sum(t.size - 2 for t, _, _ in series)
+
+    def excess(day):
+        return sum(_slope(t, y, s**2 + day)[2] for t, y, s in series) - wanted
+
+    most = max(float(np.ptp(y)) ** 2 for _, y, _ in series)
+    day = optimize.brentq(excess, 0.0, 4 * most) if excess(0.0) > 0 > excess(4 * most) else 0.0
+    found = np.array([_slope(t, y, s**2 + day)[:2] for t, y, s in series])
+    both = combine_effects(found[:, 0], found[:, 1], method_re="iterated", use_t=True)
+    mean = float(both.mean_effect_re)
+    half = stats.t.ppf(0.975, len(found) - 1) * float(both.sd_eff_w_re_hksj)
+    return Estimate(mean, mean - half, mean + half)
+
+
+def _series(rows):
+    """(dates in years, logarithms, their standard errors) of each sensor with three dates or more."""
     rows = rows[rows.date.notna()]
     if not len(rows):
-        return None
+        return []
     every_y, every_s = spreads.logarithms(rows.value, rows.low, rows.high)
     every_t = pd.to_datetime(rows.date).to_numpy("datetime64[D]").astype(float) / 365.25
     good = np.isfinite(every_y) & np.isfinite(every_s) & (every_s > 0)
-    for at in _of_sensors(rows)[1]:
-        at = at[good[at]]
-        t, y, s = every_t[at], every_y[at], every_s[at]
-        if np.unique(t).size < 3:
-            continue
-        design = np.column_stack([np.ones(t.size), t - t.mean()]) / s[:, None]
-        inverse = np.linalg.inv(design.T @ design)
-        fit = inverse @ design.T @ (y / s)
-        rest = y / s - design @ fit
-        # days scatter by more than the estimates' own error: the larger of the two counts
-        extra = max(1.0, rest @ rest / (t.size - 2))
-        slopes.append(fit[1])
-        errors.append(np.sqrt(inverse[1, 1] * extra))
-    if len(slopes) < 3:
-        return None
-    found = combine_effects(
-        np.array(slopes), np.array(errors) ** 2, method_re="iterated", use_t=True
-    )
-    mean = float(found.mean_effect_re)
-    half = stats.t.ppf(0.975, len(slopes) - 1) * float(found.sd_eff_w_re_hksj)
-    return Estimate(mean, mean - half, mean + half)
+    own = [at[good[at]] for at in _of_sensors(rows)[1]]
+    return [
+        (every_t[at], every_y[at], every_s[at]) for at in own if np.unique(every_t[at]).size > 2
+    ]
+
+
+def _slope(t, y, variance):
+    """(slope, its variance, weighted sum of squares that is left) of a straight line."""
+    design = np.column_stack([np.ones(t.size), t - t.mean()]) / np.sqrt(variance)[:, None]
+    inverse = np.linalg.inv(design.T @ design)
+    fit = inverse @ design.T @ (y / np.sqrt(variance))
+    rest = y / np.sqrt(variance) - design @ fit
+    return fit[1], inverse[1, 1], rest @ rest
 
 
 def sensor_and_day(table, channel, method, coefficient) -> dict | None:
@@ -176,20 +188,20 @@ def sensor_and_day(table, channel, method, coefficient) -> dict | None:
     def misfit(sensor, day):
         total = one = two = three = 0.0
         for y, s in groups:
-            v = day**2 + s**2
-            w = 1 / v
-            shrink = sensor**2 / (1 + sensor**2 * w.sum())
-            total += np.log(v).sum() + np.log1p(sensor**2 * w.sum())
-            one += w.sum() - shrink * w.sum() ** 2
-            two += w @ y - shrink * w.sum() * (w @ y)
-            three += w @ y**2 - shrink * (w @ y) ** 2
+            w = 1 / (day[..., None] ** 2 + s**2)
+            sums, first, second = w.sum(-1), w @ y, w @ y**2
+            shrink = sensor**2 / (1 + sensor**2 * sums)
+            total = total - np.log(w).sum(-1) + np.log1p(sensor**2 * sums)
+            one = one + sums - shrink * sums**2
+            two = two + first - shrink * sums * first
+            three = three + second - shrink * first**2
         return 0.5 * (total + np.log(one) + three - two**2 / one)
 
     grid = np.concatenate([[0.0], np.geomspace(0.02 * size, 6 * size, 60)])
-    surface = np.array([[misfit(a, b) for b in grid] for a in grid])
+    surface = misfit(grid[:, None], grid[None, :])
     start = grid[list(np.unravel_index(np.argmin(surface), surface.shape))]
     best = optimize.minimize(
-        lambda p: misfit(abs(p[0]), abs(p[1])), start + 1e-3 * size, method="Nelder-Mead"
+        lambda p: float(misfit(*np.abs(p))), start + 1e-3 * size, method="Nelder-Mead"
     )
     low = min(best.fun, surface.min())
     found = np.abs(best.x)
