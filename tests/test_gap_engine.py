@@ -7,8 +7,9 @@ import pytest
 
 from imu_lib.gap.channel import _doubtful
 from imu_lib.gap.data import Data, statistics
+from imu_lib.gap.draws import Draws
 from imu_lib.gap.effects import CATALOGUE
-from imu_lib.gap.ensemble import Draws, draw, index
+from imu_lib.gap.ensemble import draw, index
 from imu_lib.gap.steps import Step
 from imu_lib.likelihood import Statistics, density, tapered
 from imu_lib.likelihood.evidence import maximum

@@ -26,7 +26,7 @@ from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
-from imu_lib.gap.undone import Channel, Undone, undone
+from imu_lib.gap.undone import Channel, OfRecord, Undone, undone
 from imu_lib.processes import Sum
 
 #: Confidence in one of two readings of a grid that the record does not tell apart.
@@ -76,25 +76,16 @@ def analyse(
     *,
     temperature=None,
     seed: int = 0,
-    shared: float = 0.0,
-    filtered: bool = False,
-    known=None,
-    progress=None,
+    of_record: OfRecord | None = None,
 ) -> ChannelResult:
     """Find, name and add what `base` lacks to be the model of `raw` (NaN where a sample is
-    missing), one channel at `fs` Hz.
-
-    `shared` is the density N of noise that the channel shares with others and that is accounted
-    for on the record; it enters
-    before the channel's low-pass filter where it is `filtered`. `known`, shape (n,), is what else
-    the record puts into the channel (vibration).
+    missing), one channel at `fs` Hz, beside what is accounted for on the record.
     """
     raw = np.asarray(raw, float)
-    channel = Channel(name, raw, fs, temperature, shared, filtered, known)
-    say = progress or (lambda text: None)
+    channel = Channel(name, raw, fs, temperature, of_record or OfRecord())
     grid = grid_of(raw[~np.isnan(raw)])
     held = None if grid is None else electronics.integral_of(base, grid[0], fs)
-    found = _analyse(channel, base, seed, say)
+    found = _analyse(channel, base, seed)
     rounded = next((s for s in found.steps if s.effect == Resolution.name), None)
     alone = rounded is not None and found.unexplained is None
     differenced = any(effect.of_differences(s.parameters) for s, effect in _told(found.steps))
@@ -106,7 +97,7 @@ def analyse(
         base = Sum(
             tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages
         )
-    return _likelier_grid(found, _analyse(channel, base, seed, say, integral=True), rounded)
+    return _likelier_grid(found, _analyse(channel, base, seed, integral=True), rounded)
 
 
 def _likelier_grid(found: ChannelResult, other: ChannelResult, rounded) -> ChannelResult:
@@ -134,22 +125,20 @@ def _told(steps) -> list[tuple]:
     return [(s, effects.CATALOGUE[s.effect]) for s in steps]
 
 
-def _analyse(channel: Channel, given: Sum | None, seed: int, say, *, integral: bool = False):
+def _analyse(channel: Channel, given: Sum | None, seed: int, *, integral: bool = False):
     """The channel with its grid read one way: a `ChannelResult`."""
     rng = np.random.default_rng([seed, sum(map(ord, channel.name))])
-    left = undone(channel, given, rng, say, integral=integral)
-    say("candidates")
+    left = undone(channel, given, rng, integral=integral)
     if given is None:
         start, families = free_base(left.data, left.terms)
     else:
         start, families = State(left.data, left.terms, low_pass=given.low_pass), []
     wild = _wild(left)
-    state, rivals = _named(start, wild, say)
-    say("what is left")
+    state, rivals = _named(start, wild)
     state, rivals, tests = _tested(left, state, rivals, wild)
     unexplained, small = _unexplained(left, state, tests)
     steps = steps_of_findings(left.findings, channel.fs) + steps_of_items(state, rivals)
-    steps = _doubtful(_capped(steps, state, unexplained), channel.shared)
+    steps = _doubtful(_capped(steps, state, unexplained), channel.of_record.shared)
     held, n_base = left.held_terms, len(start.base)
     base = given if given is not None else Sum(tuple(state.base[held:n_base]))
     parts = base, state, left.findings, n_base - held, held
@@ -183,11 +172,11 @@ def _wild(left: Undone) -> bool:
     return min((c.log_p for c in checks), default=0.0) < VETO
 
 
-def _named(state: State, wild: bool, say) -> tuple[State, list]:
+def _named(state: State, wild: bool) -> tuple[State, list]:
     """The state grown by what is missing, and the rivals of each of its items."""
-    state, _ = rounds.grow(state, progress=say, most=1 if wild else 5)
+    state, _ = rounds.grow(state, most=1 if wild else 5)
     if wild:  # what drifts is seen in the means, whatever the spectrum does
-        state, _ = rounds.grow(state, progress=say, exclude=NO_DRIFT)
+        state, _ = rounds.grow(state, exclude=NO_DRIFT)
     if not state.items:
         return state, []
     state, rivals = rounds.swap(rounds.prune(state), passes=1 if wild else 2)

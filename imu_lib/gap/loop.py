@@ -10,6 +10,7 @@ from imu_lib.gap.channel import analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.prepared import Prepared, prepared
 from imu_lib.gap.side_by_side import each
+from imu_lib.gap.undone import OfRecord
 from imu_lib.model import Model
 from imu_lib.record import Record
 
@@ -110,9 +111,7 @@ def _channel(about: Prepared, name: str, seed: int):
         about.base(name),
         temperature=about.temperature,
         seed=seed,
-        shared=about.noise[name],
-        filtered=about.filtered,
-        known=about.known.get(name),
+        of_record=OfRecord(about.noise[name], about.filtered, about.known.get(name)),
     )
 
 

@@ -69,7 +69,7 @@ def _weighed(item, trial, state) -> Weighed:
     return Weighed(item, trial, trial.evidence - state.evidence, trial.ll - state.ll)
 
 
-def grow(state: State, *, most: int = 5, exclude=(), progress=None) -> tuple[State, list]:
+def grow(state: State, *, most: int = 5, exclude=()) -> tuple[State, list]:
     """Rounds until nothing is worth adding: the grown state and [(winner, all candidates of that
     round)].
     """
@@ -81,8 +81,6 @@ def grow(state: State, *, most: int = 5, exclude=(), progress=None) -> tuple[Sta
             break
         state = retuned(best.state).settled()
         history.append((best, weighed))
-        if progress:
-            progress(best.item.name)
     return state, history
 
 

@@ -20,6 +20,25 @@ COARSE_STEPS = 1.2
 
 
 @dataclass(frozen=True)
+class OfRecord:
+    """What is in a channel and accounted for on the record.
+
+    Attributes
+    ----------
+    shared : float
+        Density N of noise that it shares with others.
+    filtered : bool
+        Whether that enters before the channel's low-pass filter.
+    known : ndarray, shape (n,), or None
+        What else the record puts into it (vibration).
+    """
+
+    shared: float = 0.0
+    filtered: bool = False
+    known: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
 class Channel:
     """One channel as it came.
 
@@ -30,21 +49,14 @@ class Channel:
         NaN where a sample is missing.
     fs : float, Hz
     temperature : ndarray, shape (n,), or None
-    shared : float
-        Density N of noise that it shares with others and that is accounted for on the record.
-    filtered : bool
-        Whether that enters before the channel's low-pass filter.
-    known : ndarray, shape (n,), or None
-        What else the record puts into the channel (vibration).
+    of_record : OfRecord
     """
 
     name: str
     raw: np.ndarray
     fs: float
-    temperature: np.ndarray | None = None
-    shared: float = 0.0
-    filtered: bool = False
-    known: np.ndarray | None = None
+    temperature: np.ndarray | None
+    of_record: OfRecord
 
 
 @dataclass
@@ -81,17 +93,14 @@ class Undone:
         return rest, whitened(rest, smooth) / self.clean.swing, smooth
 
 
-def undone(channel: Channel, given: Sum | None, rng, say, *, integral: bool) -> Undone:
+def undone(channel: Channel, given: Sum | None, rng, *, integral: bool) -> Undone:
     """The channel without its electronics, the changes of its noise level and its lines."""
-    say("electronics")
     clean = electronics.undo(
-        channel.raw, channel.fs, given, rng, integral=integral, known=channel.known
+        channel.raw, channel.fs, given, rng, integral=integral, known=channel.of_record.known
     )
     terms = _noises(channel, given, clean)
     held_terms = len(terms) - (0 if given is None else len(given.noise.terms))
-    say("noise level")
     view, of_noise, doubts = noise_level.settled(_view(channel, given, clean, terms))
-    say("lines")
     data = Data(
         view.x + clean.coarse,
         channel.fs,
@@ -124,9 +133,10 @@ def undone(channel: Channel, given: Sum | None, rng, say, *, integral: bool) -> 
 def _noises(channel, given, clean) -> list:
     """The noises that the competition starts from."""
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]
-    if channel.shared > 0:
-        filtered = 1 if channel.filtered else None
-        terms.append(CommonMode(N=channel.shared, channels=(channel.name,), filtered=filtered))
+    common = channel.of_record
+    if common.shared > 0:
+        filtered = 1 if common.filtered else None
+        terms.append(CommonMode(N=common.shared, channels=(channel.name,), filtered=filtered))
     if clean.of_integral is not None and (given is None or given.rounding is None):
         terms.append(clean.of_integral)
     return terms

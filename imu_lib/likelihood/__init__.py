@@ -13,8 +13,9 @@ from .choose import CANDIDATES, Choice, FastEnd, choose, fast_end
 from .evaluate import density, goodness, log_likelihood, residuals
 from .fit import Fit, fit
 from .flat import flat_level
+from .regressors import Regressors
 from .scales import of_scales
-from .statistics import Regressors, Statistics
+from .statistics import Statistics
 
 __all__ = [
     "CANDIDATES",

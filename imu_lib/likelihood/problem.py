@@ -19,8 +19,9 @@ from imu_lib.processes.base import POSITIVE_KINDS
 
 from .evaluate import LEAST_LEFT, gaussian, with_extra
 from .layout import of_strength_one
+from .regressors import Regressors
 from .slot import FILTER, Slot
-from .statistics import Regressors, Statistics
+from .statistics import Statistics
 
 #: Share of the density below which a process is zero.
 ZERO = 1e-9

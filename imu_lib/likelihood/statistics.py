@@ -34,6 +34,7 @@ from imu_lib.arrays import Array
 from . import tapered
 from .layout import WIDTH, Layout, Stretch, edges_of, layout_of
 from .lines import without_lines
+from .regressors import Regressors
 
 #: Part of the way to the seam from which on the slow end fades into the fast one.
 FADED = 0.5
@@ -277,31 +278,6 @@ class Statistics:
         shape = cosines(part, self.rate)
         shape[s.dropped] = 0.0
         return shape
-
-
-@dataclass(frozen=True)
-class Regressors:
-    """Per band: `gram` (b, q, q) and `cross` (b, q) of q mean shapes with each other and with the
-    record.
-    """
-
-    gram: Array = field(repr=False)
-    cross: Array = field(repr=False)
-
-    def solve(self, expected: Array) -> tuple[Array, Array]:
-        """Amplitudes (q,) by generalised least squares under `expected` (b,), and their covariance
-        (q, q).
-        """
-        information = np.einsum("bij,b->ij", self.gram, 1 / expected)
-        covariance = np.linalg.pinv(information, hermitian=True)
-        return covariance @ (self.cross.T @ (1 / expected)), covariance
-
-    def remaining(self, power: Array, amplitudes: Array) -> Array:
-        """Power per band once the shapes are taken out."""
-        gone = 2 * self.cross @ amplitudes - np.einsum(
-            "bij,i,j->b", self.gram, amplitudes, amplitudes
-        )
-        return np.maximum(power - gone, 0.0)
 
 
 def cosines(x: Array, fs: float) -> Array:
