@@ -5,12 +5,13 @@ realisation, a state space. `a + b` is a `Sum`; `from_json` opens an entry of an
 from __future__ import annotations
 
 import dataclasses
+from importlib import import_module
 from typing import Any
 
 from imu_lib.errors import InputError
 
 from .autoregressive import Autoregressive
-from .base import POSITIVE_KINDS, Parameter, Process, StateSpace
+from .base import NAMED, POSITIVE_KINDS, Parameter, Process, StateSpace
 from .deterministic import Constant, Ramp, Sinusoid, Step, Temperature, WarmUp
 from .faults import Disturbance, Dropout, Tilt
 from .flicker import FLAT, Flicker
@@ -86,7 +87,7 @@ def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
             f"an entry of an error model must be an object with the key 'process', not {entry!r:.80}"
         )
     name = entry["process"]
-    cls = known.get(name) if isinstance(name, str) else None
+    cls = (known.get(name) or _of_an_effect(name)) if isinstance(name, str) else None
     if cls is None:
         raise InputError(f"unknown process {name!r}; known are {', '.join(known)}")
     values = {cls.keys.get(key, key): v for key, v in entry.items() if key != "process"}
@@ -108,6 +109,16 @@ def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
             f"process {name}: parameter {' or '.join(missing) or 'taps, order or smoothing'} is missing"
         )
     return process
+
+
+def _of_an_effect(name: str) -> type[Process] | None:
+    """A process that an effect of the gap workflow brings with it: looked up when it is asked for,
+    by its name, since effects are made of processes.
+    """
+    if name not in {**OF_CHANNEL, **OF_RECORD}:
+        import_module("imu_lib.gap.effects")
+        return NAMED.get(name)
+    return None
 
 
 __all__ = [

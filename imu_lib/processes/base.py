@@ -53,6 +53,10 @@ class Parameter:
 POSITIVE_KINDS = ("amplitude", "time", "frequency", "rate", "ratio")
 
 
+#: Every process that has been defined, by its name.
+NAMED: dict[str, type[Process]] = {}
+
+
 class Process:
     """Base of all processes. See the module's docstring for the conventions."""
 
@@ -141,6 +145,11 @@ class Process:
     def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         """The deterministic part at times `t` in s, same shape; zero for a noise."""
         return np.zeros_like(np.asarray(t, dtype=float))
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        if cls.name:
+            NAMED.setdefault(cls.name, cls)
 
     # -- parameters ------------------------------------------------------------------------------
     def __post_init__(self) -> None:

@@ -1,11 +1,20 @@
-"""The catalogue: one small file for each effect, found by itself; a file lists its own in `EFFECTS`."""
+"""The catalogue: one small file for each effect, found by itself; a file lists its own in `EFFECTS`.
 
+Files of one's own, in folders named by the environment variable `IMU_LIB_EFFECTS`, count as if they
+were here.
+"""
+
+import os
 from importlib import import_module
 from pkgutil import iter_modules
 
 from .base import ChannelEffect, ChannelView, Effect, Finding, SignalEffect
 from .competitor import Competitor, Spectral
 from .drift import Drift
+
+__path__ += [
+    os.path.abspath(p) for p in os.environ.get("IMU_LIB_EFFECTS", "").split(os.pathsep) if p
+]
 
 #: Every effect, in the order of `Effect.order` and its file's name.
 ALL = tuple(

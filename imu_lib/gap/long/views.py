@@ -14,7 +14,11 @@ from imu_lib.model import Model
 from imu_lib.processes import (
     NoiseLevelChange,
     Process,
+    Sinusoid,
     Sum,
+    Telegraph,
+    Tilt,
+    Vibration,
     WanderingLevel,
     WhiteNoise,
     from_json,
@@ -24,21 +28,19 @@ from imu_lib.record import Record
 #: Share of the rate of the block means below which a line belongs to these, and periods of it that
 #: a memory of these lasts at the least.
 LINE, MEMORY = 0.4, 5.0
-#: Processes that are slow whatever their parameters.
-SLOW = ("constant", "ramp", "random_walk", "step", "warm_up", "temperature", "flicker", "tilt")
 #: Times in a model, s from the first sample.
 TIMES = ("time", "start", "stop")
 
 
 def is_slow(process: Process, rate: float) -> bool:
     """Whether block means at `rate` Hz show a process best."""
-    if process.name in ("sinusoid", "vibration"):
+    if isinstance(process, (Sinusoid, Vibration)):
         return process.frequency < LINE * rate
-    if process.name in ("gauss_markov", "gauss_markov_2"):
-        return process.correlation_time * rate > MEMORY
-    if process.name == "telegraph":
+    if isinstance(process, Telegraph):
         return process.rate * MEMORY < rate
-    return process.name in SLOW
+    if process.deterministic or isinstance(process, Tilt):
+        return True
+    return process.memory * rate > MEMORY
 
 
 def belongs_to_means(step: Step, entry: Sum, rate: float) -> bool:
