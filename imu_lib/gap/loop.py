@@ -8,6 +8,7 @@ import time
 from imu_lib.gap import ensemble, gauge
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.found import ChannelReport, Report
+from imu_lib.gap.moved import as_tilts
 from imu_lib.gap.prepared import Prepared, prepared
 from imu_lib.gap.side_by_side import each
 from imu_lib.gap.undone import OfRecord
@@ -59,6 +60,7 @@ def close(
     told.one("coherence")
     results = _named(about, seed, jobs, told)
     base, grown = _models(about, results)
+    results, moved = as_tilts(results, about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:
         reports = gauge.measured(
@@ -66,7 +68,7 @@ def close(
         )
     return Report(
         reports,
-        about.steps,
+        [*about.steps, *moved],
         about.ready.doubt or about.left,
         base,
         grown,

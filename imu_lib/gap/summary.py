@@ -8,22 +8,20 @@ import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
+from imu_lib.gap.shakes import FOREST
 from imu_lib.gap.verdict import TAIL
+from imu_lib.gap.wrong import sentence
 from imu_lib.processes import Spikes, Sum
 
 #: Confidence from which on a finding is told as one.
 SURE = 0.9
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
 LONGEST = 0.1
-#: Effects by whose they are.
-FAULTS = ("dropout", "held", "time_gaps", "jitter", "rate_error", "stuck", "spikes", "saturation")
-TOUCHED = ("disturbance", "tilt", "step")
-AROUND = ("vibration", "temperature", "warm_up", "wandering_level", "noise_level_change")
 
 
 def sentences(found) -> list[str]:
     """Three to six sentences about a `gap.Report`."""
-    out = [_good_for(found), _wrong(found), _sensor(found), _environment(found)]
+    out = [_good_for(found), sentence(found.steps, SURE), _sensor(found), _environment(found)]
     out += [_left(found), _next(found)]
     return [s for s in out if s]
 
@@ -61,42 +59,6 @@ def _good_for(found) -> str:
     if held:
         text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
     return text + "."
-
-
-def _wrong(found) -> str:
-    parts = []
-    for where, s in _steps(found, FAULTS):
-        p = s.parameters
-        on = "" if where == "record" else f" on {where}"
-        if s.effect == "time_gaps":
-            parts.append(f"{100 * p['fraction']:.2g} % of the samples are missing")
-        elif s.effect == "dropout":
-            parts.append(f"{100 * p['fraction']:.2g} % of the rows are drop-outs")
-        elif s.effect == "jitter":
-            parts.append(f"the time stamps scatter by {1e3 * p['sd']:.2g} ms")
-        elif s.effect == "saturation":
-            parts.append(f"samples are clipped{on}")
-        elif s.effect == "stuck":
-            parts.append(f"{100 * p['fraction']:.2g} % of the samples are frozen{on}")
-        elif s.effect == "spikes":
-            parts.append(f"single samples are thrown off{on}, {60 * p['rate']:.2g} a minute")
-        else:
-            parts.append(f"{s.effect.replace('_', ' ')}{on}")
-    touched = [s for w, s in _steps(found, TOUCHED) if s.effect != "step"]
-    if touched:
-        at = sorted(s.parameters.get("start", s.parameters.get("time", 0.0)) for s in touched)
-        what = "moved" if any(s.effect == "tilt" for s in touched) else "touched"
-        parts.append(f"it was {what} at {_times(at)} s")
-    doubtful = [
-        f"{s.effect.replace('_', ' ')} on {where}"
-        for where, s in found.steps
-        if s.effect in FAULTS and where != "record" and s.confidence < SURE
-    ]
-    if doubtful and not parts:
-        return f"Nothing is surely wrong with the data themselves, but in doubt: {', '.join(doubtful)}."
-    if not parts:
-        return "Nothing is wrong with the data themselves: no drop-outs, no frozen or clipped samples, nobody touched it."
-    return f"{_sentence(_merged(parts))}."
 
 
 def _sensor(found) -> str:
@@ -149,17 +111,11 @@ def _character(model: Sum, record):
 
 def _environment(found) -> str:
     parts = []
-    shaken = sorted((s for _, s in _steps(found, ("vibration",))), key=lambda s: -s.gain)
-    for s in shaken[:3]:
-        p = s.parameters
-        what = f"{p['frequency']:.4g} Hz"
-        if p["harmonics"] > 1:
-            what += f" ({p['harmonics']} lines)"
-        elif p["bandwidth"] > 0.1 * p["frequency"]:
-            half = p["bandwidth"] / 2
-            what = f"{p['frequency'] - half:.3g} to {p['frequency'] + half:.3g} Hz"
-        when = "" if p.get("from") is None else f" from {p['from']:.0f} to {p['to']:.0f} s"
-        parts.append(f"it shook at {what}{when} on {_channels(p['channels'])}")
+    shaken: dict = {}
+    for _, step in sorted(_steps(found, ("vibration",)), key=lambda item: -item[1].gain):
+        p = step.parameters
+        shaken.setdefault((p["frequency"], tuple(p["channels"])), []).append(p)
+    parts += [_shook(episodes) for episodes in list(shaken.values())[:3]]
     if len(shaken) > 3:
         parts.append(f"{len(shaken) - 3} weaker vibrations beside")
     for effect, text in (
@@ -174,6 +130,26 @@ def _environment(found) -> str:
     if not parts:
         return "Of the environment it shows nothing."
     return f"Of the environment: {'; '.join(parts)}."
+
+
+def _shook(episodes) -> str:
+    """One vibration, with all the times at which it was there."""
+    p = episodes[0]
+    what = f"at {p['frequency']:.4g} Hz"
+    half = p["bandwidth"] / 2
+    if p.get("lines") and len(p["lines"]) > FOREST:
+        low, high = min(p["lines"]), max(p["lines"])
+        return (
+            f"{len(p['lines'])} lines from {low:.2g} to {high:.3g} Hz, products of clocks, are on "
+            f"{_channels(p['channels'])}"
+        )
+    if p["harmonics"] > 1:
+        what += f" ({p['harmonics']} lines)"
+    elif p["bandwidth"] > 0.1 * p["frequency"]:
+        what = f"at {p['frequency'] - half:.3g} to {p['frequency'] + half:.3g} Hz"
+    times = sorted((e["from"], e["to"]) for e in episodes if e.get("from") is not None)
+    when = _listed([f"from {a:.0f} to {b:.0f} s" for a, b in times]) if times else ""
+    return f"it shook {what}{' ' + when if when else ''} on {_channels(p['channels'])}"
 
 
 def _left(found) -> str:
@@ -230,16 +206,6 @@ def _listed(parts) -> str:
 def _sentence(parts) -> str:
     text = "; ".join(parts)
     return text[:1].upper() + text[1:]
-
-
-def _merged(parts):
-    """Parts that are alike but for the channel, once."""
-    return list(dict.fromkeys(parts))[:5]
-
-
-def _times(at) -> str:
-    shown = ", ".join(f"{t:.0f}" for t in at[:5])
-    return shown + (f" and {len(at) - 5} more times" if len(at) > 5 else "")
 
 
 def _names(channels) -> str:

@@ -1,0 +1,62 @@
+"""Jumps of several accelerometers at one time are a tilt, and the verdict tells what jumped."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from imu_lib.gap import wrong
+from imu_lib.gap.channel import ChannelResult
+from imu_lib.gap.moved import as_tilts
+from imu_lib.gap.steps import Step
+from imu_lib.processes import Sum
+
+FS, N, G = 50.0, 20_000, 9.80665
+
+
+def step(effect, sure=0.99, **parameters):
+    return Step(effect, parameters, {}, "", sure, {"effect": "none", "confidence": 0.0}, [])
+
+
+def jumped(gyro_noise, *, turn=True, along=0.0):
+    """(results, what was prepared) of a unit that was tilted twice by some tenths of a milliradian."""
+    rng, t = np.random.default_rng(2), np.arange(N) / FS
+    raw = {f"gyro_{a}": gyro_noise * rng.standard_normal(N) for a in "xyz"}
+    force = np.array([0.1, -0.2, -G])
+    raw |= {f"accel_{a}": f + 5e-3 * rng.standard_normal(N) for a, f in zip("xyz", force)}
+    steps = {f"accel_{a}": [] for a in "xyz"}
+    for at, angles in ((130.0, (2e-4, 1.5e-4, 0)), (270.0, (-1.6e-4, 2e-4, 0))):
+        change = -np.cross(angles, force) + along * np.array([0, 0, 1.0])
+        for a, c, w in zip("xyz", change, angles):
+            if abs(c) > 1e-4:
+                raw[f"accel_{a}"] += (t > at) * c
+                steps[f"accel_{a}"].append(step("step", amplitude=c, time=at + 0.3))
+            raw[f"gyro_{a}"] += turn * w * (np.abs(t - at) < 0.5)
+    results = {c: ChannelResult(c, Sum(()), Sum(()), s, [], None) for c, s in steps.items()}
+    return results, SimpleNamespace(raw=raw, fs=FS, ready=SimpleNamespace(start=10.0))
+
+
+@pytest.mark.parametrize("gyro_noise, sure", [(2e-2, 0.8), (2e-5, 0.95)])
+def test_two_small_tilts_are_two_tilts_and_no_steps(gyro_noise, sure):
+    results, tilts = as_tilts(*jumped(gyro_noise))
+    assert [s.effect for r in results.values() for s in r.steps] == []
+    assert [s.parameters["time"] for s in tilts] == pytest.approx([140.3, 280.3])
+    assert tilts[0].parameters["angles"] == pytest.approx([2e-4, 1.5e-4, 0.0], abs=1e-5)
+    assert all(s.confidence == pytest.approx(sure) for s in tilts)
+    assert "moved at 140, 280 s" in wrong.sentence([("record", s) for s in tilts], 0.9)
+
+
+def test_what_gyros_or_gravity_deny_stays_a_step():
+    for made in (jumped(2e-5, turn=False), jumped(2e-2, along=5e-3)):
+        results, tilts = as_tilts(*made)
+        assert tilts == [] and sum(len(r.steps) for r in results.values()) >= 4
+
+
+def test_jumps_are_told_and_not_denied():
+    steps = [
+        ("accel_x", step("step", amplitude=0.01, time=70.0)),
+        ("gyro_y", step("telegraph", amplitude=1e-3, rate=0.05)),
+    ]
+    text = wrong.sentence(steps, 0.9)
+    assert "jumped on accel_x at 70 s (or it was tilted by 1 mrad)" in text
+    assert "between two values on gyro_y, 3 times a minute" in text and "nobody" not in text
