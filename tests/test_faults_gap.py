@@ -110,3 +110,16 @@ def test_the_means_of_half_a_minute_of_bursts_are_enough():
     channels = {c: 1e-3 * rng.standard_normal(k.size) for c in ("gyro_x", "gyro_y")}
     made = ready(Record(channels, 960.0, time=time))
     assert 900 <= made.record.n <= 930 and not made.left_out
+
+
+def test_an_axis_that_another_one_repeats_is_told_and_left_out():
+    rng = np.random.default_rng(7)
+    x = {f"{k}_{a}": 1e-3 * rng.standard_normal(6000) for k in ("gyro", "accel") for a in "xyz"}
+    x["gyro_y"] = -x["gyro_x"]
+    found = [f for f in faults.find(Record(x, 100.0)) if f.kind == "copied"]
+    assert [(f.channels, f.parameters) for f in found] == [
+        (("gyro_y",), {"of": "gyro_x", "sign": -1})
+    ]
+    done = close(Record(x, 100.0), channels=["gyro_x", "gyro_y"], simulations=0, jobs=1)
+    assert list(done.channels) == ["gyro_x"]
+    assert "gyro_y is gyro_x again" in done.to_json()["verdict"][1]

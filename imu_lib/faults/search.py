@@ -6,7 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.faults import clock, disturbance, dropout, held, hole, motion, restart, tilt, warm_up
+from imu_lib.faults import (
+    clock,
+    copied,
+    disturbance,
+    dropout,
+    held,
+    hole,
+    motion,
+    restart,
+    tilt,
+    warm_up,
+)
 from imu_lib.faults.chance import Levels
 from imu_lib.faults.finding import Finding
 from imu_lib.faults.levels import bridged, prepared
@@ -39,6 +50,7 @@ def find(record: Record) -> tuple[Finding, ...]:
     data += held.constant(channels, time)
     data += held.find(channels, time, record.rate, levels, blind)
     data += dropout.missing(channels, time)
+    data += copied.find(channels, time)
     found = data + clock.find(record) + warm_up.find(record)
     if not travels(channels, record.rate, data):
         found += _happened(record, channels, time, levels, data)
@@ -61,7 +73,18 @@ def _bad(channel: str, x: np.ndarray, data) -> np.ndarray:
 
 
 def _rank(finding: Finding) -> int:
-    order = ("constant", "dropout", "stuck", "held", "burst", "gap", "time_grid", "jitter", "rate")
+    order = (
+        "constant",
+        "copied",
+        "dropout",
+        "stuck",
+        "held",
+        "burst",
+        "gap",
+        "time_grid",
+        "jitter",
+        "rate",
+    )
     return order.index(finding.kind) if finding.kind in order else len(order)
 
 

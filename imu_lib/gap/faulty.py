@@ -67,7 +67,11 @@ def ready(record: Record, model: Model | None = None) -> Ready:
         If no channel says anything of its noise, or too few samples are left.
     """
     findings = faults.find(record)
-    left_out = _silent(record)
+    left_out = _silent(record) | {
+        f.channels[0]: f"is {f.parameters['of']} again, one measurement in two columns"
+        for f in findings
+        if f.kind == "copied"
+    }
     kept = {c: x for c, x in record.channels.items() if c not in left_out}
     if not kept:
         raise InputError(_nothing(record, left_out))

@@ -21,7 +21,12 @@ LONGEST = 0.1
 
 def sentences(found) -> list[str]:
     """Three to six sentences about a `gap.Report`."""
-    out = [_good_for(found), sentence(found.steps, SURE), _sensor(found), _environment(found)]
+    out = [
+        _good_for(found),
+        sentence(found.steps, SURE, _left_out(found)),
+        _sensor(found),
+        _environment(found),
+    ]
     out += [_left(found), _next(found)]
     return [s for s in out if s]
 
@@ -59,6 +64,10 @@ def _good_for(found) -> str:
     if held:
         text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
     return text + "."
+
+
+def _left_out(found) -> list[str]:
+    return [note for note in found.notes if note.endswith("it is left out.")]
 
 
 def _sensor(found) -> str:

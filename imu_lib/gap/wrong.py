@@ -40,12 +40,12 @@ WORDS = {
 }
 
 
-def sentence(steps, sure: float) -> str:
+def sentence(steps, sure: float, left_out=()) -> str:
     """The sentence about `steps`, (channel or "record", step) of everything found; what is less
-    than `sure` is in doubt.
+    than `sure` is in doubt; `left_out` are sentences on channels that tell nothing.
     """
     named = [(w, s) for w, s in steps if s.effect in (*FAULTS, *JUMPS)]
-    parts, doubtful = [], []
+    parts, doubtful = [text.rstrip(".") for text in left_out], []
     for where, s in named:
         on = "" if where == "record" else f" on {where}"
         text = WORDS.get(s.effect, lambda p, on, s=s: f"{s.effect.replace('_', ' ')}{on}")
