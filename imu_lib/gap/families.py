@@ -8,7 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-from imu_lib.gap.sources import Source, Transforms
+from imu_lib.gap.sources import Source
+from imu_lib.gap.transforms import Transforms
 
 #: Multiples that are looked for, and how many lines of a comb have to be there.
 MULTIPLES, SHARE = 40, 0.5

@@ -17,8 +17,8 @@ ABOVE, SKIRT = 3.0, 1.5
 #: First band in which shared noise that ends further up is no noise shared before filters.
 LOWEST = 3
 #: Share of the spectrum beyond which shared noise is white, and coherence outside of a band over
-#: that inside.
-BROAD, OUTSIDE = 0.7, 0.3
+#: that inside, where it stands out alone and where it does so of what is shared everywhere.
+BROAD, OUTSIDE, ABOVE_OUTSIDE = 0.7, 0.15, 0.3
 
 
 @dataclass(frozen=True)
@@ -61,12 +61,15 @@ def _found(names, cross, level, square, count, edge, step) -> list[Band]:
     best = None
     for i, j in combinations(range(len(names)), 2):
         stands = chi2.logsf(2 * count * square[:, i, j], 2) / np.log(10) < RARE
-        if stands.mean() > BROAD:  # a band above what is shared everywhere
+        broad = stands.mean() > BROAD
+        if broad:  # a band above what is shared everywhere
             stands &= square[:, i, j] > ABOVE * np.quantile(square[:, i, j], 0.3)
         if not stands.any() or stands.mean() > BROAD:
             continue
         a, b = _run(square[:, i, j], stands)
-        if a < LOWEST:  # what moves slowly, or all of what filters let through
+        if (
+            a < LOWEST or broad and b == len(stands)
+        ):  # what moves slowly, or all of what filters let through
             continue
         inside = np.zeros(len(stands), bool)
         inside[a:b] = True
@@ -75,7 +78,7 @@ def _found(names, cross, level, square, count, edge, step) -> list[Band]:
             continue
         excess = np.maximum(square[:, i, j] - 1 / np.maximum(count, 1), 0.0)
         outside = max(np.median(excess[free]), np.mean(excess[:LOWEST]))
-        if outside > OUTSIDE * np.median(excess[a:b]):
+        if outside > (ABOVE_OUTSIDE if broad else OUTSIDE) * np.median(excess[a:b]):
             continue
         gain = float(np.sum(-count[a:b] * np.log1p(-np.minimum(square[a:b, i, j], 0.999))))
         if best is None or gain > best[0]:

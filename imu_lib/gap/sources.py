@@ -7,17 +7,23 @@ its samples are then nearly independent complex numbers, normal where there is n
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
-from scipy.fft import ifft, next_fast_len, rfft
+from scipy.fft import next_fast_len
 
 from imu_lib.gap.behaviour import BREATHES, SWEEPS, breathes, rises, sweeps
 from imu_lib.gap.episodes import BLOCKS, episodes
 from imu_lib.gap.narrow_band import Place
+from imu_lib.gap.transforms import Transforms
 
 #: Gain in log-likelihood from which on a channel feels what another one shows, and power over its
 #: surroundings that it needs at the least.
 FELT, LEAST = 9.0, 1.12
+#: Width over frequency up to which what several channels show at one place is one cause.
+NARROW = 0.04
+#: Squared coherence of a wider band from which on it is one cause, and over that of chance.
+TOGETHER, CHANCE = 0.05, 14.0
 #: Width over that of a stronger place from which on what is faint is what is left beside it.
 WIDE = 1.6
 
@@ -46,6 +52,8 @@ class Source:
     #: Why it is no vibration where one channel alone has it: its amplitude rises and falls, or its
     #: frequency goes from one end of the band to the other.
     strange: str = ""
+    #: Whether a band that several channels show moves in them together.
+    coherent: bool = True
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -66,47 +74,6 @@ class Source:
     def stop(self) -> float | None:
         """When it is there last, s."""
         return self.spans[-1][1] if self.spans else None
-
-
-class Transforms:
-    """Transforms of all channels (name -> (n,), fast part), made once."""
-
-    def __init__(self, channels: dict, fs: float):
-        self.names, self.fs = list(channels), fs
-        self.n = len(next(iter(channels.values())))
-        self.z = {name: rfft(x) for name, x in channels.items()}
-
-    @property
-    def duration(self) -> float:
-        return self.n / self.fs
-
-    def ordinates(self, low: float, high: float) -> tuple[int, int]:
-        """First ordinate of a band and the one behind its last."""
-        top = self.n // 2
-        a = int(np.clip(np.floor(low * self.duration), 1, top - 2))
-        b = int(np.clip(np.ceil(high * self.duration) + 1, a + 2, top))
-        return a, b
-
-    def density(self, name: str, a: int, b: int) -> float:
-        """Level beside the ordinates a to b, one-sided, unit^2/Hz, lines beside it left out."""
-        z, reach = self.z[name], int(np.clip(b - a, 60, 20_000))
-        sides = []
-        for lo, hi in ((max(1, a - reach), a), (b, min(len(z) - 1, b + reach))):
-            if hi - lo >= 20:
-                sides.append(np.log(np.median(np.abs(z[lo:hi]) ** 2) / np.log(2) + 1e-300))
-        if not sides:
-            return float(np.mean(np.abs(z[1:-1]) ** 2)) * 2 / (self.n * self.fs)
-        return float(np.exp(np.mean(sides))) * 2 / (self.n * self.fs)
-
-    def zoom(self, name: str, a: int, b: int) -> np.ndarray:
-        """The band of ordinates a to b as complex samples at its own width, of mean square 1 where
-        it is as loud as what is beside it.
-        """
-        size = next_fast_len(b - a)
-        part = np.zeros(size, complex)
-        part[: b - a] = self.z[name][a:b]
-        signal = ifft(part) * size * (2.0 / self.n)
-        return signal / np.sqrt(2 * self.density(name, a, b) * (b - a) * self.fs / self.n)
 
 
 def examined(place: Place, found_on, transforms: Transforms) -> Source:
@@ -153,6 +120,18 @@ def examined(place: Place, found_on, transforms: Transforms) -> Source:
             best,
             transforms.duration,
         ),
+        bandwidth < NARROW * frequency or _coherent([z[name][on] for name in felt]),
+    )
+
+
+def _coherent(bands) -> bool:
+    """Whether any two channels move together in their bands (n,): the same resonance of each is
+    driven by the noise of each.
+    """
+    n = len(bands[0])
+    return any(
+        abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a) * np.vdot(b, b)).real > max(TOGETHER, CHANCE / n)
+        for a, b in combinations(bands, 2)
     )
 
 

@@ -14,7 +14,8 @@ from imu_lib.gap.innovations import trend
 from imu_lib.gap.quieten import quietened
 from imu_lib.gap.shakes import Shake, of_band, of_family, of_forest
 from imu_lib.gap.skirts import widened
-from imu_lib.gap.sources import Source, Transforms, sources
+from imu_lib.gap.sources import NARROW, Source, sources
+from imu_lib.gap.transforms import Transforms
 from imu_lib.processes import Sinusoid as Line
 from imu_lib.processes import Vibration as Process
 
@@ -72,8 +73,7 @@ class Vibration(Effect):
         # where the largest gain is looked for: frequencies, channels, stretches and widths
         looked_at = transforms.n * len(transforms.names) * WINDOWS
         shakes += self._families(quick, transforms, given, LOWEST * fs / block)
-        known = [s.process for s in shakes if s.bands]
-        shakes += [of_band(band) for band in shared_band.bands(quick, fs, known)]
+        shakes = _with_bands(shakes, quick, fs)
         out = []
         for shake in shakes:
             _taken_out(shake, filled, fs, rng)
@@ -117,13 +117,13 @@ class Vibration(Effect):
     @staticmethod
     def _is_vibration(family, swept) -> bool:
         """Whether a family of sources is a vibration: on several channels, for a time, or a line
-        that wanders. A steady line of one channel is a sinusoid, a band of normal noise a
-        resonance, and a periodic signal of one channel, a tone that sweeps or one that rises and
+        that wanders. A steady line of one channel is a sinusoid, a band of normal noise
+        that is not the same on all its channels a resonance of each, and a periodic signal of one channel, a tone that sweeps or one that rises and
         falls has no name. On channels over which a tone has `swept`, pieces of its way are none.
         """
-        if len({c for s in family for c in s.channels}) > 1:
-            return True
         s = family[0]
+        if len({c for s in family for c in s.channels}) > 1:
+            return len(family) > 1 or s.coherent or s.fading < STEADY
         if len(family) > 1 or s.strange or not s.whole and swept & set(s.channels):
             return False
         return not s.whole or 0 < s.bandwidth < 0.1 * s.frequency and s.fading < STEADY
@@ -131,6 +131,26 @@ class Vibration(Effect):
 
 VIBRATION = Vibration()
 EFFECTS = (VIBRATION,)
+
+
+def _with_bands(shakes, quick, fs: float) -> list[Shake]:
+    """Lines and, in place of the wide ones that lie in them, bands that channels share."""
+    lines = [
+        s.process for s in shakes if s.bands and s.process.bandwidth < NARROW * s.process.frequency
+    ]
+    bands = [of_band(band) for band in shared_band.bands(quick, fs, lines)]
+    out = [s for s in shakes if s.process in lines or not any(_within(s, b) for b in bands)]
+    return out + bands
+
+
+def _within(shake: Shake, band: Shake) -> bool:
+    """Whether a wide line is a part of a band that the same channels share."""
+    p, ((low, high),) = shake.process, band.bands
+    return (
+        bool(shake.bands)
+        and low <= p.frequency <= high
+        and set(p.channels) <= set(band.process.channels)
+    )
 
 
 def _felled(filled, fs: float, rng) -> Shake | None:
