@@ -12,6 +12,7 @@ from . import simulated
 from .gyro import from_turns, turns
 from .poses import ferraris, from_gravity, from_reference, held_out
 from .rest import RestWindows, moving_deviation, rest_windows
+from .sections import Section, read_poses
 from .table import (
     CALGARY,
     Line,
@@ -25,7 +26,7 @@ from .table import (
     values,
 )
 from .triad import AXES, Triad, triad
-from .whole import Calibration, Section, calibrate, calibrate_record, read_poses
+from .whole import Calibration, calibrate, calibrate_record
 
 __all__ = [
     "AXES",

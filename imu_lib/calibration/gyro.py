@@ -19,6 +19,8 @@ prior, so that the intervals hold them.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 from scipy.optimize import least_squares
@@ -29,6 +31,9 @@ from ..units import G
 from .poses import UPPER
 from .rest import RestWindows
 from .triad import Triad
+
+#: The parameters that `from_gravity` finds, among the twelve of a triad.
+CALIBRATED = np.array([*UPPER, 9, 10, 11])
 
 
 @njit(cache=True)
@@ -89,8 +94,7 @@ def from_turns(
     rests, Eq. (1).
 
     The axes are those of the accelerometers' calibration, so that the misalignment between the two
-    triads is
-    found as well. Earth's rotation is left in the bias (15 deg/h at most).
+    triads is found as well. Earth's rotation is left in the bias (15 deg/h at most).
 
     Parameters
     ----------
@@ -113,81 +117,23 @@ def from_turns(
             f"{max(len(rests) - 1, 0)} turns between rests do not determine the gyroscopes' nine "
             f"parameters; at least 6, better 24 or more, about different axes are needed."
         )
-    first, last = rests.stop[:-1] - 1, rests.start[1:] + 1
-    duration = (last - first - 1) / fs
-    means = rests.means(gyro)
-    length = rests.stop - rests.start
-    bias = length @ means / length.sum()
-    walk = (
-        np.mean(
-            [np.var(gyro[a:b], axis=0) for a, b in zip(rests.start, rests.stop, strict=True)],
-            axis=0,
-        )
-        / fs
-    )
-    scatter = (
-        length @ (means - bias) ** 2 / length.sum() * len(rests) / (len(rests) - 1)
-    )  # from rest to rest, per axis
-    wander = np.maximum(
-        scatter - walk * fs * len(rests) / length.sum(), 0.0
-    )  # of it not white noise
-    reading = rests.means(accel)
-    span = slice(int(first[0]), int(last[-1]) + 1)  # a long first rest need not be integrated
-    gyro, first, last = np.asarray(gyro[span], float), first - span.start, last - span.start
-    index = np.array([*UPPER, 9, 10, 11])
-    root = np.linalg.cholesky(accelerometers.covariance[np.ix_(index, index)])
-
-    def directions(z):
-        """Gravity in body axes at each rest, the accelerometers' parameters `z` standard
-        deviations off.
-        """
-        p = np.zeros(12)
-        p[index] = root @ z
-        u = np.linalg.solve(
-            accelerometers.matrix + p[:9].reshape(3, 3), (reading - accelerometers.bias - p[9:]).T
-        ).T
-        return u / np.linalg.norm(u, axis=1, keepdims=True)
-
-    def rotations(matrix, shift=0.0):
-        return turns((gyro - bias - shift) @ np.linalg.inv(matrix).T, first, last, fs)
-
-    pose = directions(np.zeros(9))
-    tangent = _tangent(pose[1:])
+    problem = _problem(gyro, accel, fs, rests, accelerometers)
+    pose = problem.directions(np.zeros(9))
     if nominal is None:
-        nominal = _sensitivity(
-            lambda s: pose[1:] - np.einsum("kji,kj->ki", rotations(s * np.eye(3)), pose[:-1]),
-            gyro - bias,
-        )
-    noise = (walk.mean() * duration + wander.mean() * duration**2) / nominal**2
-    whiten = _whitener(
-        tangent, rotations(nominal * np.eye(3)), accelerometers.residual_sd / G, noise
-    )
-    spread = np.sqrt(scatter / len(rests))
-
-    def residuals(p):
-        at, shift = directions(p[12:]), p[9:12] * spread
-        miss = at[1:] - np.einsum(
-            "kji,kj->ki", rotations(nominal * p[:9].reshape(3, 3), shift), at[:-1]
-        )
-        return np.append(whiten @ np.einsum("kai,ki->ka", tangent, miss).ravel(), p[9:])
-
+        nominal = _sensitivity(lambda s: problem.misses(pose, s * np.eye(3)), problem.gyro)
+    residuals = problem.residuals(pose, nominal)
     fit = least_squares(residuals, np.append(np.eye(3).ravel(), np.zeros(12)), method="trf")
-    dof = 2 * len(first) - 9
+    dof = 2 * len(problem.first) - 9
     information = fit.jac.T @ fit.jac
-    weak, vectors = np.linalg.eigh(information[:9, :9])
-    if not weak[0] > 1e-9 * weak[-1]:
-        poor = "xyz"[int(np.argmax((vectors[:, 0].reshape(3, 3) ** 2).sum(axis=0)))]
-        raise InputError(
-            f"The turns do not excite gyro_{poor}; add turns about the {poor} axis between poses."
-        )
+    _check_excited(information[:9, :9])
     scale = 2 * fit.cost / dof  # above one where the noise alone does not explain the misfit
-    shares = np.concatenate([np.full(9, nominal), spread])
+    shares = np.concatenate([np.full(9, nominal), problem.spread])
     covariance = scale * np.linalg.inv(information)[:12, :12] * np.outer(shares, shares)
     matrix = nominal * fit.x[:9].reshape(3, 3)
-    angle = pose[1:] - np.einsum("kji,kj->ki", rotations(matrix), pose[:-1])
+    angle = problem.misses(pose, matrix)
     return Triad(
         matrix,
-        bias + fit.x[9:12] * spread,
+        problem.bias + fit.x[9:12] * problem.spread,
         covariance,
         dof,
         np.ones(12, bool),
@@ -195,6 +141,103 @@ def from_turns(
         float(np.sqrt((angle**2).sum() / dof)),
         float(2 * fit.cost / dof),
     )
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """What the fit of the turns works on.
+
+    gyro : (n, 3) readings less `bias`, from the first turn to the last; first, last : (k,) samples
+    of the turns; walk, wander : (3,) variances of the gyroscopes' white noise per hertz and of
+    their bias from rest to rest; spread : (3,) standard error of the biases; reading : (k+1, 3)
+    accelerometers at rest; root : (9, 9) of the covariance of their calibration
+    """
+
+    gyro: np.ndarray
+    fs: float
+    first: np.ndarray
+    last: np.ndarray
+    bias: np.ndarray
+    walk: np.ndarray
+    wander: np.ndarray
+    spread: np.ndarray
+    reading: np.ndarray
+    accelerometers: Triad
+    root: np.ndarray
+
+    def directions(self, z):
+        """Gravity in body axes at each rest, the accelerometers' parameters `z` standard deviations
+        off.
+        """
+        p = np.zeros(12)
+        p[CALIBRATED] = self.root @ z
+        matrix = self.accelerometers.matrix + p[:9].reshape(3, 3)
+        u = np.linalg.solve(matrix, (self.reading - self.accelerometers.bias - p[9:]).T).T
+        return u / np.linalg.norm(u, axis=1, keepdims=True)
+
+    def rotations(self, matrix, shift=0.0):
+        """Of each turn, with this matrix and the biases `shift` off."""
+        rate = (self.gyro - shift) @ np.linalg.inv(matrix).T
+        return turns(rate, self.first, self.last, self.fs)
+
+    def misses(self, pose, matrix, shift=0.0):
+        """Left side of Eq. (1), (k, 3)."""
+        turned = np.einsum("kji,kj->ki", self.rotations(matrix, shift), pose[:-1])
+        return pose[1:] - turned
+
+    def residuals(self, pose, nominal):
+        """Function of matrix over `nominal`, biases and accelerometers' parameters, these in
+        standard deviations: white misfits, then the priors.
+        """
+        duration = (self.last - self.first - 1) / self.fs
+        noise = self.walk.mean() * duration + self.wander.mean() * duration**2
+        tangent, pose_sd = _tangent(pose[1:]), self.accelerometers.residual_sd / G
+        whiten = _whitener(
+            tangent, self.rotations(nominal * np.eye(3)), pose_sd, noise / nominal**2
+        )
+
+        def of(p):
+            matrix = nominal * p[:9].reshape(3, 3)
+            miss = self.misses(self.directions(p[12:]), matrix, p[9:12] * self.spread)
+            return np.append(whiten @ np.einsum("kai,ki->ka", tangent, miss).ravel(), p[9:])
+
+        return of
+
+
+def _problem(gyro, accel, fs, rests, accelerometers) -> _Problem:
+    """The turns between the rests, and what the rests say of biases and noises."""
+    first, last = rests.stop[:-1] - 1, rests.start[1:] + 1
+    means, length = rests.means(gyro), rests.stop - rests.start
+    bias = length @ means / length.sum()
+    within = [np.var(gyro[a:b], axis=0) for a, b in zip(rests.start, rests.stop, strict=True)]
+    walk = np.mean(within, axis=0) / fs
+    # from rest to rest, per axis, and what of it is not white noise
+    scatter = length @ (means - bias) ** 2 / length.sum() * len(rests) / (len(rests) - 1)
+    wander = np.maximum(scatter - walk * fs * len(rests) / length.sum(), 0.0)
+    span = slice(int(first[0]), int(last[-1]) + 1)  # a long first rest need not be integrated
+    return _Problem(
+        gyro=np.asarray(gyro[span], float) - bias,
+        fs=fs,
+        first=first - span.start,
+        last=last - span.start,
+        bias=bias,
+        walk=walk,
+        wander=wander,
+        spread=np.sqrt(scatter / len(rests)),
+        reading=rests.means(accel),
+        accelerometers=accelerometers,
+        root=np.linalg.cholesky(accelerometers.covariance[np.ix_(CALIBRATED, CALIBRATED)]),
+    )
+
+
+def _check_excited(information: np.ndarray) -> None:
+    """Raises InputError where the turns leave one of the nine elements open."""
+    weak, vectors = np.linalg.eigh(information)
+    if not weak[0] > 1e-9 * weak[-1]:
+        poor = "xyz"[int(np.argmax((vectors[:, 0].reshape(3, 3) ** 2).sum(axis=0)))]
+        raise InputError(
+            f"The turns do not excite gyro_{poor}; add turns about the {poor} axis between poses."
+        )
 
 
 def _tangent(direction: np.ndarray) -> np.ndarray:

@@ -122,21 +122,7 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
     x0 = np.append(start[list(UPPER)], start[9:]) / unit
     z = y / unit
 
-    def split(p):
-        matrix = np.zeros(9)
-        matrix[list(UPPER)] = p[:6]
-        return matrix.reshape(3, 3), p[6:]
-
-    def residuals(p):
-        matrix, bias = split(p)
-        return np.linalg.norm(np.linalg.solve(matrix, (z - bias).T), axis=0) - gravity
-
-    def jacobian(p):
-        matrix, bias = split(p)
-        u = np.linalg.solve(matrix, (z - bias).T).T
-        a = -np.linalg.solve(matrix.T, (u / np.linalg.norm(u, axis=1, keepdims=True)).T).T
-        return np.column_stack([a[:, i // 3] * u[:, i % 3] for i in UPPER] + [a])
-
+    residuals, jacobian = _magnitude(z, gravity)
     fit = least_squares(residuals, x0, jacobian, method="lm", x_scale="jac")
     singular = np.linalg.svd(fit.jac / np.linalg.norm(fit.jac, axis=0), compute_uv=False)
     if singular[-1] < ALIKE * singular[0]:
@@ -144,7 +130,7 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
             f"The {len(y)} poses lie in too few directions to tell cross-coupling from scale factor and bias; add poses with "
             "two axes tilted at once, or list what the poses are (--poses)."
         )
-    matrix, bias = split(fit.x)
+    matrix, bias = _split(fit.x)
     dof = len(y) - PARAMETERS
     variance = 2 * fit.cost / dof
     covariance = np.zeros((12, 12))
@@ -162,6 +148,31 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
         nominal,
         float(np.sqrt(variance)),
     )
+
+
+def _split(p):
+    """Upper triangular matrix and bias of the nine parameters."""
+    matrix = np.zeros(9)
+    matrix[list(UPPER)] = p[:6]
+    return matrix.reshape(3, 3), p[6:]
+
+
+def _magnitude(z, gravity):
+    """Residuals of Eq. (2) on the readings `z` and their Jacobian, as functions of the parameters."""
+
+    def inputs(p):
+        matrix, bias = _split(p)
+        return matrix, np.linalg.solve(matrix, (z - bias).T).T
+
+    def residuals(p):
+        return np.linalg.norm(inputs(p)[1], axis=1) - gravity
+
+    def jacobian(p):
+        matrix, u = inputs(p)
+        a = -np.linalg.solve(matrix.T, (u / np.linalg.norm(u, axis=1, keepdims=True)).T).T
+        return np.column_stack([a[:, i // 3] * u[:, i % 3] for i in UPPER] + [a])
+
+    return residuals, jacobian
 
 
 def _sphere(y: np.ndarray) -> np.ndarray:
@@ -222,6 +233,8 @@ def ferraris(
 def held_out(
     reading: np.ndarray, *, gravity: float = G, nominal: float | None = None
 ) -> np.ndarray:
-    """|specific force| - gravity of every second pose, calibrated by `from_gravity` from the others, ndarray, shape (k // 2,), m/s^2."""
+    """Length of the specific force less gravity of every second pose, calibrated by `from_gravity` from
+    the others, ndarray, shape (k // 2,), m/s^2.
+    """
     half = from_gravity(reading[::2], gravity=gravity, nominal=nominal)
     return np.linalg.norm(half.correct(reading[1::2]), axis=1) - gravity

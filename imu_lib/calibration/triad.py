@@ -95,7 +95,7 @@ class Triad:
 
     @property
     def cross_coupling(self) -> dict[str, Estimate | None]:
-        """`{"xy": ...}`: what the x sensor reads of the y input, relative to nominal (rad where
+        """``{"xy": ...}``: what the x sensor reads of the y input, relative to nominal (rad where
         small).
         """
         return {
@@ -131,9 +131,12 @@ def triad(scale_factor=(0.0, 0.0, 0.0), bias=(0.0, 0.0, 0.0), cross_coupling=Non
 
     Parameters
     ----------
-    scale_factor : scale factor errors, dimensionless, x y z
-    bias : zero-offset biases, unit of the input
-    cross_coupling : dict `{"xy": 0.01, ...}`, rad
+    scale_factor : array-like, shape (3,)
+        Scale factor errors x y z, dimensionless.
+    bias : array-like, shape (3,)
+        Zero-offset biases, unit of the input.
+    cross_coupling : dict or None
+        ``{"xy": 0.01, ...}``, rad.
     """
     matrix = np.diag(1 + np.asarray(scale_factor, float))
     for name, value in (cross_coupling or {}).items():

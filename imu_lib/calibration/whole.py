@@ -1,23 +1,7 @@
-"""A whole record into a calibration, with or without a list of what was done when.
-
-The list (`--poses`) is a CSV file with a header and one row per pose or rate step, or a JSON file
-of named
-sections (`x_p x_a y_p y_a z_p z_a x_rot y_rot z_rot`, each with `start` and `stop` in samples), as
-the six
-positions and three turns of Ferraris are usually stored.
-
-| column | meaning |
-|---|---|
-| `start`, `stop` | s from the first sample of the record |
-| `x`, `y`, `z` | what ideal accelerometers read there, g (0, 0, 1 with z up) |
-| `rate_x`, `rate_y`, `rate_z` | true angular rate, deg/s |
-| `angle_x`, `angle_y`, `angle_z` | true angle turned between start and stop, deg |
-"""
+"""A whole record into a calibration, with or without a list of what was done when (`sections`)."""
 
 from __future__ import annotations
 
-import csv
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -29,37 +13,16 @@ from ..units import DEG, MILLI_G, G
 from .gyro import from_turns
 from .poses import from_gravity, from_reference
 from .rest import RestWindows, rest_windows
+from .sections import Section, read_poses
 from .triad import AXES, Triad
-
-GROUPS = {
-    "force": ("x", "y", "z"),
-    "rate": ("rate_x", "rate_y", "rate_z"),
-    "angle": ("angle_x", "angle_y", "angle_z"),
-}
-
-
-@dataclass(frozen=True)
-class Section:
-    """One pose or rate step: `start`, `stop` in s; `force` (3,) in g, `rate` (3,) in rad/s where
-    known.
-    `turn` holds an angle (3,) in rad instead, whose sign is taken from the record when `signed` is
-    False.
-    """
-
-    start: float
-    stop: float
-    force: np.ndarray | None = None
-    rate: np.ndarray | None = None
-    turn: np.ndarray | None = None
-    signed: bool = True
 
 
 @dataclass(frozen=True)
 class Calibration:
     """Calibrations of the two triads (None where not determined), how, and from which windows.
 
-    `windows` (k, 2) s: the rests or sections used; `magnitude` (k,) m/s^2: |specific force| of each pose after
-    calibration; `notes`: sentences on what was left out and why.
+    `windows` (k, 2) s: the rests or sections used; `magnitude` (k,) m/s^2: length of the specific
+    force of each pose after calibration; `notes`: sentences on what was left out and why.
     """
 
     accelerometers: Triad | None
@@ -135,19 +98,7 @@ def calibrate(
         In one sentence: missing samples, never at rest, too few poses, poses or turns that leave
         an axis out.
     """
-    for name, x in (("accel", accel), ("gyro", gyro)):
-        if x is not None and (np.ndim(x) != 2 or np.shape(x)[1] != 3):
-            raise ValueError(f"`{name}` must have the shape (n, 3), not {np.shape(x)}")
-    if accel is not None and gyro is not None and len(accel) != len(gyro):
-        raise ValueError(
-            f"`gyro` has {len(gyro)} samples, `accel` {len(accel)}; they must be sampled together"
-        )
-    for name, x in (("accelerometers", accel), ("gyroscopes", gyro)):
-        if x is not None and not np.isfinite(x).all():
-            row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
-            raise InputError(
-                f"The {name} have a missing or infinite sample at row {row}; cut the record around it (--start, --stop)."
-            )
+    _check(accel, gyro)
     if sections is not None:
         return _known(accel, gyro, fs, sections, gravity, accel_nominal or 1.0, gyro_nominal or 1.0)
     if accel is None:
@@ -173,6 +124,23 @@ def calibrate(
         rests,
         tuple(notes),
     )
+
+
+def _check(accel, gyro) -> None:
+    """Raises ValueError for arrays that do not fit, InputError for samples without a number."""
+    for name, x in (("accel", accel), ("gyro", gyro)):
+        if x is not None and (np.ndim(x) != 2 or np.shape(x)[1] != 3):
+            raise ValueError(f"`{name}` must have the shape (n, 3), not {np.shape(x)}")
+    if accel is not None and gyro is not None and len(accel) != len(gyro):
+        raise ValueError(
+            f"`gyro` has {len(gyro)} samples, `accel` {len(accel)}; they must be sampled together"
+        )
+    for name, x in (("accelerometers", accel), ("gyroscopes", gyro)):
+        if x is not None and not np.isfinite(x).all():
+            row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
+            raise InputError(
+                f"The {name} have a missing or infinite sample at row {row}; cut the record around it (--start, --stop)."
+            )
 
 
 def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> Calibration:
@@ -224,108 +192,6 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
             "The intervals take the listed poses and turns as exact; what the hand or the table is off by adds to them.",
         ),
     )
-
-
-def read_poses(path: str | Path, fs: float) -> list[Section]:
-    """Sections from a CSV or JSON file (see the top of this module); `fs` turns samples into
-    seconds.
-
-    Raises
-    ------
-    InputError
-        Naming the file and the row or column.
-    """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'})."
-        ) from None
-    return (
-        _json_sections(path, text, fs)
-        if path.suffix.lower() == ".json"
-        else _csv_sections(path, text)
-    )
-
-
-def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
-    try:
-        table = json.loads(text)
-        items = [
-            (name, float(v["start"]) / fs, float(v.get("stop", v.get("end"))) / fs)
-            for name, v in table.items()
-        ]
-    except (ValueError, TypeError, AttributeError, KeyError):
-        raise InputError(
-            f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.'
-        ) from None
-    out = []
-    for name, start, stop in items:
-        axis, _, what = name.partition("_")
-        if axis not in AXES or what not in ("p", "a", "rot"):
-            raise InputError(
-                f"{path}: section {name!r} is not one of x_p, x_a, x_rot and the same of y and z."
-            )
-        unit = np.eye(3)[AXES.index(axis)]
-        out.append(
-            Section(start, stop, turn=2 * np.pi * unit, signed=False)
-            if what == "rot"
-            else Section(start, stop, force=unit if what == "p" else -unit)
-        )
-    return out
-
-
-def _csv_sections(path: Path, text: str) -> list[Section]:
-    rows = list(
-        csv.DictReader(
-            line for line in text.splitlines() if line.strip() and not line.startswith("#")
-        )
-    )
-    if not rows:
-        raise InputError(
-            f"{path}: no pose in the file; a header and one row per pose are expected."
-        )
-    names = {(k or "").strip() for k in rows[0]}
-    if not {"start", "stop"} <= names:
-        raise InputError(
-            f"{path}: the columns start and stop (s) are needed; found {', '.join(sorted(names))}."
-        )
-    out = []
-    for number, row in enumerate(rows, 2):
-        values = {}
-        for key, cell in row.items():
-            key = (key or "").strip()
-            if key in ("start", "stop") or any(key in g for g in GROUPS.values()):
-                if cell is None or not cell.strip():
-                    continue
-                try:
-                    values[key] = float(cell)
-                except ValueError:
-                    raise InputError(
-                        f"{path}: row {number}, column {key}: {cell.strip()!r} is not a number."
-                    ) from None
-        if not {"start", "stop"} <= values.keys():
-            raise InputError(f"{path}: row {number} has no start or no stop.")
-        found = {
-            g: np.array([values.get(c, 0.0) for c in cols])
-            for g, cols in GROUPS.items()
-            if values.keys() & set(cols)
-        }
-        if not found:
-            raise InputError(
-                f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z in deg/s."
-            )
-        out.append(
-            Section(
-                values["start"],
-                values["stop"],
-                found.get("force"),
-                found["rate"] * DEG if "rate" in found else None,
-                found["angle"] * DEG if "angle" in found else None,
-            )
-        )
-    return out
 
 
 def calibrate_record(
