@@ -158,10 +158,15 @@ def test_other_files_are_not_replaced(tmp_path):
 def test_tools_that_lack_are_named(tmp_path, monkeypatch, capsys):
     from imu_lib.cli import book
 
-    monkeypatch.setattr(book, "TOOLS", ("a_builder_that_nobody_has",))
-    assert main(["book", str(tmp_path / "x.npz")]) == 2
+    monkeypatch.setattr(book, "TOOLS", {"a_builder_that_nobody_has": "builder<2"})
+    path = tmp_path / "x.npz"
+    assert main(["book", str(path)]) == 2  # a file that is not there comes first
     told = capsys.readouterr().err
-    assert "imu_lib[book]" in told and len(told.strip().splitlines()) == 1
+    assert "x.npz" in told and "builder" not in told and len(told.strip().splitlines()) == 1
+    np.savez(path, gyro_x=np.random.default_rng(1).standard_normal(500) * 1e-3)
+    assert main(["book", str(path), "--rate", "100"]) == 2
+    told = capsys.readouterr().err
+    assert '`pip install "builder<2"`' in told and len(told.strip().splitlines()) == 1
 
 
 @pytest.mark.parametrize("name", ["own_record", "own_drive"])

@@ -1,14 +1,17 @@
 """What a verdict says of effects: all of a short record, a part and the means of a long one."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 
 from imu_lib import verdict
+from imu_lib.estimate import Estimate
 from imu_lib.gap.table import describe
 from imu_lib.processes import WhiteNoise
 from imu_lib.record import Record
 from imu_lib.verdict import missing
+from imu_lib.verdict.datasheet import bias_instability
 from imu_lib.verdict.missing import averaged
 
 
@@ -63,3 +66,36 @@ def test_alike_findings_are_said_once():
     lines = verdict.anomalies(Quiet, found)
     assert not any(line.startswith("Resolution") for line in lines)
     assert any("not sure" in line and "resolution (gyro_x, gyro_y)" in line for line in lines)
+
+
+def test_what_acts_on_several_channels_is_one_sentence():
+    knock = SimpleNamespace(
+        effect="disturbance",
+        parameters={"start": 43.9, "duration": 0.7},
+        where="A knock at 43.9 s.",
+    )
+    common = SimpleNamespace(
+        effect="common_mode",
+        parameters={"N": 0.1, "channels": ["accel_y", "accel_z"]},
+        where="coherence between accel_y, accel_z",
+    )
+    look = SimpleNamespace(channels={}, record_steps=[knock, common], record_unexplained=None)
+    lines = verdict.anomalies(Quiet, SimpleNamespace(looks=[("it", look)], note=""))
+    assert lines[0] == "A knock at 43.9 s."
+    assert lines[1].startswith("Common mode: N 6 m/s/sqrt(h)") and lines[1].endswith(
+        "accel_y, accel_z."
+    )
+
+
+def test_the_bias_instability_is_that_of_the_chosen_sum():
+    """Where the likelihood has flicker noise the datasheet does not say that none shows."""
+    shown, limit = Estimate(3e-5, 2e-5, 4e-5), Estimate(None, 0.0, 6e-5)
+    channel = SimpleNamespace(likelihood={"B": shown}, allan={"B": limit})
+    assert bias_instability(channel) is shown
+    assert bias_instability(SimpleNamespace(likelihood={}, allan={"B": limit})) is limit
+
+
+def test_an_effect_begins_a_sentence():
+    assert verdict.effect_name("gnss_time_offset") == "GNSS time offset"
+    assert verdict.effect_name("imu_clock") == "IMU clock"
+    assert verdict.effect_name("lever_arm") == "Lever arm"

@@ -22,8 +22,15 @@ HELP = (
     "A book about your own record or drive (HTML, readable offline): page one is a verdict with a "
     "datasheet, what is wrong, what limits the record and files for other programs."
 )
-#: What the pages are made with; an extra of the package.
-TOOLS = ("jupyter_book", "nbclient", "nbformat", "ipykernel", "plotly")
+#: What the pages are made with, and how each is installed; an extra of the package.
+TOOLS = {
+    "jupyter_book": "jupyter-book<2",
+    "sphinx_exercise": "sphinx-exercise<2",
+    "nbclient": "nbclient",
+    "nbformat": "nbformat",
+    "ipykernel": "ipykernel",
+    "plotly": "plotly",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,20 +46,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if not (args.file or args.gyro or args.accel):
         raise InputError("book needs a record: give FILE, or --gyro FILE and --accel FILE.")
-    lacking = [name for name in TOOLS if find_spec(name) is None]
-    if lacking:
-        raise InputError(
-            f"book needs {', '.join(lacking).replace('_', '-')}, which are not installed: "
-            '`pip install "imu_lib[book]"` adds them.'
-        )
+    drive = _drive(args)
+    record = None if drive else common.open_record(args)
+    _check_tools()
     from imu_lib.book import build, own
 
     given = args.file or args.gyro or args.accel
     out = Path(args.out or f"{own.safe_name(given)}_book").resolve()
     build.check_target(out)  # before the long work
-    drive = _drive(args)
     with tempfile.TemporaryDirectory(prefix="imu-lib-book-") as folder:
-        subject = _of_drive(args, drive, folder) if drive else _of_record(args, folder)
+        subject = _of_drive(args, drive, folder) if drive else _of_record(args, record, folder)
         template = "own_drive" if drive else "own_record"
         try:
             page = own.book(subject, template, out, progress=_say)
@@ -61,6 +64,16 @@ def run(args: argparse.Namespace) -> int:
             return 1
     print(page)
     return 0
+
+
+def _check_tools() -> None:
+    lacking = [name for name in TOOLS if find_spec(name) is None]
+    if lacking:
+        wanted = " ".join(f'"{TOOLS[name]}"' for name in lacking)
+        raise InputError(
+            f"book needs {', '.join(lacking).replace('_', '-')}, not installed here: "
+            f"`pip install {wanted}` adds what lacks."
+        )
 
 
 def _say(text: str) -> None:
@@ -78,11 +91,10 @@ def _drive(args):
     return read_drive(args.file)
 
 
-def _of_record(args, folder):
+def _of_record(args, record, folder):
     from imu_lib.book import own
     from imu_lib.writers import arrays
 
-    record = common.open_record(args)
     path = Path(folder) / f"{own.safe_name(record.name)}.npz"
     np.savez(path, **arrays(record))
     about = own.described(record.n, record.duration)

@@ -4,13 +4,14 @@ record, and what to record next.
 
 from imu_lib.verdict.datasheet import datasheet
 from imu_lib.verdict.downloads import write_downloads
-from imu_lib.verdict.findings import anomalies, limits, means, next_record
+from imu_lib.verdict.findings import anomalies, effect_name, limits, means, next_record
 from imu_lib.verdict.grade import grades
 from imu_lib.verdict.missing import missing
 
 __all__ = [
     "anomalies",
     "datasheet",
+    "effect_name",
     "grades",
     "limits",
     "means",

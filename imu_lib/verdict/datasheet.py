@@ -24,6 +24,12 @@ def _limit(estimate):
     return None if estimate is None else Estimate(None, 0.0, estimate.high)
 
 
+def bias_instability(channel):
+    """Of the chosen sum where flicker noise is in it, else of the flat part of the Allan curve."""
+    found = channel.likelihood.get("B")
+    return found if found is not None and found.shown else channel.allan.get("B")
+
+
 def datasheet(result, sensor: str) -> pd.DataFrame:
     """One row per coefficient, one column per axis; `value [95 % interval]`, or `< limit`.
 
@@ -40,6 +46,8 @@ def datasheet(result, sensor: str) -> pd.DataFrame:
             channel = result[name]
             table = getattr(channel, method)
             estimate = table.get(symbol) or channel.allan.get(symbol)
+            if symbol == "B":
+                estimate = bias_instability(channel)
             if symbol == "R" and "ramp" not in {t.name for t in channel.model.terms}:
                 estimate = _limit(estimate)  # the chosen sum explains the rise otherwise
             cells[name[-1]] = (

@@ -15,6 +15,14 @@ SHOWN = 4  # places of one effect that a verdict lists
 UNSURE = 0.1  # confidence below which a name is no more than one of several
 
 
+def effect_name(effect: str) -> str:
+    """An effect as the first word of a sentence."""
+    words = effect.replace("_", " ")
+    for short in ("gnss", "imu"):
+        words = words.replace(short, short.upper())
+    return words[0].upper() + words[1:]
+
+
 def means(record) -> list[str]:
     """Turn-on biases of the gyros, and the length of the specific force against gravity."""
     out = []
@@ -69,7 +77,7 @@ def anomalies(health, found=None) -> list[str]:
             where = sorted({channel for steps in places.values() for channel, _ in steps})
             unsure.append(f"{effect.replace('_', ' ')} ({', '.join(where)})")
             continue
-        name = effect.replace("_", " ").capitalize()
+        name = effect_name(effect)
         seen = [_place(parameters, steps) for parameters, steps in places.items()]
         more = len(seen) - SHOWN
         if more > 0:
@@ -80,9 +88,7 @@ def anomalies(health, found=None) -> list[str]:
             "Something more is there whose name is not sure, one in ten at best: the likeliest are "
             f"{'; '.join(unsure)}. The page on the gap has their rivals."
         )
-    for step in (s for r in reports for s in r.record_steps):
-        text = f"{' '.join(table.describe(step, 'record').split())}: {step.where}."
-        out.append(text[0].upper() + text[1:])
+    out += [_of_record(step) for r in reports for step in r.record_steps]
     for what, look in found.looks:
         for name, channel in look.channels.items():
             if channel.result.unexplained:
@@ -92,6 +98,16 @@ def anomalies(health, found=None) -> list[str]:
     if told and any(line for line in out if "unexplained in" in line.lower()):
         out.append("Beside something unexplained no name is given a confidence of more than 0.5.")
     return out + [found.note] * bool(found.note)
+
+
+def _of_record(step) -> str:
+    """What acts on several channels: where it shows, which may be a sentence of its own."""
+    where = step.where.rstrip(".")
+    if where[:1].isupper():
+        return f"{where}."
+    told = " ".join(table.describe(step, "record").split()).removeprefix(step.effect).strip()
+    name = effect_name(step.effect)
+    return f"{name}: {told}; {where}."
 
 
 def _place(parameters, steps) -> str:

@@ -8,6 +8,7 @@ rest shows, so it decides here, and the worst axis decides for three.
 from __future__ import annotations
 
 from imu_lib import report, units
+from imu_lib.verdict.datasheet import bias_instability
 
 #: Upper end of N for each grade, in the datasheet unit: deg/sqrt(h) and m/s/sqrt(h).
 GRADES = {
@@ -56,11 +57,10 @@ def grades(result, health) -> list[str]:
 
 def _drift(result, sensor) -> str:
     """The worst bias instability, or the best limit that the record gives."""
-    found = [
-        (c.allan["B"], name)
-        for name, c in result.channels.items()
-        if name.startswith(sensor) and "B" in c.allan
+    of_sensor = [
+        (bias_instability(c), n) for n, c in result.channels.items() if n.startswith(sensor)
     ]
+    found = [(e, name) for e, name in of_sensor if e is not None]
     shown = [(e.value, name) for e, name in found if e.shown]
     if shown:
         value, name = max(shown)
