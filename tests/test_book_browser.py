@@ -116,6 +116,49 @@ def test_a_chapter_shows_itself_as_slides(pages, window):
     assert window.evaluate(seen) > max(shown) and not window.problems
 
 
+def test_a_word_of_the_glossary_explains_itself(pages, window):
+    from imu_lib.book import glossary
+
+    window.open((pages / "nbs/allan_variance.html").as_uri(), WIDTHS[1])
+    marks = window.evaluate("[...document.querySelectorAll('.term')].map((t) => t.textContent)")
+    assert len(marks) > 8 and len({m.lower() for m in marks}) == len(marks)
+    shown = """(() => { const mark = [...document.querySelectorAll('.term')].find((t) => /bias instability/i.test(t.textContent));
+        mark.scrollIntoView({ block: 'center', behavior: 'instant' }); mark.focus();
+        const note = document.querySelector('.term-note'), box = note.getBoundingClientRect();
+        return [getComputedStyle(note).visibility, note.textContent, box.left, box.right, mark.getAttribute('href')]; })()"""
+    visible, text, left, right, address = window.evaluate(shown)
+    assert visible == "visible" and text == glossary.terms(ROOT)["bias instability"]
+    assert left >= 0 and right <= WIDTHS[1]
+    page, _, name = address.partition("#")
+    target = (pages / "nbs" / page).resolve()
+    assert f'id="{name}"' in target.read_text(encoding="utf-8")
+    assert not window.problems
+
+
+def test_goals_are_ticked_off_and_counted(pages, window):
+    window.open((pages / "nbs/errata.html").as_uri(), WIDTHS[0])
+    ticks = "document.querySelectorAll('.can-now input')"
+    goals = window.evaluate(f"{ticks}.length")
+    assert goals == 3
+    window.evaluate(f"{ticks}[1].click()")
+    window.open((pages / "nbs/errata.html").as_uri(), WIDTHS[0])
+    assert window.evaluate(f"[...{ticks}].map((t) => t.checked)") == [False, True, False]
+    window.open((pages / "book/intro.html").as_uri(), WIDTHS[0])
+    told = "[...document.querySelectorAll('.chapter-done')].map((t) => t.textContent)"
+    assert window.evaluate(told) == ["1 of 3 goals"] and not window.problems
+
+
+def test_the_slides_button_stands_in_the_bar(pages, window):
+    """Whole, within the bar, beside the others and not over them."""
+    window.open((pages / "nbs/spectrum.html").as_uri(), WIDTHS[0])
+    boxes = """(() => { const box = (e) => { const b = e.getBoundingClientRect(); return [b.top, b.bottom, b.left, b.right]; };
+        const one = document.querySelector('.deck-start'), bar = document.querySelector('.bd-header-article, .header-article__inner');
+        return [box(one), box(bar), [...one.parentElement.querySelectorAll('.btn')].filter((b) => b !== one && b.offsetParent).map(box)]; })()"""
+    own, bar, others = window.evaluate(boxes)
+    assert own[0] >= bar[0] >= 0 and own[1] <= bar[1]
+    assert others and all(own[3] <= left or right <= own[2] for _, _, left, right in others)
+
+
 # opens a page's figures to zoom, one after the other, and says where a point of each lies in the window
 OPENED = """(async (number) => {
   const bar = document.querySelectorAll('.explore-bar')[number], stage = bar.nextElementSibling;

@@ -32,6 +32,15 @@ def test_titles_lead_with_a_term():
 
 
 @each
+def test_a_card_has_a_figure_of_its_chapter(chapter):
+    from imu_lib.book import front
+
+    drawn = front.figures(nbformat.read(chapter.path, as_version=4))
+    picture = ENTRIES[chapter.slug].picture
+    assert picture <= len(drawn) and bool(picture) == bool(drawn)
+
+
+@each
 def test_head_and_next_are_derived(chapter):
     notebook = nbformat.read(chapter.path, as_version=4)
     sources = [cell.source for cell in notebook.cells]

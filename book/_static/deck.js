@@ -9,7 +9,7 @@
   function blocks(article) {
     return [...article.querySelectorAll(BLOCKS)].filter((one) => {
       const outer = one.parentElement.closest(BLOCKS);
-      return !(outer && article.contains(outer)) && !one.closest(".toctree-wrapper, .prev-next-footer");
+      return !(outer && article.contains(outer)) && !one.closest(".toctree-wrapper, .prev-next-footer, .can-now");
     });
   }
   const draws = (block) => block.matches("figure, table, .pst-scrollable-table-container, div.exercise") ||
@@ -83,7 +83,7 @@
 
   document.addEventListener("DOMContentLoaded", () => {
     const article = document.querySelector("article.bd-article");
-    const buttons = document.querySelector(".article-header-buttons, .header-article-items__end");
+    const buttons = document.querySelector(".article-header-buttons") || document.querySelector(".header-article-items__end");
     if (!article || !buttons || !article.querySelector("div.cell")) return;
     const button = document.createElement("button");
     button.type = "button";

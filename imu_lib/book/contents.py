@@ -27,6 +27,7 @@ class Entry:
     important: tuple[str, ...] = ()
     helpful: tuple[str, ...] = ()
     also: str = ""  # knowledge that is no chapter
+    picture: int = 0  # which of its figures stands for it on the front page, from 1; 0: none
     part: str = field(default="", compare=False)
 
 

@@ -109,14 +109,22 @@ def _integrate(dt, dtheta, dvel, p, v, q, hold_height, position, velocity, quate
 def integrate(time, dtheta, dvel, *, position, velocity, attitude_, hold_height=False):
     """Free inertial navigation from given initial values.
 
-    time : ndarray, shape (n+1,), s, ends of the intervals, the first being the start
-    dtheta, dvel : ndarray, shape (n, 3), increments over each interval, rad and m/s, body frame
-    position, velocity, attitude_ : ndarray, shape (3,), initial latitude-longitude-height, NED
-    velocity, roll-pitch-yaw
-    hold_height : keep height and vertical velocity at their start: the inertial height channel is
-    unstable, an error grows by e in
-        sqrt(R / 2g) = 570 s, and hides everything else within hours
-    returns : Navigation with n+1 epochs
+    Parameters
+    ----------
+    time : ndarray, shape (n+1,)
+        Ends of the intervals, s, the first being the start.
+    dtheta, dvel : ndarray, shape (n, 3)
+        Increments over each interval, rad and m/s, body frame.
+    position, velocity, attitude_ : ndarray, shape (3,)
+        Initial latitude-longitude-height, velocity north-east-down, roll-pitch-yaw.
+    hold_height : bool
+        Keep height and vertical velocity at their start: the inertial height channel is unstable,
+        an error grows by e in sqrt(R / 2g) = 570 s and hides everything else within hours.
+
+    Returns
+    -------
+    Navigation
+        With n+1 epochs.
     """
     time, dtheta, dvel = (np.ascontiguousarray(a, float) for a in (time, dtheta, dvel))
     if dtheta.shape != dvel.shape or dtheta.shape != (time.size - 1, 3):

@@ -21,7 +21,7 @@ _PARAMETERS = (
 
 @dataclass(frozen=True)
 class GaussMarkov(Process):
-    """First-order Gauss-Markov process, autocovariance sigma^2 exp(-|lag| / Tc).
+    """First-order Gauss-Markov process, autocovariance sigma^2 exp(-abs(lag) / Tc).
 
     dx/dt = -x / Tc + w with two-sided density 2 sigma^2 / Tc (Gelb 1974, Sec. 2.2; 2013 paper
     Eqs. 1 and 4). The Allan deviation peaks at 1.893 Tc with 0.617 sigma. Sampled, it is an AR(1)
@@ -129,7 +129,8 @@ SECOND_ORDER_TIME = 2.146193220620583
 
 @dataclass(frozen=True)
 class GaussMarkov2(Process):
-    """Second-order Gauss-Markov process, autocovariance sigma^2 (1 + beta |lag|) exp(-beta |lag|).
+    """Second-order Gauss-Markov process, autocovariance sigma^2 (1 + beta t) exp(-beta t), with
+    t = abs(lag).
 
     The correlation time is where the autocorrelation is 1/e, 2.146 / beta (Gelb 1974,
     Table 2.2-1). x'' + 2 beta x' + beta^2 x = w with two-sided density 4 beta^3 sigma^2.

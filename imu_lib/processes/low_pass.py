@@ -96,7 +96,7 @@ class LowPass(Stage):
         return round(ratio)
 
     def gain(self, f: ArrayLike, fs: float) -> Array:
-        """Power gain |H|^2 at frequencies `f` Hz up to half the filter's rate, same shape."""
+        """Power gain (amplitude gain squared) at frequencies `f` Hz up to half the filter's rate, same shape."""
         if not self.complete:
             raise ValueError(
                 "`low_pass` is a template: give `taps`, or `cutoff` and `order` or `smoothing`, first"

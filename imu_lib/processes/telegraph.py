@@ -17,7 +17,7 @@ from .gauss_markov import GaussMarkov
 class Telegraph(Process):
     """A signal that jumps between two levels at the instants of a Poisson process.
 
-    Autocovariance (amplitude / 2)^2 exp(-2 rate |lag|) (Machlup 1954): the second-order
+    Autocovariance (amplitude / 2)^2 exp(-2 rate abs(lag)) (Machlup 1954): the second-order
     statistics of a Gauss-Markov process with sigma = amplitude / 2 and
     correlation_time = 1 / (2 rate), from which only its two levels tell it.
 
