@@ -79,7 +79,7 @@ def residual_autocorrelation(tests, *, fs=None, axes=None):
 
 
 @style.styled
-def poles(models, *, window=((0.6, 1.1), (-0.3, 0.3)), ax=None):
+def poles(models, *, window=((0.5, 1.1), (-0.3, 0.3)), ax=None):
     """Poles of each of `models` (label -> complex array) and the unit circle near z = 1."""
     ax = style.axes(ax, x="real part", y="imaginary part", size=(6.0, 5.0))
     angle = np.linspace(-np.pi, np.pi, 721)

@@ -8,9 +8,10 @@ from imu_lib.plots import style
 
 
 @style.styled
-def planar_tracks(drive, found, interval, *, fixes=None, ax=None):
+def planar_tracks(drive, found, interval, *, fixes=None, around=None, ax=None):
     """True track and the first run's estimated tracks with a fix every `interval` s; `found`
-    {model: Errors} (Figs. 14, 15), and `fixes` (n, 2) of that run alone.
+    {model: Errors} (Figs. 14, 15), and `fixes` (n, 2) of that run alone; `around` (time s, metres)
+    shows no more than those metres about where the drive is at that time.
     """
     ax = style.axes(ax, x="east, m", y="north, m", title=f"a fix every {interval} s")
     ax.plot(
@@ -28,7 +29,15 @@ def planar_tracks(drive, found, interval, *, fixes=None, ax=None):
         every = round(interval * drive.fs)
         at = slice(every - 1, None, every)
         ax.plot(fixes[at, 1], fixes[at, 0], ".", color=style.BLACK, ms=2, label="fixes alone")
-    ax.set_aspect("equal", adjustable="datalim")
+    if around is None:
+        ax.set_aspect("equal", adjustable="datalim")
+    else:
+        north, east = drive.position[np.searchsorted(drive.time, around[0])]
+        ax.set(
+            aspect="equal",
+            xlim=(east - around[1], east + around[1]),
+            ylim=(north - around[1], north + around[1]),
+        )
     ax.legend()
     return ax
 

@@ -79,8 +79,8 @@ def sentence(stored: Mapping) -> str:
     return f"{words}. {stored['remark']}".strip() if stored["remark"] else f"{words}."
 
 
-def compare(item: str, ours: Mapping, printed: Mapping, remark: str = "") -> Comparison:
-    """Display how far ours are from the printed values of one table or figure, and return it."""
+def compare(item: str, ours: Mapping, printed: Mapping, remark: str = "") -> None:
+    """Display how far ours are from the printed values of one table or figure (`Comparison`)."""
     found = Comparison(item, ours, printed, remark)
     try:
         from IPython.display import display
@@ -88,7 +88,6 @@ def compare(item: str, ours: Mapping, printed: Mapping, remark: str = "") -> Com
         print(found)
     else:
         display(found)
-    return found
 
 
 def flat(table: Mapping, symbols=None) -> dict[str, float]:
