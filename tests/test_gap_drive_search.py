@@ -10,8 +10,10 @@ from imu_lib.gap.drive import (
     alone,
     columns,
     loop,
+    path,
     posterior,
     random_effects,
+    readings,
     search,
     select,
     steps,
@@ -160,3 +162,16 @@ def test_mounting_angles_that_are_not_seen_are_said():
     unseen = steps._angles_unseen(turned)
     assert [u["parameter"] for u in unseen] == ["yaw"]
     assert unseen[0]["upper_limit"] == pytest.approx(np.radians(3.0 + 1.96 * 3.5))
+
+
+def test_readings_part_a_vibration_from_white_noise():
+    effects = [("vibration", {"channel": "gyro_y", "N": 8e-5, "N_per_speed": 9e-5})]
+    drive = made(456, effects, duration=120.0)
+    found = path.build(drive, Noise(MODEL))
+    measured = readings.densities(found)
+    options = {c.key: c for c in random_effects.changes(found, Noise(MODEL), True)}
+    true = readings.evidence(options["vibration", "gyro_y"], np.array([9e-5]), measured)
+    white = options["bias_model", "gyro_y", "white_noise", "N"]
+    assert -0.5 < true <= 0.0
+    assert readings.evidence(white, np.array([8e-4]), measured) < true - 3.0
+    assert readings.evidence(options["gnss_correlated",], np.array([1.0, 9.0]), measured) == 0.0

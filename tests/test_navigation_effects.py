@@ -237,3 +237,19 @@ def test_wheel_speed_and_additions_by_name(clean):
     for wrong, said in (("it+wings", "unknown addition 'wings'"), ("it+speed", "no wheel speed")):
         with pytest.raises(InputError, match=said):
             variants.varied(PLAIN, variants.split(wrong)[1], drive)
+
+
+def test_a_precise_fix_at_the_start_is_the_antenna():
+    # the antenna's position was taken for the sensor's: 2.3 m, which centimetres then turned into
+    # ten degrees of attitude
+    arrays = make(
+        303, kind="motorway", duration=90.0, moving_start=True, gnss_rate=10.0,
+        position_sd=(0.02, 0.02, 0.04), velocity_sd=(0.03, 0.03, 0.03),
+        effects=[("lever_arm", {"arm": [1.6, -1.3, 1.0]})],
+    )  # fmt: skip
+    drive = from_arrays(arrays, "x").with_(lever_arm=np.array([1.6, -1.3, 1.0]))
+    model = FilterModel("x", SENSOR, turn_on_sd=(0.002, 0.05))
+    gnss = Gnss(gate=None, position_floor=0.02, velocity_floor=0.01)
+    solution = LooselyCoupled(drive, model, gnss=gnss, remove_bias=False).solve()
+    early = solution.innovations.normalised[2:150]
+    assert np.nanmean(early**2) < 1.5

@@ -21,6 +21,7 @@ from imu_lib.model import Model
 
 from . import attitude, kernel
 from .alignment import Alignment, align
+from .beginning import initial_state
 from .filter_model import FilterModel
 from .innovations import Innovations
 from .preparation import Gnss, prepare
@@ -156,7 +157,9 @@ class LooselyCoupled:
                 notes.append(
                     f"Gyro means of {start.standstill:.1f} s of standstill taken off the readings."
                 )
-            state = self._initial(start, x, p_sensor)
+            # an alignment from fixes has the position of the antenna
+            arm = np.zeros(3) if start is self.start else self.measurements.lever
+            state = initial_state(start, arm, self.turn, x, p_sensor)
             nodes = self._node_epochs(stretch, start.epoch, moments, smooth, use)
             usable = replace(fixes, use=np.where(fixes.time <= start.used, 0, use))
             pieces.append(
@@ -194,18 +197,6 @@ class LooselyCoupled:
                 stretch, dtheta=stretch.dtheta @ self.turn.T, dvel=stretch.dvel @ self.turn.T
             )
         return align(stretch, fixes, heading=heading)
-
-    def _initial(self, start, x, p_sensor):
-        nav = np.zeros(16)
-        nav[:3], nav[3:6] = start.position, start.velocity
-        q = attitude.quaternion(start.attitude)
-        if self.turn is not None:
-            attitude.rotate_body(q, Rotation.from_matrix(self.turn).as_rotvec())
-        nav[6:10] = q
-        p = np.zeros((self.states, self.states))
-        p[np.arange(9), np.arange(9)] = start.sd**2
-        p[9:, 9:] = p_sensor
-        return State(nav, np.array(x), p, np.zeros(4))
 
     def _node_epochs(self, stretch, begin, moments, smooth, use):
         times = (

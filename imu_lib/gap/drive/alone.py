@@ -75,9 +75,10 @@ def simplify(state, say):
 
 def exchange(state, say):
     """Try each effect's nearest rivals in its place, each on a path of its own, and hold what fits
-    better; what the rivals lack stays in `state.apart`, {(effect, rival): nats}.
+    better: whether something was exchanged. What the rivals lack stays in `state.apart`, {(effect,
+    rival): nats}.
     """
-    for _ in range(EXCHANGES):
+    for number in range(EXCHANGES):
         temper, best = state.reg.temper, None
         top, apart = _misfit(state, temper), {}
         pairs = _rivals(state)
@@ -90,11 +91,12 @@ def exchange(state, say):
                 best = lacks, trial, effect, rival
         state.apart = apart
         if best is None:
-            return
+            return number > 0
         lacks, trial, effect, rival = best
         say(f"{rival} instead of {effect}: {-lacks:.1f} nats better on a path of its own")
         state.take(trial)
     state.apart = {}
+    return True
 
 
 def _rivals(state):

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from imu_lib.navigation import attitude, earth
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Gnss
+from imu_lib.record import CHANNELS
 
 from . import columns, condense
 from .problem import Noise, Problem, for_search, turn_on_of
@@ -15,6 +16,7 @@ from .problem import Noise, Problem, for_search, turn_on_of
 LONGEST = 0.5  # s between nodes
 JOLT = 1e6  # times the white noise, about a shock: readings that clip say nothing
 LINEAR_STEP = 0.05  # s of one linear step
+SMOOTH = 0.08  # s over which readings about a fix are averaged
 
 
 def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(), loose=(1.0, 1.0)):
@@ -100,7 +102,7 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
             node, pos, vel, quat, stretch.dt, stretch.dtheta, stretch.dvel, bias,
             stretch.extra_noise, warmth, late, sub, len(columns.IMU),
         )  # fmt: skip
-        at = _at_fixes(stretch, fix_epoch[mine], bias)
+        at = _at_fixes(stretch, fix_epoch[mine], bias, _span(noise, fixes, lever))
         _fill(
             mine, fixes, stretch, fix_epoch[mine], at, log, lever, y, arm_rows, use,
             d, extra, warmth, drive,
@@ -211,16 +213,39 @@ def _bias(engine, solution):
     )
 
 
-def _at_fixes(stretch, epochs, bias):
-    """Angular rate (body), specific force and acceleration (NED) about epochs, over 0.09 s."""
+def _at_fixes(stretch, epochs, bias, span):
+    """Angular rate (body) about epochs over `span` s, its derivative and specific force (body) over
+    0.08 s; specific force of all samples.
+    """
     rates = stretch.dtheta / stretch.dt[:, None] - bias[:3]
     force = stretch.dvel / stretch.dt[:, None] - bias[3:]
-    width = max(2 * int(round(0.04 / np.median(stretch.dt))), 2)
+    step = float(np.median(stretch.dt))
+    half = max(int(round(0.5 * SMOOTH / step)), 1)
     k = np.clip(epochs, 0, len(rates) - 1)
     # an even window is centred on the boundary between samples k-1 and k, which epoch k is
-    w = uniform_filter1d(rates, width, axis=0, origin=0)[k]
-    f = uniform_filter1d(force, width, axis=0, origin=0)[k]
-    return w, f, force
+    narrow = 2 * max(int(round(0.5 * span / step)), 1)
+    w = uniform_filter1d(rates, narrow, axis=0, origin=0)[k]
+    f = uniform_filter1d(force, 2 * half, axis=0, origin=0)[k]
+    mean = uniform_filter1d(rates, half, axis=0)
+    near = np.clip(k[:, None] + np.array([-half, half]) // 2, 0, len(rates) - 1)
+    turning = (mean[near[:, 1]] - mean[near[:, 0]]) / (np.diff(near) * step + 1e-9)
+    return w, turning, f, force
+
+
+def _span(noise, fixes, lever):
+    """Time over which turn rates are averaged, s: two samples, unless the gyros' own noise would
+    then move an antenna by more than a share of the velocities' standard deviation.
+    """
+    velocity = fixes.use & 2 > 0
+    if not velocity.any():
+        return SMOOTH
+    sd = float(np.median(np.sqrt(fixes.variance[velocity, 3:])))
+    density = max(
+        (t.N for c in CHANNELS[:3] for t in noise.model[c].terms if t.name == "white_noise"),
+        default=0.0,
+    )
+    least = 0.3 * sd / max(float(np.linalg.norm(lever)), 1.0)
+    return min((density / least) ** 2, SMOOTH)
 
 
 def _gained(log, stretch, force):
@@ -237,7 +262,7 @@ def _gained(log, stretch, force):
 
 def _fill(mine, fixes, stretch, epochs, at, log, lever, y, arm_rows, use, d, extra, warmth, drive):  # fmt: skip
     """Predicted minus measured, its rows and columns, at the fixes of a stretch."""
-    w, f, f_all = at
+    w, turning, f, f_all = at
     pos, vel, quat = log.at(epochs)
     # columns are what was known before the fix: its own noise in them would look like an effect
     before = np.maximum(epochs - 1, log.first)
@@ -277,14 +302,16 @@ def _fill(mine, fixes, stretch, epochs, at, log, lever, y, arm_rows, use, d, ext
     out = d[mine]
     first = len(columns.IMU)
     out[:, :3, first] = vel_before
-    out[:, 3:, first + 1] = acc
+    about = np.cross(w, np.cross(w, lever)) + np.cross(turning, lever)
+    gained = acc + np.einsum("nij,nj->ni", c, about)  # of the antenna
+    out[:, 3:, first + 1] = gained
     for i in range(3):
         unit = np.zeros(3)
         unit[i] = 1.0
         out[:, :3, first + 2 + i] = -c[:, :, i]
         out[:, 3:, first + 2 + i] = -np.einsum("nij,nj->ni", c, np.cross(w, unit))
     out[:, :3, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * vel_before
-    out[:, 3:, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * acc
+    out[:, 3:, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * gained
     smooth = columns.of("other: receiver's velocity is smoothed")
     for k, tau in zip(smooth, columns.SMOOTHED):
         # its delay is the velocity's time offset, which the filter knows

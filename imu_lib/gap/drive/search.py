@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import alone, columns, random_effects, select
+from . import alone, columns, random_effects, readings, select
 from .problem import Problem
 from .side_by_side import each
 from .state import Change, State
@@ -18,6 +18,7 @@ ROUNDS = 14
 FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
 DOUBTED = 8.0  # times its price: effects that gain less are tried without
+LEAST_FAR = 0.06  # of the logarithm of the innovations' size
 SLACK = 2.0  # nats by which a path of its own may disappoint
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
@@ -73,8 +74,10 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
             say("no better on a path of its own: " + ", ".join(set(kept) - set(state.kept)))
             continue
         break
-    alone.simplify(state, say)
-    alone.exchange(state, say)
+    for _ in range(3):
+        alone.simplify(state, say)
+        if not alone.exchange(state, say):
+            break
     _prune(state, say)
     if state.changes:
         _prune_linear(state, say)
@@ -94,7 +97,9 @@ def _far(state):
     """Whether innovations are so far from white ones of unit size that a noise may be the cause, under
     which everything looks like an effect.
     """
-    return abs(np.log(max(state.size(), 1e-6))) > 0.2 or state.reg.temper > 1.2
+    chance = np.sqrt(2.0 / max(state.use.sum(), 1))
+    far = max(LEAST_FAR, 5.0 * chance)
+    return abs(np.log(max(state.size(), 1e-6))) > far or state.reg.temper > 1.2
 
 
 def _promise(state, kept):
@@ -151,10 +156,12 @@ def _noise_step(state, given):
     ranked = random_effects.screen(state, state.noise, base, options)
     ranked = random_effects.shortlist([r for r in ranked if r[1].key not in taken])
     fitted = each(lambda r: r[1].fitted(state, state.noise, base), ranked)
-    found = [
-        (gain - random_effects.penalty(change), gain, change, values, noise)
-        for (_, change), (values, gain, noise) in zip(ranked, fitted)
-    ]
+    measured = readings.densities(state.problem)
+    found = []
+    for (_, change), (values, gain, noise) in zip(ranked, fitted):
+        value = gain - random_effects.penalty(change)
+        value += readings.evidence(change, values, measured)
+        found.append((value, gain, change, values, noise))
     if not found:
         return None
     found.sort(key=lambda f: -f[0])

@@ -7,10 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from imu_lib.drive import Drive
+from imu_lib.units import DEG
 
-from . import columns, correct, select
+from . import columns, correct, select, vehicle
 from .path import build
 from .problem import Noise, Problem
+
+TURNED = 3.0 * DEG  # by which a heading at the start may be off before the path starts anew
+LOST = 1.2  # times the size of the innovations: from here on a path has lost what another had
 
 
 @dataclass
@@ -26,7 +30,10 @@ class Change:
 
 @dataclass
 class State:
-    """What is held, and the drive under it; apart: nats that a rival on a path of its own lacks."""
+    """What is held, and the drive under it; apart: nats that a rival on a path of its
+    own lacks; loose, least: trust in positions and velocities for the path, and its least factor;
+    heading: rad at its start, where one is held.
+    """
 
     drive: Drive
     noise: Noise
@@ -42,18 +49,49 @@ class State:
     withhold: tuple = ()
     heading: float | None = None
     apart: dict = field(default_factory=dict)
+    loose: np.ndarray = field(default_factory=lambda: np.ones(2))
+    least: np.ndarray = field(default_factory=lambda: np.ones(2))
 
     def rebuild(self):
-        """The path, innovations and regression at what is held now; fixes that the last path could
-        not follow are trusted less for the next.
+        """The path, innovations and regression at what is held now.
+
+        Fixes that the last path could not follow are trusted less for the next, and no more again
+        where the path then loses them. A path that starts with a heading far from what it finds
+        later is built again from there.
         """
-        loose = np.ones(2)
+        before, size = self.loose, np.inf if self.result is None else self.size()
+        self._build(self._trust())
+        if self.heading is None and self._turn():
+            self._build(self.loose)
+        if self.size() > LOST * size and np.any(self.loose < before):
+            self.least = np.maximum(self.least, before)
+            self._build(self.least)
+
+    def _trust(self):
+        """By how much less than stated positions and velocities are to be trusted, (2,)."""
+        loose = self.least.copy()
         if self.result is not None:
             e2 = np.where(self.use, self.result.e, np.nan) ** 2
             for k in (0, 1):
                 part = e2[:, 3 * k : 3 * k + 3]
                 if np.isfinite(part).any():
-                    loose[k] = np.clip(np.sqrt(np.nanmean(part)), 1.0, 30.0)
+                    loose[k] = np.clip(np.sqrt(np.nanmean(part)), loose[k], 30.0)
+        return loose
+
+    def _turn(self):
+        """Hold the heading at the start as the path has it later, if that is another: whether so."""
+        path = self.problem.path
+        found = vehicle.heading_since(self.problem, path["time"][0])
+        if found is None or found[1] > TURNED:
+            return False
+        apart = abs((found[0] - path["attitude"][0, 2] + np.pi) % (2.0 * np.pi) - np.pi)
+        if apart < TURNED:
+            return False
+        self.heading = found[0]
+        return True
+
+    def _build(self, loose):
+        self.loose = loose
         self.problem = build(
             correct.corrected(self.drive, self.theta),
             self.noise,
@@ -70,7 +108,18 @@ class State:
 
     def take(self, other):
         """Be where another state is: values, path, innovations and regression."""
-        for name in ("theta", "other", "kept", "problem", "result", "use", "reg"):
+        for name in (
+            "theta",
+            "other",
+            "kept",
+            "problem",
+            "result",
+            "use",
+            "reg",
+            "loose",
+            "least",
+            "heading",
+        ):
             setattr(self, name, getattr(other, name))
 
     def size(self):

@@ -57,17 +57,27 @@ DRIFT = 2e-4  # rad/s that the gyros' bias may still be off
 
 def heading_error(problem, given, mount):
     """Given heading at the first sample minus the path's own, in the vehicle's axes, and its
-    standard deviation, rad; None where the drive has a hole there. The path's early heading is the
-    later one carried back by the gyros.
+    standard deviation, rad; None where the drive has a hole there.
+    """
+    found = heading_since(problem, problem.drive.time[0], mount)
+    if found is None:
+        return None
+    yaw, sd = found
+    return float((given - yaw + np.pi) % (2 * np.pi) - np.pi), sd
+
+
+def heading_since(problem, since, mount=(0.0, 0.0, 0.0)):
+    """The path's heading at time `since`, in the vehicle's axes, and its standard deviation, rad: a
+    later one carried back by the gyros. None where the drive has a hole there.
     """
     path, drive = problem.path, problem.drive
     node = int(np.searchsorted(path["time"], path["time"][0] + CARRIED))
     if node >= path["time"].size:
         return None
     until = path["time"][node]
-    part = (drive.time > drive.time[0]) & (drive.time <= until)
-    step = np.diff(drive.time)[part[1:]]
-    if step.max() > 1.0:
+    part = (drive.time > since) & (drive.time <= until)
+    step = np.diff(drive.time, prepend=drive.time[0])[part]
+    if not step.size or step.max() > 1.0:
         return None
     turns = (drive.gyro[part] - problem.arrays["bias"][:3]) * step[:, None]
     turned = Rotation.from_rotvec(turns)
@@ -76,8 +86,5 @@ def heading_error(problem, given, mount):
             turned = Rotation.concatenate([turned, Rotation.identity(1)])
         turned = turned[0::2] * turned[1::2]
     c = Rotation.from_euler("ZYX", path["attitude"][node][::-1]) * turned[0].inv()
-    yaw = (c * Rotation.from_euler("ZYX", mount[::-1]).inv()).as_euler("ZYX")[0]
-    apart = (given - yaw + np.pi) % (2 * np.pi) - np.pi
-    return float(apart), float(
-        np.hypot(path["attitude_sd"][node, 2], DRIFT * (until - drive.time[0]))
-    )
+    yaw = (c * Rotation.from_euler("ZYX", np.asarray(mount)[::-1]).inv()).as_euler("ZYX")[0]
+    return float(yaw), float(np.hypot(path["attitude_sd"][node, 2], DRIFT * (until - since)))

@@ -1,0 +1,50 @@
+"""What the readings themselves say of white noise: whether it is there at rest, or grows with the speed.
+
+Fixes part a white noise from a vibration that follows the speed where the speed changes; second
+differences of the readings, which motion hardly reaches, do so wherever the car once stands.
+"""
+
+import numpy as np
+
+from imu_lib.record import CHANNELS
+
+BLOCK = 2.0  # s
+STANDING = 1.0  # m/s
+MOST = 6.0  # nats that are given for it at the most: a sensor's own filter takes noise away, too
+FOUR = np.log(4.0)  # of the density: a noise that is off by as much is not what the readings show
+
+
+def densities(problem):
+    """White noise of the channels over blocks of the drive, (b, 6), two-sided, and the squared speed
+    in them, (b,).
+    """
+    drive, path = problem.drive, problem.path
+    both = np.column_stack([drive.gyro, drive.accel])
+    square = np.diff(both, 2, axis=0) ** 2 / 6.0 / drive.rate
+    count = max(int(BLOCK * drive.rate), 10)
+    blocks = len(square) // count
+    square = square[: blocks * count].reshape(blocks, count, 6)
+    middle = drive.time[: blocks * count].reshape(blocks, count).mean(axis=1)
+    speed = np.interp(middle, path["time"], np.linalg.norm(path["velocity"], axis=1))
+    return np.maximum(np.median(square, axis=1) / 0.455, 1e-30), speed**2
+
+
+def evidence(change, values, measured):
+    """Nats, at most 0, by which a change of white noise is not what the readings show; 0 for others.
+
+    measured : of `densities`
+    """
+    density, square_speed = measured
+    if change.effect == "vibration":
+        parameters = change.describe(values)
+        channel = parameters["channel"]
+        expected = parameters["N"] ** 2 + parameters["N_per_speed"] ** 2 * square_speed
+    elif change.key[0] == "bias_model" and change.key[2] == "white_noise":
+        channel, expected = change.key[1], np.full(square_speed.size, float(values[0]) ** 2)
+    else:
+        return 0.0
+    apart = np.abs(np.log(density[:, CHANNELS.index(channel)]) - np.log(expected))
+    apart, rests = np.minimum(apart / FOUR, 1.0), square_speed < STANDING**2
+    if min(rests.sum(), (~rests).sum()) < 3:
+        return -MOST * float(apart.mean())
+    return -MOST * float(0.5 * (apart[rests].mean() + apart[~rests].mean()))
