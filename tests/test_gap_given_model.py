@@ -126,6 +126,20 @@ def test_nothing_is_found_in_a_record_of_the_given_model(process):
     assert [s.effect for s in found.steps] == [] and found.unexplained is None
 
 
+@pytest.mark.parametrize("seed", [9, 10])
+@pytest.mark.parametrize("times", [1.0, 3.0])
+def test_two_levels_that_stand_out_are_found_only_where_they_are_not_those_of_the_model(
+    times, seed
+):
+    """A dwell of theirs is seen by eye; where it is that of the model, nothing is missing."""
+    rng, n = np.random.default_rng(seed), 120_000
+    noise, levels = WhiteNoise(N=2.5e-4), Telegraph(6.5e-4, 2e-2)
+    x = noise.N * np.sqrt(FS) * rng.standard_normal(n) + times * drawn(levels, n, rng)
+    result = analyse("gyro_x", x, FS, Sum((noise, levels)), seed=1)
+    assert ([s.effect for s in result.steps] == []) == (times == 1.0), result.steps
+    assert result.unexplained is None
+
+
 def test_nothing_is_found_behind_a_given_slow_filter():
     rng = np.random.default_rng(8)
     a = 1 - np.exp(-2 * np.pi * 0.05 / FS)

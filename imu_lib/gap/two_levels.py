@@ -157,7 +157,16 @@ def _flips(rate: float, step: float) -> float:
     return float(0.5 * -np.expm1(-2 * rate * step))
 
 
-def decoded(x, fs: float, start: Telegraph, density: float, drift_gain=None) -> TwoLevels | None:
+def decoded(
+    x,
+    fs: float,
+    start: Telegraph,
+    density: float,
+    drift_gain=None,
+    *,
+    rounds: int = ROUNDS,
+    fixed: bool = False,
+) -> TwoLevels | None:
     """Two levels by expectation maximisation, or None where they are lost on the way.
 
     Parameters
@@ -170,6 +179,8 @@ def decoded(x, fs: float, start: Telegraph, density: float, drift_gain=None) -> 
     drift_gain : callable, optional
         Of (size, rate): the Wiener gain of the model's own drift on a real transform of `size`
         points at a decimated rate.
+    fixed : bool
+        Their distance and their rate stay as they start.
     """
     # a step is a small part of a dwell, and no longer than it takes to see on which level the
     # signal is
@@ -184,7 +195,7 @@ def decoded(x, fs: float, start: Telegraph, density: float, drift_gain=None) -> 
     waves = _cosines(y)
     # share of the noise that is white at each ordinate
     quiet = 1.0 if gain is None else 1.0 - gain
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         if not (np.isfinite(a) and a > 0):
             return None
         s, _, flips = _posterior(y - drift - middle, a, _flips(rate, q / fs), var)
@@ -195,11 +206,11 @@ def decoded(x, fs: float, start: Telegraph, density: float, drift_gain=None) -> 
             return None
         high, low = np.sum(s * rest) / up, np.sum((1 - s) * rest) / down
         states = _cosines(s - 0.5)
-        a, sd = _amplitude(waves, states, np.mean(s * (1 - s)), var, quiet)
+        own, sd = _amplitude(waves, states, np.mean(s * (1 - s)), var, quiet)
         middle = 0.5 * (high + low)
         seldom, often = 2.0 * fs / len(x), fs / q / 4
         rate = -0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q
-        rate = float(np.clip(rate, seldom, often))
+        a, rate = (a, start.rate) if fixed else (own, float(np.clip(rate, seldom, often)))
         if gain is not None:
             drift = idct((waves - a * states) * gain, norm="ortho")
     if not (np.isfinite(a) and a > 0):  # the last round may have lost the levels

@@ -125,8 +125,11 @@ def process_parameters(process) -> dict:
 
 
 def factor(value: float, sd: float) -> list:
-    """95 % interval of a parameter whose logarithm has the standard deviation `sd`."""
-    return [value * np.exp(-Z95 * sd), value * np.exp(Z95 * sd)]
+    """95 % interval of a parameter whose logarithm has the standard deviation `sd`; of one that has
+    vanished, and of which the record says nothing, all sizes.
+    """
+    reach = np.exp(min(Z95 * sd, 60.0))
+    return [value / reach, value * reach]
 
 
 def near_record(state, candidate) -> float:

@@ -22,8 +22,8 @@ MIN_DWELL_SAMPLES = 50
 MIN_GAIN, MAX_STARTS, MIN_FLIPS = 8.0, 6, 2.5
 #: Flips in the record from which two levels beside a fitted base are started.
 FLIPS = (10, 40)
-
-
+#: Rounds in which the drift beside levels that are given is found.
+HELD = 4
 #: The noise of their spectrum.
 TWIN = GaussMarkov()
 
@@ -47,12 +47,27 @@ class Telegraph(Competitor):
     def _decoded(self, state, starts):
         if not starts:
             return []
+        held, out = self._held(state), []
+        for amplitude, rate in starts[:MAX_STARTS]:
+            start = Process(
+                amplitude=float(amplitude), rate=float(max(rate, 2 / state.data.duration))
+            )
+            found = decoded(*self._seen(state, start))
+            if found is not None and found.flips >= MIN_FLIPS:
+                out.append(self._candidate(state, found, held))
+        return out
+
+    @staticmethod
+    def _seen(state, start, but=None) -> tuple:
+        """What two levels are decoded from: the record, what to start from, the white noise, and the
+        gain of the other noises, without `but` one of them.
+        """
         data, fit = state.cleaned, state.fit
         # before a filter, which takes nothing from a dwell
         s = with_extra(data.layout.spectrum(fit.terms), data.extra)
         s = s[data.layout.slow :]
         density = min(float(np.median(s[:40])), float(np.median(s))) / 2
-        drift = [t for t in fit.terms if t.memory > 0]
+        drift = [t for t in fit.terms if t.memory > 0 and t is not but]
 
         def gain(size, rate):
             f = np.maximum(np.arange(size // 2 + 1), 0.5) * rate / size
@@ -60,13 +75,18 @@ class Telegraph(Competitor):
             return d / (d + 2 * density)
 
         x = data.x - state.drift if len(fit.beta) else data.x
-        out = []
-        for amplitude, rate in starts[:MAX_STARTS]:
-            start = Process(amplitude=float(amplitude), rate=float(max(rate, 2 / data.duration)))
-            found = decoded(x, data.fs, start, density, gain if drift else None)
-            if found is not None and found.flips >= MIN_FLIPS:
-                out.append(self._candidate(state, found))
-        return out
+        return x, data.fs, start, density, gain if drift else None
+
+    def _held(self, state) -> float:
+        """Log-likelihood by which the given model with two levels of its own is better than `state`:
+        with them as with those that are found, it is beyond that of their spectrum.
+        """
+        bare, out = state.with_items(()), -np.inf
+        for term in bare.base:
+            if isinstance(term, Process):
+                found = decoded(*self._seen(bare, term, term), rounds=HELD, fixed=True)
+                out = max(out, -np.inf if found is None else bare.ll + found.beyond)
+        return max(out - state.ll, 0.0)
 
     @staticmethod
     def _starts(state, weighed) -> list:
@@ -84,9 +104,9 @@ class Telegraph(Competitor):
                 starts += [(2 * sd, 10 / data.duration), (2 * sd, 60 / data.duration)]
         return starts
 
-    def _candidate(self, state, found: TwoLevels) -> Candidate:
+    def _candidate(self, state, found: TwoLevels, held: float) -> Candidate:
         """What the two levels gain beyond the Gauss-Markov noise of their spectrum is no affair of
-        the likelihood of the record without them.
+        the likelihood of the record without them; those of the given model gain `held`.
         """
         process = found.process
         occam = amplitude_occam(process.amplitude / found.sd)
@@ -95,8 +115,8 @@ class Telegraph(Competitor):
         trial, alike = state.plus(bare), state.holding(process.twin)
         return replace(
             bare,
-            bonus=float(alike.evidence - trial.evidence + found.beyond + occam),
-            gain=float(alike.ll - trial.ll + found.beyond),
+            bonus=float(alike.evidence - trial.evidence + found.beyond + occam - held),
+            gain=float(alike.ll - trial.ll + found.beyond - held),
         )
 
     def absorbed(self, base):
