@@ -28,7 +28,7 @@ from scipy.spatial.transform import Rotation  # noqa: E402
 
 from imu_lib.drive import Drive  # noqa: E402
 from imu_lib.gap import drive as gap_drive  # noqa: E402
-from imu_lib.gap.drive import columns, select  # noqa: E402
+from imu_lib.gap.drive import columns, loop, select, vehicle  # noqa: E402
 from imu_lib.navigation import gross  # noqa: E402
 
 RESULTS = ROOT / "benchmarks" / "results" / "drive_gap_real.json"
@@ -94,22 +94,14 @@ def value_of(found, effect, component):
     """(value, standard deviation, gain expected of a unit) of a parameter, named or not."""
     state = found.state
     if effect == "mounting":
-        for s in found.steps:
-            if s["effect"] == "mounting":
-                low, high = s["intervals"]["yaw"]
-                return s["parameters"]["yaw"], (high - low) / 3.92, None
-        return 0.0, None, None
+        turned = vehicle.mounting(state.problem, loop.attitude_sd(state))
+        return (0.0, None, None) if turned is None else (*(v[2] for v in turned), None)
     if effect == "gnss_noise":
         return state.noise.position, None, None
-    i = columns.INDEX[effect, component]
-    part = select.GROUPS[effect]
-    index = [k for e in state.kept for k in select.GROUPS[e]]
-    index = index if effect in state.kept else [*index, *part]
-    x, cov, _ = state.reg.solve(index)
-    k = index.index(i)
-    sd = float(np.sqrt(cov[k, k]))
-    information = max(1.0 / sd**2 - 1.0 / columns.ALL[i].prior ** 2, 0.0)
-    return float(x[k]), sd, 0.5 * information
+    k = select.GROUPS[effect].index(columns.INDEX[effect, component])
+    x, sd = (float(v[k]) for v in select.seen(state.reg, state.kept, effect))
+    prior = columns.ALL[columns.INDEX[effect, component]].prior
+    return x, sd, 0.5 * max(1.0 / sd**2 - 1.0 / prior**2, 0.0)
 
 
 def injected(drive, found):

@@ -175,3 +175,17 @@ def test_readings_part_a_vibration_from_white_noise():
     assert -1.0 < true <= 0.0  # medians of blocks scatter by a tenth
     assert readings.evidence(white, np.array([8e-4]), measured) < true - 3.0
     assert readings.evidence(options["gnss_correlated",], np.array([1.0, 9.0]), measured) == 0.0
+
+
+def test_a_limit_leaves_the_other_end_of_the_ridge_free():
+    # 0.1 s at 10 m/s is a metre ahead: held at 0 s, the antenna's place was said to a tenth of what
+    # it is known to
+    count = len(columns.ALL)
+    row, apart = np.zeros(count), np.zeros(count)
+    late, ahead = columns.of("gnss_time_offset")[0], columns.of("lever_arm")[0]
+    row[late], row[ahead], apart[ahead] = 10.0, -1.0, 1.0
+    information = 400.0 * np.outer(row, row) + 4.0 * np.outer(apart, apart)
+    reg = select.Regression(information, np.zeros(count), 1.0, 400)
+    _, sd = select.seen(reg, (), "lever_arm")
+    _, cov, _ = reg.solve(columns.of("lever_arm"))
+    assert sd[0] > 5.0 * np.sqrt(cov[0, 0])

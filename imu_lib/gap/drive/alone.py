@@ -20,6 +20,7 @@ SURE = 8.0  # times the price of what leaves: where the regression loses more, n
 #: the better one on its own: what is large is not quite linear.
 OPEN, BENT = 20.0, 0.05
 EXCHANGES = 3
+TRIED = 4
 
 
 def converge(state, kept):
@@ -129,15 +130,15 @@ def _misfit(state, temper):
 
 
 def _smaller(state):
-    """Sets without one effect, or with one alone, that the regression does not rule out."""
+    """Sets without one effect, or with one alone, that the regression does not rule out: the TRIED
+    that it finds best.
+    """
     out = []
     top = select.score_of(state.reg, state.kept)
     for effect in state.kept:
         out.append(tuple(e for e in state.kept if e != effect))
         out.append((effect,))
     whole = select.price(state.reg, state.kept)
-    return [
-        k
-        for k in dict.fromkeys(out)
-        if top - select.score_of(state.reg, k) < SURE * (whole - select.price(state.reg, k))
-    ]
+    lacks = {k: top - select.score_of(state.reg, k) for k in dict.fromkeys(out)}
+    open_ = [k for k in lacks if lacks[k] < SURE * (whole - select.price(state.reg, k))]
+    return sorted(open_, key=lacks.get)[:TRIED]

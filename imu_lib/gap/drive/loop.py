@@ -118,8 +118,8 @@ def close(
     found = steps.of(state, first, noise, rng, before)
     if permutation != gross.IDENTITY:
         found.insert(0, steps.axes(permutation, sure, runner, gain, alike, before))
-    attitude_sd = _attitude_sd(state)
-    turned = vehicle.mounting(state.problem, attitude_sd)
+    known = attitude_sd(state)
+    turned = vehicle.mounting(state.problem, known)
     found += steps.mounting(turned, after)
     mount = _mount(found)
     given_yaw = heading
@@ -284,7 +284,7 @@ def _ratios(noise, drive):
     ]
 
 
-def _attitude_sd(state):
+def attitude_sd(state):
     """How well the path knows its attitude, rad (3,): from the filter's own covariance."""
     return np.minimum(np.median(state.problem.attitude_sd, axis=0), 20 * DEG)
 

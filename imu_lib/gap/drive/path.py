@@ -79,7 +79,11 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
             np.concatenate(
                 [[first]]
                 + [
-                    np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[1:].round().astype(int)
+                    np.array([b])
+                    if b - a <= longest
+                    else np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[1:]
+                    .round()
+                    .astype(int)
                     for a, b in zip(np.concatenate([[first], node[:-1]]), node)
                     if b > a
                 ]
@@ -231,7 +235,8 @@ def _join(parts, bias):
         node_fix.append(part["node_fix"])
         node_end.append(part["node_end"])
         node_speed.append(part["speed"])
-    join = [np.concatenate(s) for s in (phi, gain, noise, force, jump)]
+    # a single stretch, the usual case, is not copied: its arrays are large
+    join = [s[0] if len(s) == 1 else np.concatenate(s) for s in (phi, gain, noise, force, jump)]
     steps = np.concatenate(counts)
     unique, kind = np.unique(steps, return_inverse=True)
     return dict(

@@ -84,8 +84,9 @@ def regression(problem, result, theta, use) -> Regression:
     information, score = j.T @ j, j.T @ total
     plain = Regression(information, score, 1.0, e.size)
     seen = np.flatnonzero(np.diag(information) > 0.0)
-    x, _, _ = plain.solve(seen)
-    left = total - j[:, seen] @ x
+    x = np.zeros(theta.size)
+    x[seen] = plain.solve(seen)[0]
+    left = total - j @ x
     # what lies far out even then is not let decide (Huber 1964)
     size = max(1.0, 1.48 * float(np.median(np.abs(left))))
     weight = np.minimum(1.0, HUBER * size / np.maximum(np.abs(left), 1e-12))
@@ -93,16 +94,30 @@ def regression(problem, result, theta, use) -> Regression:
         root = np.sqrt(weight)
         e, j, total = e * root, j * root[:, None], total * root
         information, score = j.T @ j, j.T @ total
-        x, _, _ = Regression(information, score, 1.0, e.size).solve(seen)
-        left = total - j[:, seen] @ x
+        x[seen] = Regression(information, score, 1.0, e.size).solve(seen)[0]
+        left = total - j @ x
     time = np.broadcast_to(problem.time[:, None], good.shape)[good]
     block = ((time - time[0]) / BLOCK).astype(int)
-    ratios = []
-    for i in seen:
-        sums = np.bincount(block, j[:, i] * left)
-        ratios.append(float(np.sum(sums**2) / information[i, i]))
+    begins = np.flatnonzero(np.diff(block, prepend=-1))
+    sums = np.add.reduceat(j * left[:, None], begins, axis=0)
+    ratios = np.sum(sums[:, seen] ** 2, axis=0) / np.diag(information)[seen]
     temper = max(1.0, float(np.mean(left**2)), float(np.median(ratios)))
     return Regression(information, score, temper, e.size)
+
+
+#: Effects that are one ridge on many drives: what is said of one is said with the other free.
+RIDGES = {"lever_arm": ("gnss_time_offset",), "gnss_time_offset": ("lever_arm",)}
+
+
+def seen(reg, kept, effect):
+    """(values, standard deviations) of an effect's columns beside what is held, and beside what may
+    be taken for it.
+    """
+    free = dict.fromkeys((*kept, effect, *RIDGES.get(effect, ())))
+    index = [i for e in free for i in GROUPS[e]]
+    x, cov, _ = reg.solve(index)
+    part = [index.index(i) for i in GROUPS[effect]]
+    return x[part], np.sqrt(np.diag(cov))[part]
 
 
 def score_of(reg, effects):

@@ -222,16 +222,10 @@ def invisible(state, turned):
     their standard deviations, or None.
     """
     out = _angles_unseen(turned)
-    kept = [i for e in state.kept for i in select.GROUPS[e]]
     for effect in LINEAR.values():
         if effect.name in ("gyro_bias", "accel_bias"):
             continue
-        part = effect.columns
-        index = kept if effect.name in state.kept else kept + part
-        x, cov, _ = state.reg.solve(index)
-        for i in part:
-            k = index.index(i)
-            sd = float(np.sqrt(cov[k, k]))
+        for i, x, sd in zip(effect.columns, *select.seen(state.reg, state.kept, effect.name)):
             fixless = columns.ALL[i].component == "velocity_offset"
             if fixless and not state.use[:, 3].any():
                 continue
@@ -241,7 +235,7 @@ def invisible(state, turned):
                         "effect": effect.name,
                         "parameter": columns.ALL[i].component,
                         "why": effect.unexcited,
-                        "upper_limit": float(abs(x[k]) + 1.96 * sd),
+                        "upper_limit": float(abs(x) + 1.96 * sd),
                     }
                 )
     return out
