@@ -107,18 +107,15 @@ def deviation(
     ----------
     x : array_like, shape (n,)
         Samples of rate or specific force. Values that are not finite are missing: windows that
-        hold one are left
-        out, so that gaps are no reason to cut a record.
+        hold one are left out, so that gaps are no reason to cut a record.
     fs : float
         Sampling rate, Hz.
     taus : array_like or None
         Averaging times, s; each is rounded to a whole number of samples. By default `per_decade` a
-        decade from one
-        sample to a third of the record, at most `limit`.
+        decade from one sample to a third of the record, at most `limit`.
     present : float
         Least fraction of a cluster's samples that must be there for its window to count; below 1
-        where single
-        samples drop out all over the record (the mean is then over those that are there).
+        where single samples drop out all over the record (the mean is then over those there).
     threads : int or None
         Threads of the hot loop.
 

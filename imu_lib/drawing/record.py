@@ -13,9 +13,7 @@ from imu_lib.drawing.stages import level, passed, rounded
 from imu_lib.drawing.terms import chunks
 from imu_lib.model import Model
 from imu_lib.processes import (
-    HeavyTails,
     Jitter,
-    LowPass,
     NoiseLevelChange,
     RateError,
     Sum,
@@ -23,12 +21,12 @@ from imu_lib.processes import (
     WanderingLevel,
     WhiteNoise,
 )
+from imu_lib.processes.realisation import ON_NOISE
 from imu_lib.processes.stages import Resolution, Saturation, Spikes, Stuck
 from imu_lib.record import CHANNELS
 from imu_lib.stream import CHUNK, Scratch, bounds
 
-_ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
-_STAGES = (*_ON_NOISE, Spikes, Saturation, Resolution, Stuck)
+_STAGES = (*ON_NOISE, Spikes, Saturation, Resolution, Stuck)
 _ON_RECORD = (*SHARED, *LOST, RateError, Jitter, TimeGaps)
 
 
@@ -196,7 +194,7 @@ def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
         if isinstance(s, (NoiseLevelChange, WanderingLevel))
     ]
     x = _joined(levels, slow, quick, fs, common)
-    chain = [(s.place, partial(passed, s)) for s in sum_.stages if not isinstance(s, _ON_NOISE)]
+    chain = [(s.place, partial(passed, s)) for s in sum_.stages if not isinstance(s, ON_NOISE)]
     if sum_.rounding is not None:
         rounding = sum_.rounding
         chain.append((Resolution.place - 0.5, lambda x, fs, rng, n: rounded(rounding, x, fs, rng)))

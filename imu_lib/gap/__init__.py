@@ -39,6 +39,11 @@ def close(measured, model=None, **options):
     **options
         Of `gap.loop.close` for a record (a `Report` comes back), of `gap.drive.close` for a drive
         (a `gap.drive.DriveReport`); the `to_json` of either is what `imu-lib gap --json` writes.
+
+    Raises
+    ------
+    ValueError, InputError
+        As `gap.loop.close` or `gap.drive.close`.
     """
     if isinstance(measured, Drive):
         from .drive import close as of_drive  # the navigation filter is not needed for a record

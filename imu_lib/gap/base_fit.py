@@ -10,11 +10,11 @@ import numpy as np
 
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects import COMPETITORS, DRIFTS, SPECTRAL
-from imu_lib.gap.state import EVIDENCE, TEMPER, State
+from imu_lib.gap.state import MIN_EVIDENCE, TEMPER, State
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 
 #: What a filter in the sensor has to add to the evidence of a free base.
-FILTER = 6.0
+MIN_FILTER_EVIDENCE = 6.0
 #: Log evidence that a noise more in the base has to bring: one that the record does not show costs
 #: nothing else, its parameters being as open as before.
 PER_NOISE = 1.0
@@ -37,8 +37,8 @@ FAMILIES: tuple[tuple[type, ...], ...] = (
     (GaussMarkov, GaussMarkov),
 )
 #: Shares of the record that the correlation times of a family start from: of one, of two.
-TIMES = (0.003, 0.02, 0.1)
-PAIRS = ((0.003, 0.1), (0.003, 0.02), (0.02, 0.1))
+STARTS_OF_ONE = (0.003, 0.02, 0.1)
+STARTS_OF_TWO = ((0.003, 0.1), (0.003, 0.02), (0.02, 0.1))
 
 
 def _starts(data: Data, family):
@@ -52,7 +52,9 @@ def _starts(data: Data, family):
     strong = max(excess, 0.3 * top)
     white = of_density(WhiteNoise(N=1.0), top, f_low)
     count = family.count(GaussMarkov)
-    for shares in ((),) if count == 0 else [(t,) for t in TIMES] if count == 1 else PAIRS:
+    for shares in (
+        ((),) if count == 0 else [(t,) for t in STARTS_OF_ONE] if count == 1 else STARTS_OF_TWO
+    ):
         left, terms = list(shares), [white]
         for kind in family:
             if kind is GaussMarkov:
@@ -112,7 +114,7 @@ def _likeliest(families, best: State | None = None) -> tuple[State, list[State]]
     for _ in range(MAX_DRIFTS):
         trials = [s.plus(c) for s in families for e in DRIFTS for c in e.candidates(s)]
         top = max(trials, key=_worth, default=None)
-        if top is None or _worth(top) < _worth(best) + EVIDENCE:
+        if top is None or _worth(top) < _worth(best) + MIN_EVIDENCE:
             break
         best = top
         families = [s.plus(best.items[-1]) for s in families]
@@ -131,7 +133,7 @@ def _filtered(data: Data, held, best: State) -> State:
         bare = State(data, below.base, items)
         for item in (c for e in COMPETITORS if e.rolls_off for c in e.candidates(bare)):
             trial = State(data, below.base, [*items, item], base_slots=below.base_slots)
-            if trial.evidence > best.evidence + FILTER:
+            if trial.evidence > best.evidence + MIN_FILTER_EVIDENCE:
                 best = trial
     return best
 
@@ -147,7 +149,7 @@ def _two_levels(best: State, families) -> State:
     bases = [s for s in bases if not any(c.signal is not None for c in s.items)]
     trials = [s.plus(c) for s in bases for e in COMPETITORS for c in e.candidates_in_base(s)]
     top = max(trials, key=_worth, default=best)
-    return top if _worth(top) > _worth(best) + EVIDENCE else best
+    return top if _worth(top) > _worth(best) + MIN_EVIDENCE else best
 
 
 def _names(state: State) -> list[str]:

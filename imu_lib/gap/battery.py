@@ -125,32 +125,50 @@ _LAGS = np.array([1, 2, 3, 5, 8, 13, 25, 50])
 
 def battery(x, fs: float, temperature=None) -> dict:
     """Statistics by domain: name of the domain -> ndarray. `x` has shape (n,), no NaN."""
-    n = len(x)
     x = np.asarray(x, float)
     x = x - x.mean()
-    out = {}
-    y = x.astype(np.float32)
-    taper, edge = _window(n)
-    z = rfft(y * taper)
+    level, energy, fast = _fast_part(x, fs)
+    return {
+        **_spectrum(x),
+        "allan": _allan(x),
+        **fast,
+        "mean": _means(level),
+        "variance": _energies(energy),
+        "temperature": _against(x, temperature),
+    }
+
+
+def _spectrum(x) -> dict:
+    """Logarithms of the mean power in bands, and of the largest ordinate over it in the wide ones."""
+    taper, edge = _window(len(x))
+    z = rfft(x.astype(np.float32) * taper)
     p = z.real**2 + z.imag**2
-    mean = np.add.reduceat(p[: edge[-1]], edge[:-1]) / np.diff(edge)
-    out["psd"] = np.log(mean + 1e-30 * mean.max())
     size = np.diff(edge)
+    mean = np.add.reduceat(p[: edge[-1]], edge[:-1]) / size
     peak = np.maximum.reduceat(p[: edge[-1]], edge[:-1])
     wide = size > 40
-    out["lines"] = np.log(peak[wide] / mean[wide]) if wide.any() else np.zeros(0)
-    # Allan variances of block sums, from the cumulative sum
+    return {
+        "psd": np.log(mean + 1e-30 * mean.max()),
+        "lines": np.log(peak[wide] / mean[wide]) if wide.any() else np.zeros(0),
+    }
+
+
+def _allan(x) -> np.ndarray:
+    """Logarithms of the Allan variances of block sums, from the cumulative sum."""
+    n = len(x)
     c = np.concatenate([[0.0], np.cumsum(x)])
     spans = 3 ** np.arange(np.floor(np.log(max(n // 9, 1)) / np.log(3) + 1e-9) + 1).astype(int)
-    out["allan"] = np.log(np.array([_avar(c, m, max(1, m // 4)) for m in spans]) + 1e-300)
-    # the fast part: block-wise deviations over two seconds
-    b = max(2, int(2 * fs))
-    k = n // b
-    level, e, r, third, fourth, same, tops, bottoms = _pass(x, b)
-    var = e.mean()
+    return np.log(np.array([_avar(c, m, max(1, m // 4)) for m in spans]) + 1e-300)
+
+
+def _fast_part(x, fs: float) -> tuple:
+    """Means of blocks of two seconds, mean squares about them, and what the deviations say."""
+    n, b = len(x), max(2, int(2 * fs))
+    level, energy, r, third, fourth, same, tops, bottoms = _pass(x, b)
+    var = energy.mean()
     sd = np.sqrt(var)
-    far, farther, core, most, out["autocorrelation"] = _shape(r, sd, _LAGS)
-    out["distribution"] = np.array(
+    far, farther, core, most, products = _shape(r, sd, _LAGS)
+    shape = np.array(
         [
             third / (var * sd),
             np.log(fourth / var**2),
@@ -162,42 +180,54 @@ def battery(x, fs: float, temperature=None) -> dict:
             float(tops >= 3) + float(bottoms >= 3),
         ]
     )
+    return level, energy, {"autocorrelation": products, "distribution": shape}
+
+
+def _means(level) -> np.ndarray:
+    """Slope, beginning, steepest and largest jump and spread of the means of blocks, over their
+    scatter.
+    """
+    k = len(level)
     t = np.linspace(-1, 1, k)
     scatter = np.std(np.diff(level)) / np.sqrt(2)
-    jump = _largest_jump(level)
-    out["mean"] = np.array(
+    return np.array(
         [
             np.mean(level * t) * 3 / scatter,
             (level[: max(1, k // 20)].mean() - level.mean()) / scatter,
             np.log(np.abs(np.diff(level)).max() / scatter),
-            np.log(jump / scatter),
+            np.log(_largest_jump(level) / scatter),
             np.log(np.std(level) / scatter),
         ]
     )
-    values = []
+
+
+def _energies(e) -> np.ndarray:
+    """Scatter and largest of the mean squares over spans of some lengths, and of the halves."""
+    k, values = len(e), []
     for join in (1, 5, 15, 75):
         g = k // join
         if g >= 6:
             v = e[: g * join].reshape(g, join).mean(axis=1)
             values += [np.log(np.std(v) / v.mean()), np.log(v.max() / v.mean())]
     half = k // 2
-    out["variance"] = np.array(values + [np.log(e[:half].mean() / e[half:].mean())])
-    if temperature is not None and np.ptp(temperature) > 0:
-        q = max(1, n // 400)
-        g = n // q
-        a = x[: g * q].reshape(g, q).mean(axis=1)
-        h = temperature[: g * q].reshape(g, q).mean(axis=1)
-        h = h - h.mean()
-        d, dh = np.diff(a), np.diff(h)
-        out["temperature"] = np.array(
-            [
-                np.dot(a, h) / np.sqrt(np.dot(h, h) * np.dot(a, a)),
-                np.dot(d, dh) / np.sqrt(np.dot(dh, dh) * np.dot(d, d)),
-            ]
-        )
-    else:
-        out["temperature"] = np.zeros(0)
-    return out
+    return np.array([*values, np.log(e[:half].mean() / e[half:].mean())])
+
+
+def _against(x, temperature) -> np.ndarray:
+    """Correlations with the temperature, of levels and of changes."""
+    if temperature is None or not np.ptp(temperature) > 0:
+        return np.zeros(0)
+    q = max(1, len(x) // 400)
+    g = len(x) // q
+    a, h = (v[: g * q].reshape(g, q).mean(axis=1) for v in (x, temperature))
+    h = h - h.mean()
+    d, dh = np.diff(a), np.diff(h)
+    return np.array(
+        [
+            np.dot(a, h) / np.sqrt(np.dot(h, h) * np.dot(a, a)),
+            np.dot(d, dh) / np.sqrt(np.dot(dh, dh) * np.dot(d, d)),
+        ]
+    )
 
 
 def _largest_jump(level):

@@ -32,7 +32,7 @@ from imu_lib.processes import Sum
 #: Confidence in one of two readings of a grid that the record does not tell apart.
 DOUBTED = 0.5
 #: Confidence at the most where three noises or more had to be added.
-MANY = 0.8
+MOST_AMONG_MANY = 0.8
 #: log10 p of the stationarity tests below which only one round is run for the noises.
 VETO = -9.0
 NO_DRIFT = tuple(e.name for e in effects.COMPETITORS if e not in effects.DRIFTS)
@@ -112,9 +112,9 @@ def _likelier_grid(found: ChannelResult, other: ChannelResult, rounded) -> Chann
     slack += max((e.unseen for _, e in _told(found.steps)), default=0.0)
     if fewer > 0 and (better > -slack or not alike):
         return other
-    if fewer == 0 and alike and better > max(rounds.NEAR, slack):
+    if fewer == 0 and alike and better > max(rounds.INDISTINCT, slack):
         return other
-    if fewer == 0 and alike and abs(better) < rounds.NEAR and rounded is not None:
+    if fewer == 0 and alike and abs(better) < rounds.INDISTINCT and rounded is not None:
         doubtful = replace(rounded.capped(DOUBTED), indistinguishable=[Quantization.name])
         found = replace(found, steps=[doubtful if s is rounded else s for s in found.steps])
     return found
@@ -195,7 +195,7 @@ def _tested(left: Undone, state: State, rivals: list, wild: bool) -> tuple[State
     tests = _checks(left, state)
     if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
         other, _ = rounds.swap(state, passes=1, reach=np.inf)
-        if other.evidence > state.evidence + rounds.EVIDENCE:
+        if other.evidence > state.evidence + rounds.MIN_EVIDENCE:
             state, rivals = rounds.swap(rounds.prune(other), passes=1)
             state = profiled(state)
             tests = _checks(left, state)
@@ -233,7 +233,7 @@ def _capped(steps, state: State, unexplained: str | None) -> list[Step]:
     if unexplained is not None:
         return [s.capped(measured.beside_unexplained(s.effect)) for s in steps]
     if len(state.fit.slots) - len(state.base_slots) > 2:
-        return [s.capped(MANY) for s in steps]
+        return [s.capped(MOST_AMONG_MANY) for s in steps]
     return steps
 
 

@@ -19,7 +19,7 @@ from imu_lib.processes import Constant, Resolution, Saturation, Sum, WhiteNoise
 SIZE = 100
 #: Scatter that a statistic is given which is the same in all simulations, such as the share of
 #: frozen samples.
-ALIKE = 0.02
+LEAST_SCATTER = 0.02
 
 
 def _moving(model: Sum) -> Sum:
@@ -217,5 +217,5 @@ def _squares(s, measured):
         / np.where(others > 0, others, 1.0)
         / (1 + 1 / (count - 1)),
     )
-    far = (measured - mean) ** 2 / np.where(alike, ALIKE**2, var) / (1 + 1 / count)
+    far = (measured - mean) ** 2 / np.where(alike, LEAST_SCATTER**2, var) / (1 + 1 / count)
     return np.minimum(near, 1e6), np.minimum(far, 1e6)

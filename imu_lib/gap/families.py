@@ -14,7 +14,7 @@ from imu_lib.gap.transforms import Transforms
 #: Multiples that are looked for, and how many lines of a comb have to be there.
 MULTIPLES, SHARE = 40, 0.5
 #: Lines of the same channels from which on they are one finding, multiples or not.
-MANY = 4
+FAMILY_LINES = 4
 #: Gain from which on a multiple counts that did not stand out by itself.
 WEAK = 6.0
 #: Width over frequency up to which a source is a line.
@@ -62,7 +62,7 @@ def grouped(found: list[Source], transforms: Transforms) -> list[tuple[float, li
             and len(set(s.channels) & set(first.channels)) >= 2
             and not any(s in family for _, family in out)
         ]
-        out.append((0.0, alike if len(alike) >= MANY else [first]))
+        out.append((0.0, alike if len(alike) >= FAMILY_LINES else [first]))
     return _one_cause(out)
 
 
@@ -74,7 +74,7 @@ def _one_cause(families):
     out = list(families)
     for first in loud:
         same = [f for f in loud if f in out and _alike(f, first)]
-        if first in out and len(same) > 2 and sum(len(f[1]) for f in same) > MANY:
+        if first in out and len(same) > 2 and sum(len(f[1]) for f in same) > FAMILY_LINES:
             out = [f for f in out if f not in same]
             out.append((0.0, [s for f in same for s in f[1]]))
     return out

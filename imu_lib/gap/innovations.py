@@ -13,7 +13,7 @@ from imu_lib.gap.data import block_length, statistics
 #: then a hundred times too large, and whitening amplifies what little there is.
 FREEDOM = 24.0
 #: Share of the mean spectrum below which a stop band is not followed where samples are drawn.
-DEPTH = 1e-5
+STOP_BAND_DEPTH = 1e-5
 
 
 def trend(x, m: int) -> np.ndarray:
@@ -71,7 +71,7 @@ class Smooth:
         """As `on`, with the slow end of the record's own spectrum and further down into a stop
         band: what is drawn must not fill it.
         """
-        return np.maximum(self.between(self.full, size), DEPTH * np.mean(self.on(size)))
+        return np.maximum(self.between(self.full, size), STOP_BAND_DEPTH * np.mean(self.on(size)))
 
     def on(self, size: int) -> np.ndarray:
         """The spectrum, unit^2/Hz, at the ordinates of a real transform of `size` points."""

@@ -66,17 +66,22 @@ def close(
         reports = gauge.measured(
             reports, about, simulations, seed, jobs, lambda _: told.one("simulations")
         )
+    seconds = time.perf_counter() - started
+    return _report(about, reports, [*about.steps, *moved], (base, grown), seconds)
+
+
+def _report(about: Prepared, reports: dict, steps: list, models: tuple, seconds: float) -> Report:
+    ready = about.ready
     return Report(
         reports,
-        [*about.steps, *moved],
-        about.ready.doubt or about.left,
-        base,
-        grown,
-        about.ready.record,
-        time.perf_counter() - started,
-        model is not None,
-        about.ready.notes,
-        (about.ready.start, about.ready.stop),
+        steps,
+        ready.doubt or about.left,
+        *models,
+        ready.record,
+        seconds,
+        about.model is not None,
+        ready.notes,
+        (ready.start, ready.stop),
     )
 
 

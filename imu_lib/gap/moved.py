@@ -10,6 +10,7 @@ import numpy as np
 
 from imu_lib.faults.finding import seconds
 from imu_lib.faults.tilt import MEANS, angle_in_words, rotation
+from imu_lib.gap.effects.step import Step as Jump
 from imu_lib.gap.steps import Step
 
 #: Seconds that two jumps of one cause may seem apart, beside their own intervals.
@@ -30,7 +31,9 @@ def as_tilts(results: dict, about) -> tuple[dict, list[Step]]:
     accels = [f"accel_{a}" for a in "xyz"]
     if any(c not in about.raw for c in accels):
         return results, []
-    jumps = [(c, s) for c in accels if c in results for s in results[c].steps if s.effect == "step"]
+    jumps = [
+        (c, s) for c in accels if c in results for s in results[c].steps if s.effect == Jump.name
+    ]
     jumps.sort(key=lambda item: item[1].parameters["time"])
     force = np.array([np.nanmedian(about.raw[c]) for c in accels])
     out, moved, at = dict(results), [], about.ready.start

@@ -128,10 +128,8 @@ def prepared(record: Record, model: Model | None, channels) -> Prepared:
 
     Raises
     ------
-    ValueError
-        If `channels` names one that the record lacks or that does not move.
-    InputError
-        If less than 2000 samples are left without faults, or no channel says anything of its noise.
+    ValueError, InputError
+        As `gap.loop.close`.
     """
     names = _asked(record, channels)
     ready = faulty.ready(replace(record, channels={c: record.channels[c] for c in names}), model)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 #: Samples that a segment has for one ordinate's width of the band at the least, and its lengths.
-SHORTEST, LONGEST = 1024, 65536
+SHORTEST_SEGMENT, LONGEST_SEGMENT = 1024, 65536
 
 
 def segment_length(n: int, fs: float, width: float) -> int:
     """Length of the segments, a power of two, whose ordinates resolve a band of `width` Hz."""
     want = 32.0 * fs / max(width, 1e-9)
-    length = 2 ** int(np.ceil(np.log2(np.clip(want, SHORTEST, LONGEST))))
+    length = 2 ** int(np.ceil(np.log2(np.clip(want, SHORTEST_SEGMENT, LONGEST_SEGMENT))))
     while length > max(n // 8, 64):
         length //= 2
     return length

@@ -12,16 +12,16 @@ from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.data import SCREEN
 from imu_lib.gap.drifts import retuned
 from imu_lib.gap.effects import COMPETITORS
-from imu_lib.gap.state import EVIDENCE, GAIN, TEMPER, State
+from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, TEMPER, State
 
 #: Alternatives within this log evidence of the winner cannot be told from it.
-NEAR = 3.0
+INDISTINCT = 3.0
 #: A fit gains at the most so many times what its screening promises, and a rival further behind in
 #: log evidence has no weight.
-SLACK, SEEN = 2.0, 6.0
+MOST_OF_SCREENED, NO_WEIGHT = 2.0, 6.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second
 #: effect.
-REPLACED, REACH = 3, 150.0
+MOST_REPLACED, FARTHEST = 3, 150.0
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ def weigh(state: State, *, exclude=(), least: float = 0.0) -> list[Weighed]:
     items = [
         c
         for c in items
-        if c.effect.worth_fitting(c, state, best, simple) and SLACK * (c.screen + SCREEN) >= least
+        if c.effect.worth_fitting(c, state, best, simple)
+        and MOST_OF_SCREENED * (c.screen + SCREEN) >= least
     ]
     shaped = any(c.effect.shape is not None for c in state.drifts)
     out = []
@@ -76,7 +77,9 @@ def grow(state: State, *, most: int = 5, exclude=()) -> tuple[State, list]:
     history = []
     for _ in range(most):
         weighed = weigh(state, exclude=exclude)
-        best = next((w for w in weighed if w.evidence > EVIDENCE and w.gain > GAIN), None)
+        best = next(
+            (w for w in weighed if w.evidence > MIN_EVIDENCE and w.gain > MIN_LIKELIHOOD), None
+        )
         if best is None:
             break
         state = retuned(best.state).settled()
@@ -92,13 +95,15 @@ def prune(state: State) -> State:
             without = retuned(state.with_items(state.items[:i] + state.items[i + 1 :]))
             worth.append((state.evidence - without.evidence, i, without))
         least = min(worth, key=lambda w: w[0])
-        if least[0] > EVIDENCE:
+        if least[0] > MIN_EVIDENCE:
             break
         state = least[2].settled()
     return state
 
 
-def swap(state: State, *, exclude=(), passes: int = 2, reach: float = REACH) -> tuple[State, list]:
+def swap(
+    state: State, *, exclude=(), passes: int = 2, reach: float = FARTHEST
+) -> tuple[State, list]:
     """Put every item to the test against all others in its place; returns the best state and for
     each item its rivals.
 
@@ -123,7 +128,7 @@ def swap(state: State, *, exclude=(), passes: int = 2, reach: float = REACH) -> 
             for w in weighed:
                 others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
             two = _by_two(weighed, own, item, exclude, reach)
-            if two is not None and two[0] > EVIDENCE + 0.5:
+            if two is not None and two[0] > MIN_EVIDENCE + 0.5:
                 state, changed = retuned(two[1].state).settled(), True
                 break
             if two is not None:
@@ -142,8 +147,8 @@ def _by_two(weighed, own, item, exclude, reach):
     A sum of two noises looks like a third: a slow and a fast one like flicker.
     """
     best = None
-    for w in weighed[:REPLACED]:
-        if w.evidence < max(own - reach, EVIDENCE) or (
+    for w in weighed[:MOST_REPLACED]:
+        if w.evidence < max(own - reach, MIN_EVIDENCE) or (
             w.item.slot is None and w.item.column is None
         ):
             continue
@@ -153,9 +158,9 @@ def _by_two(weighed, own, item, exclude, reach):
                 for v in weigh(
                     w.state.settled(),
                     exclude=(*exclude, "telegraph"),
-                    least=own - w.evidence - SEEN,
+                    least=own - w.evidence - NO_WEIGHT,
                 )
-                if v.gain > GAIN and v.evidence > EVIDENCE
+                if v.gain > MIN_LIKELIHOOD and v.evidence > MIN_EVIDENCE
             ),
             None,
         )

@@ -17,7 +17,7 @@ from imu_lib.likelihood.problem import Problem
 
 #: What an effect has to add to the evidence and to the log-likelihood (calibrated on null records,
 #: benchmarks/gap_null.py).
-EVIDENCE, GAIN = 3.0, 9.0
+MIN_EVIDENCE, MIN_LIKELIHOOD = 3.0, 9.0
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record
 #: exactly of its model.
 TEMPER = 1.5

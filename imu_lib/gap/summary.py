@@ -16,7 +16,7 @@ from imu_lib.processes import Spikes, Sum
 #: Confidence from which on a finding is told as one.
 SURE = 0.9
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
-LONGEST = 0.1
+REACHED = 0.1
 
 
 def sentences(found) -> list[str]:
@@ -43,7 +43,7 @@ def _steps(found, names):
 def _good_for(found) -> str:
     record = found.record
     span = record.duration
-    reach = LONGEST * span
+    reach = REACHED * span
     channels = len(found.channels)
     what = "the noise density"
     if reach >= 20:
@@ -107,7 +107,7 @@ def _character(model: Sum, record):
         density = float(np.sqrt(noise.psd(np.array([min(1.0, 0.05 * fs)]), fs)[0] / 2))
     except UndefinedFormError:
         return None, None, None
-    tau = np.geomspace(10 / fs, max(LONGEST * record.duration, 20 / fs), 60)
+    tau = np.geomspace(10 / fs, max(REACHED * record.duration, 20 / fs), 60)
     try:
         deviation = np.sqrt(noise.avar(tau, fs))
     except UndefinedFormError:

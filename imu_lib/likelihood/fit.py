@@ -104,13 +104,21 @@ def fit(x, fs, model, *, starts=(), temperature=None, estimates=True, grid=True)
         if estimates
         else (plain(problem, theta), theta, value, information)
     )
+    return _fitted(template, stats, drifts, problem, (theta, value, information), found)
+
+
+def _fitted(template, stats, drifts, problem, at, found) -> Fit:
+    """The fit whose maximum lies `at` (theta, log-likelihood, information), with what was `found`
+    of its parameters.
+    """
+    theta, value, information = at
     expected = problem.density(theta)
     power = problem.remaining(expected)
     fitted, drift_estimates = drifts.finish(expected)
     parameters = {**found, **drift_estimates}
     zero = theta <= problem.floors(theta) + 1e-6
     values = {u.label: float(np.exp(t)) for u, t in zip(problem.free, theta)}
-    complete = noise.with_values(values)
+    complete = template.noise.with_values(values)
     gone = {u.index for u, z in zip(problem.free, zero) if z and u.amplitude}
     entries = [p for i, p in enumerate(complete) if i not in gone]
     best = Sum.of([*entries, *fitted])

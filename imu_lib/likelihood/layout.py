@@ -23,7 +23,7 @@ WIDTH = 1 / 40
 SINGLES = 40
 #: From this share of the rate on a filter may bend the density within a band: three Gauss-Legendre
 #: points there.
-BENT = 1 / 50
+BENT_FROM = 1 / 50
 #: Shapes that a layout remembers, and filters with their images.
 SHAPES, FILTERS = 4000, 64
 #: Correlation time in units of 1 / cutoff from which on the images that a filter folds onto the
@@ -147,7 +147,7 @@ class Layout:
         self.half = np.concatenate([np.diff(s.edges) * rate / (4 * s.n) for s in stretches])
         self.slow = sum(len(s.edges) - 1 for s in stretches if not s.tapered)
         size = np.concatenate([np.diff(s.edges) * s.times for s in stretches])
-        self._bent = np.flatnonzero((self.frequency > BENT * rate) & (size > 3))
+        self._bent = np.flatnonzero((self.frequency > BENT_FROM * rate) & (size > 3))
         self._parts = [(s.n, s.singles, np.array(s.edges), s.tapered) for s in stretches]
         side = np.sqrt(0.6) * self.half[self._bent]
         at = self.frequency[self._bent]

@@ -12,18 +12,15 @@ from scipy.linalg import block_diag
 from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError, UndefinedFormError
 
-from . import filter_memory
+from . import filter_memory, realisation
 from .base import Process, StateSpace
 from .heavy_tails import HeavyTails
 from .low_pass import LowPass
 from .sampled import avar_from_short_memory, cluster_size
 from .stage import Stage
-from .stages import NoiseLevelChange, Resolution, Spikes
+from .stages import Resolution, Spikes
 from .wandering_level import WanderingLevel
-from .white import Quantization, WhiteNoise
-
-#: Stages that act on the fast noise alone, not on the sum of all.
-ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
+from .white import Quantization
 
 
 @dataclass(frozen=True)
@@ -273,25 +270,7 @@ class Sum:
         `temperature`, shape (n,), in degC, is needed by a temperature term. `common`, shape (n,),
         is noise shared with other channels, added before the electronics.
         """
-        low_pass = self.low_pass
-        steps, before = (1, 0) if low_pass is None else low_pass.grid(fs)
-        size, rate = n * steps + before, fs * steps
-        start = -before / rate
-        if temperature is not None and (steps, before) != (1, 0):
-            at = start + np.arange(size) / rate
-            temperature = np.interp(at, np.arange(n) / fs, temperature)
-        slow, quick = np.zeros(size), np.zeros(size)
-        for term in self.terms:
-            if term is self.rounding:
-                continue
-            part = quick if term.fast else slow
-            drawn = term.simulate(size, rate, rng, temperature=temperature, start=start)
-            if self.tails is not None and isinstance(term, WhiteNoise):
-                drawn = drawn * self.tails.scales(size, rng)
-            part += drawn
-        if low_pass is not None:
-            slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
-        return self.behind(slow, quick, fs, rng, common=common)
+        return realisation.of(self, n, fs, rng, temperature=temperature, common=common)
 
     def behind(
         self,
@@ -305,18 +284,4 @@ class Sum:
         """What the stages behind the low-pass filter make of the slow and the quick noise, all of
         shape (n,).
         """
-        for stage in self.stages:
-            if isinstance(stage, NoiseLevelChange):
-                quick = quick * stage.factor(len(quick), fs)
-            elif isinstance(stage, WanderingLevel):
-                quick = quick * stage.draw(len(quick), fs, rng)
-        x = slow + quick
-        if common is not None:
-            x = x + common
-        stages = [s for s in self.stages if not isinstance(s, ON_NOISE)]
-        chain = [(s.place, s.apply) for s in stages]
-        if self.rounding is not None:  # the integral is rounded where samples would be
-            chain.append((Resolution.place - 0.5, self.rounding.round))
-        for _, act in sorted(chain, key=lambda link: link[0]):
-            x = act(x, fs, rng)
-        return x
+        return realisation.behind(self, slow, quick, fs, rng, common=common)

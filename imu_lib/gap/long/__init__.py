@@ -55,7 +55,7 @@ def close(
     Raises
     ------
     ValueError, InputError
-        As `gap.close`.
+        As `gap.loop.close`.
     """
     began = time.perf_counter()
     if record.longest <= 2 * PART:

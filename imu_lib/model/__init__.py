@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from imu_lib import processes
 from imu_lib.arrays import Array
 from imu_lib.drive_effects import DriveEffect, from_entries
 from imu_lib.errors import InputError
@@ -30,11 +29,10 @@ from imu_lib.processes import (
     Vibration,
 )
 from imu_lib.record import CHANNELS, Record
-from imu_lib.units import DEG
+
+from .entries import TURN_ON, entries, turn_on
 
 _RESERVED = ("rate", "record", "name", "source", "drive", "turn_on")
-#: Bias left at switch-on, standard deviation, where a model does not say: 0.1 deg/s and 0.05 m/s^2.
-TURN_ON = {"gyro": 0.1 * DEG, "accel": 0.05}
 
 
 @dataclass(frozen=True)
@@ -141,7 +139,7 @@ class Model:
                     )
                 extra[key] = value
                 continue
-            channels[key] = Sum.of(_entries(value, f"{where}, channel {key}", on_record=False))
+            channels[key] = Sum.of(entries(value, f"{where}, channel {key}", on_record=False))
         rate = content.get("rate")
         if rate is not None and (
             isinstance(rate, bool) or not isinstance(rate, (int, float)) or not 0 < rate < np.inf
@@ -150,13 +148,13 @@ class Model:
         try:
             return cls(
                 channels,
-                tuple(_entries(content.get("record", []), f"{where}, record", on_record=True)),
+                tuple(entries(content.get("record", []), f"{where}, record", on_record=True)),
                 None if rate is None else float(rate),
                 str(content.get("name", "")),
                 str(content.get("source", "")),
                 extra,
                 from_entries(content.get("drive", []), f"{where}, drive"),
-                _turn_on(content.get("turn_on"), where),
+                turn_on(content.get("turn_on"), where),
             )
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
@@ -297,28 +295,4 @@ class Model:
         )
 
 
-def _turn_on(value: Any, where: str) -> tuple[float, float] | None:
-    """(gyro, accelerometer) of the key `turn_on`; what it does not name is the usual one."""
-    if value is None:
-        return None
-    known = isinstance(value, Mapping) and not set(value) - set(TURN_ON)
-    pair = [value.get(k, v) for k, v in TURN_ON.items()] if known else []
-    if not known or any(isinstance(v, bool) or not isinstance(v, (int, float)) for v in pair):
-        raise InputError(
-            f"{where}: `turn_on` is an object of two numbers, `gyro` rad/s and `accel` m/s^2, not {value!r}"
-        )
-    if not all(0.0 <= v < np.inf for v in pair):
-        raise InputError(f"{where}: `turn_on` holds standard deviations, 0 or above, not {value!r}")
-    return float(pair[0]), float(pair[1])
-
-
-def _entries(value: Any, where: str, *, on_record: bool) -> list[Process]:
-    if not isinstance(value, list):
-        raise InputError(f"{where}: must be a list of processes")
-    out = []
-    for number, entry in enumerate(value, start=1):
-        try:
-            out.append(processes.from_json(entry, on_record=on_record))
-        except InputError as error:
-            raise InputError(f"{where}, entry {number}: {error}") from None
-    return out
+__all__ = ["TURN_ON", "Model"]

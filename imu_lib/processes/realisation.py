@@ -1,0 +1,79 @@
+"""A realisation of a sum of processes and its output stages, in time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imu_lib.arrays import Array
+
+from .heavy_tails import HeavyTails
+from .low_pass import LowPass
+from .stages import NoiseLevelChange, Resolution
+from .wandering_level import WanderingLevel
+from .white import WhiteNoise
+
+if TYPE_CHECKING:
+    from .sum import Sum
+
+#: Stages that act on the fast noise alone, not on the sum of all.
+ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
+
+
+def of(
+    model: Sum,
+    n: int,
+    fs: float,
+    rng: np.random.Generator,
+    *,
+    temperature: Array | None = None,
+    common: Array | None = None,
+) -> Array:
+    """As `Sum.simulate`."""
+    low_pass = model.low_pass
+    steps, before = (1, 0) if low_pass is None else low_pass.grid(fs)
+    size, rate = n * steps + before, fs * steps
+    start = -before / rate
+    if temperature is not None and (steps, before) != (1, 0):
+        at = start + np.arange(size) / rate
+        temperature = np.interp(at, np.arange(n) / fs, temperature)
+    slow, quick = np.zeros(size), np.zeros(size)
+    for term in model.terms:
+        if term is model.rounding:
+            continue
+        part = quick if term.fast else slow
+        drawn = term.simulate(size, rate, rng, temperature=temperature, start=start)
+        if model.tails is not None and isinstance(term, WhiteNoise):
+            drawn = drawn * model.tails.scales(size, rng)
+        part += drawn
+    if low_pass is not None:
+        slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
+    return behind(model, slow, quick, fs, rng, common=common)
+
+
+def behind(
+    model: Sum,
+    slow: Array,
+    quick: Array,
+    fs: float,
+    rng: np.random.Generator,
+    *,
+    common: Array | None = None,
+) -> Array:
+    """As `Sum.behind`."""
+    for stage in model.stages:
+        if isinstance(stage, NoiseLevelChange):
+            quick = quick * stage.factor(len(quick), fs)
+        elif isinstance(stage, WanderingLevel):
+            quick = quick * stage.draw(len(quick), fs, rng)
+    x = slow + quick
+    if common is not None:
+        x = x + common
+    stages = [s for s in model.stages if not isinstance(s, ON_NOISE)]
+    chain = [(s.place, s.apply) for s in stages]
+    if model.rounding is not None:  # the integral is rounded where samples would be
+        chain.append((Resolution.place - 0.5, model.rounding.round))
+    for _, act in sorted(chain, key=lambda link: link[0]):
+        x = act(x, fs, rng)
+    return x
