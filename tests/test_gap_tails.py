@@ -125,3 +125,16 @@ def test_the_level_of_half_a_minute_is_looked_at_in_shorter_blocks():
     assert [s.effect for s in found.steps] == ["wandering_level"]
     steady = [unsteady(rng.standard_normal(n), fs)[0] for _ in range(60)]
     assert min(steady) > -4
+
+
+def test_spikes_on_noise_with_heavy_tails_are_both_named():
+    rng = np.random.default_rng(3)
+    x = rng.standard_t(5, 40_000) * np.sqrt(3 / 5)
+    alone = [s.effect for s in analyse("accel_x", x, 100.0, None).steps]
+    assert alone == ["heavy_tails"]
+    x[rng.integers(0, len(x), 80)] += 20 * rng.standard_normal(80)
+    steps = {s.effect: s.parameters for s in analyse("accel_x", x, 100.0, None).steps}
+    assert set(steps) == {"spikes", "heavy_tails"}
+    # 80 in 400 s; the smallest drown in the tails
+    assert steps["spikes"]["rate"] == pytest.approx(0.2, rel=0.3)
+    assert steps["spikes"]["scale"] == pytest.approx(20.0, rel=0.25)

@@ -8,6 +8,8 @@ from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, kstest
 
 from imu_lib.gap.outliers import loudest
+from imu_lib.gap.tailed import beyond
+from imu_lib.gap.tailed import odds as odds_beyond
 from imu_lib.processes import Spikes as Stage
 
 from . import heavy_tails as tails
@@ -18,6 +20,8 @@ OUTLIER = 5.0
 #: Samples that a spike makes surprising, on the mean, from which on the smallest are not counted
 #: one by one.
 TRACES = 3.0
+#: Gain and height, in standard deviations, of spikes beside heavy tails at the least.
+BESIDE, FAR = 20.0, 8.0
 #: Share of the samples beyond which what is thrown off is no longer single samples.
 MANY = 0.1
 #: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two
@@ -134,10 +138,13 @@ class Spikes(Effect):
             gain < 14 or len(hit) < 2 or scale < 2.5
         ):  # a broader shoulder is another distribution, not spikes
             return None
+        tailed = held is None and not traces and tails.fitted(y)[0] > gain + normal_gain(y, s)
+        if tailed:  # heavy tails: spikes begin where these end, or there are none
+            gain, p, scale = beyond(y)
+            if gain < BESIDE or scale < FAR:
+                return None
         if held is None and not traces and p > MANY:
             return None  # a second noise, not single samples
-        if held is None and not traces and tails.fitted(y)[0] > gain + normal_gain(y, s):
-            return None  # heavy tails: there is no height at which spikes begin
         sd = s * np.sqrt(smooth.conditional_variance)
         rate, height = p * smooth.fs, scale * sd
         if (
@@ -162,8 +169,8 @@ class Spikes(Effect):
         # a sample is a spike where the mixture says so with more than even odds
         z2 = (y / s) ** 2
         odds = np.log(p / (1 - p)) - 0.5 * np.log1p(scale**2) + 0.5 * z2 * scale**2 / (1 + scale**2)
-        found.mask = odds > 0
-        found.doubt = self.doubt(y / s, p, scale, shoulders=not traces)
+        found.mask = (odds_beyond(y, p, scale) if tailed else odds) > 0
+        found.doubt = None if tailed else self.doubt(y / s, p, scale, shoulders=not traces)
         return found
 
     @staticmethod
