@@ -50,7 +50,7 @@ def forest(channels: dict, fs: float, *, least: float = 0.0) -> Forest | None:
     n = len(next(iter(channels.values())))
     first = int(np.ceil(least / fs * n))
     spectra = {name: np.abs(np.fft.rfft(taper(n) * x)) ** 2 for name, x in channels.items()}
-    power = {name: p / _level(p, np.ones(len(p), bool)) for name, p in spectra.items()}
+    power = {name: p / level_of(p) for name, p in spectra.items()}
     dense = [
         name
         for name, p in power.items()
@@ -104,6 +104,11 @@ def felled(x, found: Forest, rng) -> np.ndarray:
     noise = rng.standard_normal((len(level), 2)) @ np.array([1.0, 1j])
     z[found.ordinates] = noise * np.sqrt(0.5 * level)
     return np.fft.irfft(z, len(x)) + np.mean(x)
+
+
+def level_of(power) -> np.ndarray:
+    """Mean power of the noise around each ordinate, which lines do not lift."""
+    return _level(power, np.ones(len(power), bool))
 
 
 def _level(power, free) -> np.ndarray:

@@ -62,6 +62,8 @@ class Report:
     notes: tuple[str, ...] = ()
     #: The stretch of the record that was looked at, s from its first sample; None: all of it.
     stretch: tuple[float, float] | None = None
+    #: Effects that nothing in the record tells of: {"effect", "parameter", "why"} each.
+    invisible: tuple[dict, ...] = ()
 
     def to_json(self) -> dict:
         """The contract's object."""
@@ -71,6 +73,7 @@ class Report:
                 "steps": [s.to_json() for s in self.record_steps],
                 "unexplained": self.record_unexplained,
                 "notes": list(self.notes),
+                "invisible": list(self.invisible),
             },
             "verdict": sentences(self),
             "seconds": round(self.seconds, 2),

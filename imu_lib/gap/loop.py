@@ -82,7 +82,14 @@ def _report(about: Prepared, reports: dict, steps: list, models: tuple, seconds:
         about.model is not None,
         ready.notes,
         (ready.start, ready.stop),
+        _invisible(about),
     )
+
+
+def _invisible(about: Prepared) -> tuple[dict, ...]:
+    """What nothing in the record tells of."""
+    why = None if about.pace is None else about.pace.invisible
+    return ({"effect": "rate_error", "parameter": "ratio", "why": why},) if why else ()
 
 
 class _Told:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from imu_lib.gap import ensemble, faulty, record_level, shaken
+from imu_lib.gap.pace import Pace, paced
 from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
@@ -40,6 +41,8 @@ class Prepared:
         A coherence that is left.
     noise : dict
         Channel -> density N of all noise in common.
+    pace : Pace
+        Whether the clock is right.
     """
 
     ready: faulty.Ready
@@ -53,6 +56,7 @@ class Prepared:
     note: dict = field(default_factory=dict)
     left: str | None = None
     noise: dict = field(default_factory=dict)
+    pace: Pace | None = None
 
     @property
     def given(self) -> tuple:
@@ -103,7 +107,8 @@ class Prepared:
     @property
     def steps(self) -> list[Step]:
         """What was found on the record."""
-        out = [*self.ready.steps, *map(shaken.vibration_step, self.new)]
+        clock = [] if self.pace is None or self.pace.step is None else [self.pace.step]
+        out = [*clock, *self.ready.steps, *map(shaken.vibration_step, self.new)]
         if self.shared is not None:
             out.append(record_level.common_step(self.shared, self.note))
         return out
@@ -132,13 +137,15 @@ def prepared(record: Record, model: Model | None, channels) -> Prepared:
         As `gap.loop.close`.
     """
     names = _asked(record, channels)
+    pace = paced(record, model)
+    record = pace.record
     ready = faulty.ready(replace(record, channels={c: record.channels[c] for c in names}), model)
     even = ready.record.uniform()
     raw = shaken.on_levels({c: np.asarray(even.channels[c]) for c in ready.record.channel_names})
     temperature = None if even.temperature is None else np.array(even.temperature)
     if temperature is not None and np.isnan(temperature).any():
         temperature = ensemble.filled(temperature)
-    return _in_common(Prepared(ready, model, raw, even.rate, temperature))
+    return _in_common(Prepared(ready, model, raw, even.rate, temperature, pace=pace))
 
 
 def _in_common(about: Prepared) -> Prepared:
