@@ -8,10 +8,15 @@ offered, no more: its
 p-value says whether the record could have come from it.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.processes import (
     Flicker,
     GaussMarkov,
@@ -64,14 +69,14 @@ class Choice:
 
     name: str
     fit: Fit
-    fits: dict = field(repr=False)
-    weights: dict = field(repr=False)
+    fits: dict[str, Fit] = field(repr=False)
+    weights: dict[str, float] = field(repr=False)
 
     @property
-    def p_value(self):
+    def p_value(self) -> float:
         return self.fit.p_value
 
-    def rows(self):
+    def rows(self) -> list[tuple[Any, ...]]:
         """(name, parameters, BIC - best, AIC - best, p-value) of each candidate, best first."""
         least = min(f.bic for f in self.fits.values()), min(f.aic for f in self.fits.values())
         rows = [
@@ -82,16 +87,16 @@ class Choice:
 
 
 def choose(
-    x,
-    fs,
+    x: Any,
+    fs: Any,
     *,
-    candidates=None,
-    stages=(),
-    extra=(),
-    criterion="bic",
-    temperature=None,
-    estimates=True,
-):
+    candidates: Any = None,
+    stages: Any = (),
+    extra: Any = (),
+    criterion: str = "bic",
+    temperature: Array | None = None,
+    estimates: bool = True,
+) -> Choice:
     """Fit every candidate and take the best.
 
     Parameters
@@ -144,14 +149,14 @@ class FastEnd:
     spectrum is flat).
     """
 
-    stages: tuple
-    extra: tuple
+    stages: tuple[Any, ...]
+    extra: tuple[Any, ...]
     top: float
     p_value: float
     note: str
 
 
-def fast_end(x, fs):
+def fast_end(x: Any, fs: Any) -> FastEnd:
     """Look for a low-pass filter or quantization at the fast end, where nothing else bends the
     spectrum.
 
@@ -166,7 +171,7 @@ def fast_end(x, fs):
     fs = stats.rate
     top = fs / 2
     slack = WhiteNoise() + Flicker() + RandomWalk()
-    whole = None
+    whole: tuple[Any, ...] = ()
     for share in (1.0, 0.6, 0.35, 0.2, 0.1):
         top = share * fs / 2
         part = stats.between(FAST * fs if share > 0.3 else 0.1 * top, top)
@@ -191,10 +196,11 @@ def fast_end(x, fs):
     return FastEnd(stages, extra, fs / 2, found.p_value, note)
 
 
-def _filters(part, fs, slack):
+def _filters(part: Statistics, fs: float, slack: Sum) -> Iterator[tuple[Any, ...]]:
     for order in (1, 2):
         found = fit(part, None, slack + LowPass(order=order), estimates=False)
         stage = found.model.low_pass
+        assert stage is not None  # it is in the template
         yield (
             (stage,),
             (),

@@ -1,13 +1,21 @@
 """Times and frequencies of drifts, found one drift after the other under the noise that fits best."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+
 import numpy as np
 from scipy.fft import idct
 from scipy.optimize import minimize_scalar
 
+from imu_lib.arrays import Array
 from imu_lib.estimate import Estimate
+from imu_lib.processes import Sum
+from imu_lib.processes.deterministic import Deterministic
 
 from .maximise import maximise
 from .problem import Problem
+from .statistics import Statistics
 
 #: Rounds over the drifts whose parameter is searched: the first find them, the last settles them.
 TURNS = 3
@@ -16,30 +24,37 @@ TURNS = 3
 class DriftSearch:
     """Drifts, some with a parameter that is searched, beside the `noise` of a template."""
 
-    def __init__(self, stats, noise, drifts, t, temperature):
+    def __init__(
+        self,
+        stats: Statistics,
+        noise: Sum,
+        drifts: Iterable[Deterministic],
+        t: Array,
+        temperature: Array | None,
+    ) -> None:
         self.stats, self.noise, self.drifts = stats, noise, list(drifts)
         self.t, self.temperature = t, temperature
-        self.intervals = [{} for _ in self.drifts]
+        self.intervals: list[dict[str, Estimate]] = [{} for _ in self.drifts]
         self.open = [
             j for j, d in enumerate(self.drifts) if d.searched and getattr(d, d.searched) is None
         ]
 
-    def run(self, given) -> list:
+    def run(self, given: list[Array]) -> list[Array]:
         """Search them all; start vectors of the noise for the last fit, `given` ones beside."""
-        theta = []
+        theta: list[Array] = []
         for turn in range(TURNS if self.open else 0):
             for j in self.open:
                 theta = [self._one(j, given, theta, turn)]
         return theta
 
-    def columns(self) -> list:
+    def columns(self) -> list[Array]:
         """Shapes of all drifts, each (n, q)."""
         return [self._shape(drift) for drift in self.drifts]
 
-    def _shape(self, drift):
+    def _shape(self, drift: Deterministic) -> Array:
         return drift.shape(self.t, self.temperature)
 
-    def _one(self, j: int, given, last, turn: int):
+    def _one(self, j: int, given: list[Array], last: list[Array], turn: int) -> Array:
         """Set the parameter of drift `j`; the vector of the noise beside it, after the `last`."""
         others = [
             self._shape(drift)
@@ -56,14 +71,16 @@ class DriftSearch:
         for level in _levels(density, turn):
             value, interval = search(free, self.drifts[j], name, level, self.t)
             drift = self.drifts[j].with_(**{name: value})
-            columns = [*others, self._shape(drift)]
-            again = self._best(columns, [*given, theta], grid=not turn)
+            beside = [*others, self._shape(drift)]
+            again = self._best(beside, [*given, theta], grid=not turn)
             tried.append((again[1], drift, interval, again[0]))
         _, self.drifts[j], interval, best = max(tried, key=lambda trial: trial[0])
         self.intervals[j] = {name: interval}
         return best
 
-    def _best(self, columns, starts, *, grid: bool):
+    def _best(
+        self, columns: list[Array], starts: list[Array], *, grid: bool
+    ) -> tuple[Array, float, Array]:
         """(theta, log-likelihood, density) of the noise with these mean shapes solved for."""
         regressors = self.stats.regressors(np.hstack(columns)) if columns else None
         problem = Problem.of(self.stats, self.noise, regressors)
@@ -71,7 +88,7 @@ class DriftSearch:
         return theta, value, problem.density(theta)
 
 
-def _levels(density, turn: int) -> list:
+def _levels(density: Array, turn: int) -> list[Array]:
     """Densities to search under: the one that fits, and at first (a drift not yet found hides in
     the slow noise) a floor of it.
     """
@@ -81,14 +98,18 @@ def _levels(density, turn: int) -> list:
     return [density, np.full_like(density, floor), np.sqrt(density * floor)]
 
 
-def gain(stats, term, name, value, expected, t):
+def gain(
+    stats: Statistics, term: Deterministic, name: str, value: float, expected: Array, t: Array
+) -> float:
     """Log-likelihood that the drift gains with its searched parameter at `value`."""
     products = stats.regressors(term.with_(**{name: value}).shape(t))
     amplitude, _ = products.solve(expected)
     return 0.5 * float(amplitude @ (products.cross.T @ (1 / expected)))
 
 
-def search(stats, term, name, expected, t):
+def search(
+    stats: Statistics, term: Deterministic, name: str, expected: Array, t: Array
+) -> tuple[float, Estimate]:
     """Best value of the searched parameter and its 95 % interval (where the gain has fallen by
     1.92).
     """
@@ -118,7 +139,7 @@ def search(stats, term, name, expected, t):
     return best, Estimate.normal(best, min(1 / np.sqrt(curvature), best))
 
 
-def step_time(stats, expected, t):
+def step_time(stats: Statistics, expected: Array, t: Array) -> tuple[float, Estimate]:
     """Time of a step: one inverse transform gives the gain at every sample."""
     s = max(stats.stretches, key=lambda s: s.n)
     at = (

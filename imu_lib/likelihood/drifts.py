@@ -2,12 +2,17 @@
 search.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.estimate import Estimate
 from imu_lib.processes import Sum
+from imu_lib.processes.deterministic import Deterministic
 
 from .drift_search import DriftSearch
 from .regressors import Regressors
@@ -20,14 +25,14 @@ class Drifts:
 
     stats: Statistics
     regressors: Regressors | None
-    starts: list = field(default_factory=list)
-    terms: list = field(default_factory=list)
-    widths: list = field(default_factory=list)
-    labels: list = field(default_factory=list)
-    known: list = field(default_factory=list)
-    searched: dict = field(default_factory=dict)
+    starts: list[Any] = field(default_factory=list)
+    terms: list[Any] = field(default_factory=list)
+    widths: list[Any] = field(default_factory=list)
+    labels: list[Any] = field(default_factory=list)
+    known: list[Any] = field(default_factory=list)
+    searched: dict[int, dict[str, Estimate]] = field(default_factory=dict)
 
-    def finish(self, expected):
+    def finish(self, expected: Array) -> tuple[list[Any], dict[str, Estimate]]:
         """(fitted drift processes, estimates by label) under the final density."""
         if self.regressors is None:
             return self.known, {}
@@ -44,13 +49,17 @@ class Drifts:
         return fitted, estimates
 
 
-def solve_drifts(stats, template, temperature, given):
+def solve_drifts(
+    stats: Statistics, template: Sum, temperature: Array | None, given: list[Array]
+) -> Drifts:
     """Find the times of the drifts under the noise that fits best, and set their amplitudes up for
     solving.
     """
-    terms = [(i, term) for i, term in enumerate(template.terms) if term.deterministic]
+    terms = [(i, d) for i, d in enumerate(template.terms) if isinstance(d, Deterministic)]
     known = [term for _, term in terms if _known(term)]
-    t = np.arange(stats.n) / stats.rate if terms else None
+    if not terms:
+        return Drifts(stats, None)
+    t = np.arange(stats.n) / stats.rate
     if known:
         stats = stats.subtract(Sum(tuple(known)).mean(t, temperature))
     unknown = [(i, term) for i, term in terms if not _known(term)]
@@ -76,5 +85,5 @@ def solve_drifts(stats, template, temperature, given):
     )
 
 
-def _known(term):
+def _known(term: Deterministic) -> bool:
     return getattr(term, term.linear) is not None and term.complete

@@ -10,17 +10,21 @@ end, the gamma
 likelihood of the frequency-averaged periodogram at the fast end, in one formula.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from scipy.special import gammaincc, ndtri
 from scipy.stats import chi2
 
 from imu_lib.arrays import Array
-from imu_lib.processes import Constant, Process, Sum
+from imu_lib.processes import Constant, LowPass, Process, Sum
 
 from .statistics import Statistics
 
 
-def as_sum(model):
+def as_sum(model: Any) -> Sum:
     """A process or a sum as a sum, without the constant (the mean is a nuisance)."""
     model = (
         model if isinstance(model, Sum) else Sum((model,)) if isinstance(model, Process) else model
@@ -32,7 +36,7 @@ def as_sum(model):
     return Sum(tuple(t for t in model.terms if not isinstance(t, Constant)), model.stages)
 
 
-def density(stats, noise):
+def density(stats: Statistics, noise: Sum) -> Array:
     """Expected mean ordinate of each band, shape (b,), unit^2/Hz, of the random terms behind the
     filter.
     """
@@ -57,7 +61,7 @@ def gaussian(stats: Statistics, expected: Array, power: Array | None = None) -> 
     return -0.5 * np.sum(stats.count * np.log(expected) + power / expected, axis=-1)
 
 
-def without_mean(stats, model, temperature=None):
+def without_mean(stats: Statistics, model: Any, temperature: Array | None = None) -> Statistics:
     """Statistics with the model's deterministic terms (ramp, sinusoid, warm-up, step, temperature)
     taken out.
     """
@@ -70,13 +74,13 @@ def without_mean(stats, model, temperature=None):
     return stats.subtract(mean)
 
 
-def _padded(mean, low_pass, stats):
+def _padded(mean: Array, low_pass: LowPass, stats: Statistics) -> tuple[Array, float, int]:
     steps, before = low_pass.grid(stats.rate)
     at = np.arange(stats.n * steps + before) / steps - before / steps
     return np.interp(at, np.arange(stats.n), mean), stats.rate, stats.n
 
 
-def log_likelihood(stats, model, *, temperature=None):
+def log_likelihood(stats: Statistics, model: Any, *, temperature: Array | None = None) -> float:
     """Log-likelihood of a complete model.
 
     Parameters
@@ -98,7 +102,7 @@ def log_likelihood(stats, model, *, temperature=None):
     return float(gaussian(without_mean(stats, model, temperature), density(stats, model.noise)))
 
 
-def residuals(stats, model, *, temperature=None):
+def residuals(stats: Statistics, model: Any, *, temperature: Array | None = None) -> Array:
     """Standard normal score of each band under the model, shape (b,): positive where the record
     has more power.
     """
@@ -106,13 +110,20 @@ def residuals(stats, model, *, temperature=None):
     return _scores(without_mean(stats, model, temperature), density(stats, model.noise))
 
 
-def _scores(stats, expected, power=None):
+def _scores(stats: Statistics, expected: Array, power: Array | None = None) -> Array:
     power = stats.power if power is None else power
     upper = np.clip(gammaincc(stats.count / 2, power / expected / 2), 1e-300, 1 - 1e-16)
     return -ndtri(upper)
 
 
-def goodness(stats, expected, parameters, power=None, *, per_decade=(2.5, 8)):
+def goodness(
+    stats: Statistics,
+    expected: Array,
+    parameters: int,
+    power: Array | None = None,
+    *,
+    per_decade: tuple[float, ...] = (2.5, 8),
+) -> float:
     """p-value of the hypothesis that the record has this spectrum.
 
     Chi-square sums of normal scores over all bands and over `per_decade` bands a decade, where a
@@ -137,7 +148,7 @@ def goodness(stats, expected, parameters, power=None, *, per_decade=(2.5, 8)):
     return float(-np.expm1(3 * np.log1p(-min(min(p_values), 1 - 1e-16))))
 
 
-def _bands(stats, per_decade):
+def _bands(stats: Statistics, per_decade: float) -> Array:
     group = np.floor(np.log10(stats.frequency) * per_decade).astype(int)
     return np.unique(group, return_inverse=True)[1]
 

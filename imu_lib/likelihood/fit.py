@@ -1,11 +1,15 @@
 """One fit of a whole model to a whole record."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.estimate import Estimate
-from imu_lib.processes import Sum
+from imu_lib.processes import LowPass, Sum
 
 from .drifts import solve_drifts
 from .evaluate import as_sum, goodness
@@ -42,8 +46,8 @@ class Fit:
     """
 
     model: Sum
-    parameters: dict
-    labels: tuple
+    parameters: dict[str, Estimate]
+    labels: tuple[str, ...]
     covariance: np.ndarray = field(repr=False)
     loglike: float
     aic: float
@@ -55,16 +59,25 @@ class Fit:
     statistics: Statistics = field(repr=False)
     template: Sum = field(repr=False)
 
-    def __getitem__(self, label):
+    def __getitem__(self, label: str) -> Estimate:
         return self.parameters[label]
 
     @property
-    def free(self):
+    def free(self) -> int:
         """Number of fitted parameters."""
         return len(self.parameters)
 
 
-def fit(x, fs, model, *, starts=(), temperature=None, estimates=True, grid=True):
+def fit(
+    x: Any,
+    fs: Any,
+    model: Any,
+    *,
+    starts: Any = (),
+    temperature: Array | None = None,
+    estimates: bool = True,
+    grid: bool = True,
+) -> Fit:
     """Fit a sum of processes by maximum likelihood.
 
     Parameters
@@ -107,7 +120,14 @@ def fit(x, fs, model, *, starts=(), temperature=None, estimates=True, grid=True)
     return _fitted(template, stats, drifts, problem, (theta, value, information), found)
 
 
-def _fitted(template, stats, drifts, problem, at, found) -> Fit:
+def _fitted(
+    template: Sum,
+    stats: Statistics,
+    drifts: Any,
+    problem: Problem,
+    at: tuple[Array, float, Array],
+    found: dict[str, Estimate],
+) -> Fit:
     """The fit whose maximum lies `at` (theta, log-likelihood, information), with what was `found`
     of its parameters.
     """
@@ -141,7 +161,7 @@ def _fitted(template, stats, drifts, problem, at, found) -> Fit:
     )
 
 
-def vector(noise, start):
+def vector(noise: Sum, start: Any) -> Array:
     """Logarithms of a start model's values for the unknowns of the template, in their order."""
     start = as_sum(start).noise
     known = {label: getattr(list(start)[index], name) for label, index, name in start.labels()}
@@ -150,7 +170,8 @@ def vector(noise, start):
         process = list(noise)[index]
         parameter = next(p for p in process.parameters if p.name == name)
         if getattr(process, name) is None and (
-            not parameter.optional or (name == "cutoff" and process.tunable)
+            not parameter.optional
+            or (isinstance(process, LowPass) and name == "cutoff" and process.tunable)
         ):
             if not known.get(label):
                 raise ValueError(f"`starts`: the start model has no value for `{label}`")
@@ -158,6 +179,6 @@ def vector(noise, start):
     return np.array(out)
 
 
-def plain(problem, theta):
+def plain(problem: Problem, theta: Array) -> dict[str, Estimate]:
     """Estimates without intervals: the maximum alone."""
     return {u.label: Estimate(float(np.exp(t)), 0.0, np.inf) for u, t in zip(problem.free, theta)}

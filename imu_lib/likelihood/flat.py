@@ -1,17 +1,24 @@
 """The flat level of the Allan deviation that a likelihood fit implies."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imu_lib import allan
+from imu_lib.arrays import Array
 from imu_lib.estimate import Z95, Estimate
 
 from .intervals import reach
 from .problem import Problem
 
+if TYPE_CHECKING:
+    from .fit import Fit
 
-def flat_level(fit):
+
+def flat_level(fit: Fit) -> Estimate:
     """Allan deviation of the fitted model where it is flat (0.664 B of a flicker): Estimate,
     interval by profile.
 
@@ -26,7 +33,7 @@ def flat_level(fit):
     span = 1 / stats.rate, stats.duration / 3
     low, best = problem.floors(theta), problem.loglike(theta)
 
-    def look(values, beside=None):
+    def look(values: Array, beside: float | None = None) -> tuple[float, float]:
         """Where the deviation is flat, s, and the logarithm of the level there (in continuous
         time).
         """
@@ -34,7 +41,7 @@ def flat_level(fit):
         place = allan.flat_time(model, *span, beside=beside)
         return place, 0.5 * np.log(model.avar(np.array([place]))[0])
 
-    def drop(level, near):
+    def drop(level: float, near: Array) -> tuple[Array, float]:
         """Most likely parameters with that level (and the place), and the root of twice the
         log-likelihood they lose.
         """

@@ -2,11 +2,17 @@
 show.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
+
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.estimate import Z95, Estimate
 
 from .maximise import climb
+from .problem import Problem
 
 ONE_SIDED = 1.6448536269514722
 #: Twice the log-likelihood that a term must gain to count as shown: 5 % on the boundary of the
@@ -21,7 +27,9 @@ class _Better(Exception):
     """The profile found a point above the maximum."""
 
 
-def intervals(problem, theta, value, information, attempts=3):
+def intervals(
+    problem: Problem, theta: Array, value: float, information: Array, attempts: int = 3
+) -> tuple[dict[str, Estimate], Array, float, Array]:
     """Estimates of every unknown, with the maximum they belong to.
 
     Returns
@@ -44,7 +52,9 @@ def intervals(problem, theta, value, information, attempts=3):
     raise AssertionError("unreachable")
 
 
-def _intervals(problem, theta, value, information, watch):
+def _intervals(
+    problem: Problem, theta: Array, value: float, information: Array, watch: bool
+) -> dict[str, Estimate]:
     free, floor = problem.free, problem.floors(theta)
     side = _Side(problem, theta, value, information, floor, watch)
     out, shown = {}, {}
@@ -69,7 +79,7 @@ def _intervals(problem, theta, value, information, watch):
     return out
 
 
-def _without(problem, theta, k, floor):
+def _without(problem: Problem, theta: Array, k: int, floor: Array) -> float:
     """Largest log-likelihood with amplitude k at zero."""
     start = theta.copy()
     start[k] = floor[k]
@@ -82,7 +92,15 @@ def _without(problem, theta, k, floor):
 class _Side:
     """Where the profile of one unknown has fallen by target^2 / 2."""
 
-    def __init__(self, problem, theta, value, information, floor, watch):
+    def __init__(
+        self,
+        problem: Problem,
+        theta: Array,
+        value: float,
+        information: Array,
+        floor: Array,
+        watch: bool,
+    ) -> None:
         self.problem, self.theta, self.value, self.floor, self.watch = (
             problem,
             theta,
@@ -93,14 +111,14 @@ class _Side:
         ridge = 1e-9 * (1 + np.diag(information).max()) * np.eye(len(theta))
         self.covariance = np.linalg.inv(information + ridge)
 
-    def end(self, k, sign, target):
+    def end(self, k: int, sign: int, target: float) -> tuple[float, bool]:
         """(log end, whether the range of the unknown ends first)."""
         theta, problem = self.theta, self.problem
         variance = self.covariance[k, k]
         direction = np.clip(self.covariance[:, k] / variance, -5, 5)
         bound = self.floor[k] if sign < 0 else problem.high[k]
 
-        def drop(t, near):
+        def drop(t: float, near: Array) -> tuple[Array, float]:
             start = near + direction * (t - near[k])
             start[k] = t
             floor = self.floor.copy()
@@ -113,7 +131,14 @@ class _Side:
         return reach(drop, theta[k], theta, sign * np.sqrt(variance), target, bound)
 
 
-def reach(drop, best, theta, sd, target, bound=None):
+def reach(
+    drop: Callable[[float, Array], tuple[Array, float]],
+    best: float,
+    theta: Array,
+    sd: float,
+    target: float,
+    bound: float | None = None,
+) -> tuple[float, bool]:
     """Where, going from `best` by steps of about `sd` (its sign is the direction), a profile has
     fallen enough.
 
@@ -141,7 +166,7 @@ def reach(drop, best, theta, sd, target, bound=None):
             near, near_w, near_at = t, w, at
         else:
             far, far_w = t, w
-        if far is None:
+        if far is None or far_w is None:
             t = best + (near - best) * np.clip(target / max(near_w, 1e-9), 1.1, 3.0)
         else:
             share = np.clip((target - near_w) / (far_w - near_w), 0.05, 0.95)

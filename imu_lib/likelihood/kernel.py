@@ -14,16 +14,20 @@ noise give S exactly
 at every p. The weights depend on u alone: one matrix serves every record and every process.
 """
 
+from __future__ import annotations
+
 from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from imu_lib.arrays import Array
+
 NODES_PER_DECADE = 16
 U_LOW, U_HIGH = 1e-4, 1e5
 
 
-def _window_power(u, p):
+def _window_power(u: Array, p: Array) -> Array:
     """|W_p(u)|^2 for u (k,) and p (q,) -> (q, k); the removable poles at u = p/2 have the value 1/2."""
     a, pole = 2 * np.pi * u[None, :], np.pi * p[:, None]
     gap = a**2 - pole**2
@@ -33,7 +37,7 @@ def _window_power(u, p):
 
 
 @lru_cache(maxsize=8)
-def weights(count):
+def weights(count: int) -> tuple[Array, Array]:
     """Weights of the first `count` coefficients on the nodes u.
 
     Returns

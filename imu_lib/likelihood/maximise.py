@@ -1,6 +1,8 @@
 """Maximum of the likelihood: Fisher scoring with damping, from several starts."""
 
-from collections.abc import Collection
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
 from itertools import combinations
 
 import numpy as np
@@ -66,7 +68,7 @@ def climb(
     return theta, value, information
 
 
-def amplitudes(problem, theta, rounds=40):
+def amplitudes(problem: Problem, theta: Array, rounds: int = 40) -> Array:
     """Best non-negative amplitudes for given times: the multiplicative (EM) update of a sum of
     known shapes.
     """
@@ -91,7 +93,7 @@ def amplitudes(problem, theta, rounds=40):
     return theta
 
 
-def starts(problem, count=STARTS):
+def starts(problem: Problem, count: int = STARTS) -> list[Array]:
     """Start vectors: every unknown time or frequency over its range in `count` places, amplitudes
     solved for.
     """
@@ -109,7 +111,7 @@ def starts(problem, count=STARTS):
         else:
             grids[k] = np.linspace(u.low + margin / 2, u.high - margin, count)
     # equal processes in ascending order of their times only
-    groups = {}
+    groups: dict[tuple[type, str], list[int]] = {}
     for k in shape:
         groups.setdefault((type(problem.process(free[k].index)), free[k].name), []).append(k)
     choices = [np.zeros((1, 0))]
@@ -127,7 +129,9 @@ def starts(problem, count=STARTS):
     return out
 
 
-def maximise(problem, given=(), *, grid=True, refine=3):
+def maximise(
+    problem: Problem, given: Iterable[Array] = (), *, grid: bool = True, refine: int = 3
+) -> tuple[Array, float, Array]:
     """The best of several climbs: from `given` vectors and from the best `refine` of the grid."""
     if not problem.free:
         return np.zeros(0), problem.loglike(np.zeros(0)), np.zeros((0, 0))

@@ -6,10 +6,16 @@ of a smooth spectrum, and unlike those of a bare transform their edges do not fi
 filter.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import get_window
 from scipy.stats import chi2
+
+from imu_lib.arrays import Array
 
 from .layout import WIDTH, Stretch, edges_of
 from .lines import LINE_TAIL, without_lines
@@ -19,7 +25,15 @@ from .statistics import Statistics
 _AROUND = 31
 
 
-def of_scales(slow, fast, fs, seam, *, exclude_lines=False, width=WIDTH) -> Statistics:
+def of_scales(
+    slow: Any,
+    fast: Any,
+    fs: float,
+    seam: float,
+    *,
+    exclude_lines: bool = False,
+    width: float = WIDTH,
+) -> Statistics:
     """The statistics of long stretches.
 
     Parameters
@@ -57,7 +71,7 @@ def of_scales(slow, fast, fs, seam, *, exclude_lines=False, width=WIDTH) -> Stat
     return Statistics.assembled(fs, tuple(stretches), 0.0, lines)
 
 
-def freedom(size, count):
+def freedom(size: int, count: int) -> tuple[float, float]:
     """Degrees of freedom of one ordinate of `count` half-overlapping segments, and how many each
     has in a sum over many neighbours (Percival and Walden 1993, Sec. 6.17).
     """
@@ -69,7 +83,9 @@ def freedom(size, count):
     return float(own), float(own / (1 + 2 * near.sum()))
 
 
-def _lines(power, own, edges, step, size):
+def _lines(
+    power: Array, own: float, edges: Any, step: float, size: int
+) -> tuple[Array, list[tuple[float, float]]]:
     """Places of the ordinates that stand out of their surroundings as one in 1e9 would, and the
     lines that they are: (frequency, rms).
     """
