@@ -30,7 +30,8 @@ NAMES = {
 }
 STAMPS = ("s", "epoch_s", "ms", "boot_ms", "epoch_ms", "us", "boot_us", "ns", "min",
           "secs_nsecs", "iso", "split", "dmy", "mdy", "ampm", "colon_ms", "counter", "none", "wrap_us", "coarse", "hms",
-          "day", "filetime", "compact", "two_times")  # fmt: skip
+          "day", "filetime", "compact", "two_times", "ticks_64", "six_digits", "single", "digits", "short_year", "frames",
+          "packets")  # fmt: skip
 
 
 @dataclass
@@ -88,13 +89,25 @@ def stamp_columns(plan, t):
         late = np.sort(t + np.random.default_rng(plan.seed).uniform(0.0, 2.0 / plan.rate, len(t)))
         own = 7_000_000 + np.rint(t * 1e6).astype(np.int64)
         return ["host_time [s]", "device_time [us]"], [[f"{1.6e9 + v:.6f}" for v in late], [str(v) for v in own]], {}
+    if kind == "ticks_64":  # a computer's clock, printed to the millisecond
+        return ["time_ms"], [[str(int(v * 1e3)) for v in np.floor((t + 77.7) * 64) / 64]], {}
+    if kind == "six_digits":
+        return ["time [s]"], [[f"{v:.6g}" for v in t + 9_998.0]], {}
+    if kind == "single":
+        return ["time [s]"], [[f"{float(v):.7f}" for v in np.float32(t + 9_000.0)]], {}
+    if kind == "frames":  # 25 in a second
+        return ["timecode"], [[f"10:59:{int(v) // 1:02d}:{int(v % 1 * 25 + 1e-6):02d}" for v in t]], {}
+    if kind == "packets":
+        late = np.random.default_rng(plan.seed).uniform(0.0, 0.2, plan.n)
+        group = np.rint(t * plan.rate).astype(np.int64) // 4
+        return ["recv_ms"], [[f"{1000 * (4 * (g + late[g % plan.n]) / plan.rate) + 5000:.0f}" for g in group]], {}
     if kind == "day":
         days = [f"{44197.25 + v / 86400:.12f}" for v in t]
         return ["time [day]" if plan.named_time else "datetime"], [days], {"time_unit": "day"}
     if kind == "secs_nsecs":
         ns = 1_600_000_000_999_000_000 + np.rint(t * 1e9).astype(np.int64)
         return ["secs", "nsecs"], [[str(v // 10**9) for v in ns], [str(v % 10**9) for v in ns]], {}
-    if kind in ("iso", "compact", "split", "dmy", "mdy", "ampm", "colon_ms", "hms"):
+    if kind in ("iso", "compact", "digits", "short_year", "split", "dmy", "mdy", "ampm", "colon_ms", "hms"):
         start = dt.datetime(2021, 3, 4, 23, 59, 59) if kind != "hms" else dt.datetime(2021, 3, 4, 10, 58, 59)
         if kind == "ampm":
             start = dt.datetime(2021, 3, 4, 11, 59, 59)
@@ -102,6 +115,10 @@ def stamp_columns(plan, t):
         clock = [w.strftime("%H:%M:%S.%f") for w in when]
         if kind == "iso":
             return ["timestamp"], [[w.isoformat(timespec="microseconds") for w in when]], {}
+        if kind == "digits":
+            return ["timestamp"], [[w.strftime("%Y%m%d%H%M%S%f") for w in when]], {}
+        if kind == "short_year":
+            return ["timestamp"], [[w.strftime("%y/%m/%d %H:%M:%S.%f") for w in when]], {}
         if kind == "compact":
             return ["timestamp"], [[w.strftime("%Y%m%dT%H%M%S.%f") for w in when]], {}
         if kind == "split":

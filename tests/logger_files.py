@@ -5,6 +5,8 @@ are read by rule of thumb: the same standing sensor in each.
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 from strange_logs import ACCEL, DPS, GYRO, IN_G, SI, I, N, T, clock, table
 from stranger_logs import SIX
@@ -100,6 +102,18 @@ def logs():
         "arrays_of_one.txt": (_lines(lambda k, w, a: '{"Body": {"Timestamp": %d, "ArrayAcc": [{"x": %.9g, "y": %.9g, "z": %.9g}], "ArrayGyro": [{"x": %.9g, "y": %.9g, "z": %.9g}]}}\n' % (k * 10 + 99, *a, *w)), SI, 100),
         "numbers_that_touch.txt": (_lines(lambda k, w, a: "%10.4f%12.8f%12.8f%12.8f%11.6f%11.6f%11.6f\n" % (k / 100, *w, *a)), f"{SI} --columns time,{','.join(named)}", 100),
     }
+    out["row_names.txt"] = ('"time" "gx" "gy" "gz" "ax" "ay" "az"\n' + _lines(lambda k, w, a: f'"{k + 1}" {k / 100} {_six(w, a, " ")}\n'), SI, 100)
+    out["columns_and_data.json"] = (json.dumps({"columns": HEAD.split(","), "index": I.tolist(), "data": np.c_[T, GYRO, ACCEL].tolist()}), SI, 100)
+    out["turkish.csv"] = (table("Zaman,Jiroskop X,Jiroskop Y,Jiroskop Z,İvme X,İvme Y,İvme Z", T, GYRO, ACCEL), SI, 100)
+    out["russian.csv"] = (table(";".join(["Время (с)", *(f"Угловая скорость {a} (град/с)" for a in "XYZ"), *(f"Ускорение {a} (м/с²)" for a in "XYZ")]), T, DPS, ACCEL, sep=";"), "", 100)
+    out["specific_force.csv"] = (table("time,Wx,Wy,Wz,SFx,SFy,SFz", T, GYRO, ACCEL), SI, 100)
+    out["intervals.csv"] = (table(f"delta_ms,{SIX}", np.where(I, 10, 0), GYRO, ACCEL), SI, 100)
+    out["cycles.csv"] = (table(f"cycles,{SIX}", (I * 480_000 + 12_345) % 2**32, GYRO, ACCEL), f"{SI} --time-unit ticks:48e6", 100)
+    out["names_in_a_remark.txt"] = (f"; made by hand\n; columns: {HEAD.replace(',', ' ')}\n" + table("", T, GYRO, ACCEL, sep=" "), SI, 100)
+    out["unit_behind_a_bracket.txt"] = (_lines(lambda k, w, a: f"t={k * 10}ms w=[{_six(w, [])}]rad/s a=[{_six([], a)}]m/s2\n"), "", 100)
+    out["plotted.txt"] = (_lines(lambda k, w, a: "".join(f">{n}:{k * 10}:{v:.9g}\n" for n, v in zip(SIX.split(","), (*w, *a)))), SI, 100)
+    nines = ",".join(["0.0"] * 9)
+    out["echo_of_a_topic.csv"] = (_lines(lambda k, w, a: f"{1614855598 + k // 100},{k % 100 * 10**7},imu_link,0.0,0.0,0.0,1.0,{nines},{_six(w, [])},{nines},{_six([], a)},{nines}\n"), "", 100)
     return out
     # fmt: on
 

@@ -43,6 +43,32 @@ def test_nothing_in_sound_records():
         assert judge(case, faults.find(record_of(case)))[1] == [], (seed, case.base, case.rate)
 
 
+def test_a_restart_has_no_mirror_image_near_the_ends():
+    """Each change is held against those one window away; at an end there is one of the two."""
+    x, rate = still(n=13_000)
+    x[4200:] += 8 * x.std(axis=0)
+    again = [f for f in find(x, rate) if f.kind == "restart"]
+    assert len(again) == 1 and again[0].start == pytest.approx(42.0, abs=0.5)
+
+
+def test_a_restart_under_handling_is_seen_where_the_gyros_levels_stay_changed():
+    """Being handled shakes the gyros and leaves their levels as they were."""
+    x, rate = still(n=30_000)
+    x[15_000:15_300] += 0.3 * np.sin(np.arange(300) / 9.0)[:, None]
+    assert not [f for f in find(x, rate) if f.kind == "restart"]
+    x[15_150:, :3] += 8 * 2e-3
+    again = [f for f in find(x, rate) if f.kind == "restart"]
+    assert len(again) == 1 and again[0].start == pytest.approx(151.5, abs=4.0)
+
+
+def test_a_held_axis_on_a_coarse_grid_is_held_with_its_sensor():
+    x, rate = still()
+    x[:, 3:] = np.repeat(x[::4, 3:], 4, axis=0)
+    x[:, 5] = np.round(x[:, 5] / 0.02) * 0.02
+    held = [f for f in find(x, rate) if f.kind == "held"]
+    assert [f.channels for f in held] == [("accel_x", "accel_y", "accel_z")]
+
+
 @pytest.mark.parametrize(
     ("name", "kinds"),
     [

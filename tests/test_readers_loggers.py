@@ -110,3 +110,9 @@ def test_frames_of_no_usual_number_are_asked_about(tmp_path):
     with pytest.raises(InputError, match="--time-unit none --rate HZ"):
         opened(tmp_path / "a.csv", text, SI)
     same(opened(tmp_path / "a.csv", text, f"{SI} --time-unit none --rate 17"), 17)
+
+
+def test_a_plural_is_no_unit():
+    for heading in ("timestamps", "Timestamps", "times"):
+        assert names.meaning(heading).canonical == "time" and names.meaning(heading).unit is None
+    assert names.meaning("timestampms").unit == "ms" and names.meaning("ts").unit is None

@@ -48,8 +48,19 @@ PLANS = st.builds(
 )
 
 
+COARSE = ("coarse", "ticks_64", "six_digits", "single", "frames", "packets")
+
+
 def possible(plan):
     """Whether the dress can hold the record at all."""
+    if plan.stamps in COARSE and (plan.gap or plan.layout != "plain" or plan.dress == "labels"):
+        return False
+    if plan.stamps == "frames" and not 1.5 * plan.rate < plan.n < 55 * plan.rate:
+        return False
+    if plan.stamps == "ticks_64" and (plan.rate > 400 or plan.n < 400):
+        return False
+    if plan.stamps == "packets" and plan.rate < 40:
+        return False
     if plan.comma and plan.delimiter == ",":
         return False
     if plan.stamps in ("ms", "boot_ms", "epoch_ms", "colon_ms") and plan.rate > 500 and plan.gap:
@@ -64,7 +75,7 @@ def possible(plan):
         plan.layout == "interleaved"
         or plan.unit_style in ("brackets", "round")
         or plan.names in ("board", "phone", "german")
-        or plan.stamps in ("ampm", "two_times", "day")
+        or plan.stamps in ("ampm", "two_times", "day", "short_year")
         or " " in plan.gyro_unit
         or plan.extras
     ):
@@ -87,9 +98,18 @@ def equal(found, plan):
     t, gyro, accel = log_writer.truth(plan)
     record = found.record
     rate, rows = plan.rate, np.arange(plan.n)
-    grain = {"coarse": 0.1, "ms": 1e-3, "boot_ms": 1e-3, "epoch_ms": 1e-3, "colon_ms": 1e-3}.get(
-        plan.stamps, 2e-6
-    )
+    grain = {
+        "coarse": 0.1,
+        "ticks_64": 1 / 64,
+        "six_digits": 0.1,
+        "single": 1e-3,
+        "frames": 0.04,
+        "packets": 1.2 / rate,
+        "ms": 1e-3,
+        "boot_ms": 1e-3,
+        "epoch_ms": 1e-3,
+        "colon_ms": 1e-3,
+    }.get(plan.stamps, 2e-6)
     if plan.layout == "interleaved":
         rate = plan.rate / 2 if plan.stamps not in ("none", "counter") else record.rate
         rows = rows[::2]

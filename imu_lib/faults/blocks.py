@@ -55,11 +55,15 @@ def sudden(change: np.ndarray, apart: int) -> tuple[np.ndarray, np.ndarray]:
     if apart < change.shape[1]:
         before[:, apart:] = change[:, :-apart]
         after[:, :-apart] = change[:, apart:]
+    one_sided = np.isnan(before) | np.isnan(after)
     before = np.where(np.isnan(before), after, before)
     after = np.where(np.isnan(after), before, after)
     up = np.minimum(change - before, change - after)
     down = np.minimum(before - change, after - change)
     off = np.where(up > 0, up, np.where(down > 0, -down, 0.0))
+    # with one neighbour a step there would show here as its mirror image: only what changes here counts
+    here = np.where(change * off > 0, np.minimum(np.abs(off), np.abs(change)), 0.0)
+    off = np.where(one_sided, np.sign(off) * here, off)
     usual = np.abs(change - 0.5 * (before + after))
     off, usual = np.nan_to_num(off), np.where(np.isnan(usual), np.nan, usual)
     known = usual[:, ~np.isnan(usual).all(axis=0)]

@@ -39,6 +39,7 @@ def find(
     chance = {c: levels[c].repeat_chance() for c in names}
     found, done = [], set()
     for group in _streams(again, chance):
+        group += _third_axes(group, again)
         rows = np.logical_and.reduce([again[c] for c in group])
         rare = float(np.prod([chance[c] for c in group])) < 0.02
         item = _held(group, rows, time, rate, whole=len(group) == len(channels), rare=rare)
@@ -109,6 +110,22 @@ def _streams(again: dict, chance: dict) -> list[list[str]]:
         home = next((g for g in groups if _alike(again[g[0]], mask)), None)
         groups.append([name]) if home is None else home.append(name)
     return groups
+
+
+def _third_axes(group: list[str], again: dict) -> list[str]:
+    """Axes of a sensor of which two are held, that change only where those do: on a coarse grid a
+    reading often equals the one before.
+    """
+    rows = np.logical_and.reduce([again[c] for c in group])
+    kinds = [c[0] for c in group]
+    return [
+        c
+        for c in again
+        if c not in group
+        and kinds.count(c[0]) == 2
+        and again[c][rows].mean() > 0.98
+        and (~again[c]).sum() >= 20
+    ]
 
 
 def _alike(rows: np.ndarray, mask: np.ndarray) -> bool:

@@ -19,10 +19,20 @@ VISIBLE = 0.5
 GYROS, CHANNELS = 2, 4
 
 
+#: The same where five channels change at once, for the fifth of them.
+FIVE = 5.0
+
+
 def find(
-    x: dict[str, np.ndarray], time: np.ndarray, rate: float, turns: list[tuple[float, float]]
+    x: dict[str, np.ndarray],
+    time: np.ndarray,
+    rate: float,
+    turns: list[tuple[float, float]],
+    handled: list[tuple[float, float]] = (),
 ) -> list[Finding]:
-    """Restarts within one stretch. `turns` are spans (s) known as tilts or handling."""
+    """Restarts within one stretch. `turns` are spans (s) known as tilts, `handled` those of handling,
+    which leaves the gyros' levels as they were.
+    """
     names = list(x)
     blocks = Blocks(np.stack([x[c] for c in names]), rate)
     if blocks.k < 3 * WIDTH:
@@ -36,9 +46,13 @@ def find(
     for rows, least in ((is_gyro, GYROS), (np.ones(len(names), bool), CHANNELS)):
         if rows.sum() >= least:
             joint = np.maximum(joint, np.sort(score[rows], axis=0)[-least])
+    if len(names) > 4:
+        joint = np.maximum(joint, CHANGED / FIVE * np.sort(score, axis=0)[-5])
     found = []
     for at in peaks(joint, CHANGED, 3 * (WIDTH + GUARD)):
-        members = score[:, at] > CHANGED
+        members = score[:, at] > FIVE
+        if members.sum() < 5:
+            members = score[:, at] > CHANGED
         if not members[is_gyro].any():
             continue
         row = min(at * blocks.size, len(time) - 1)
@@ -46,13 +60,17 @@ def find(
         reach = (WIDTH + 2 * GUARD) * blocks.dt  # a turn shifts the means for as long
         if any(low - reach <= t <= high + reach for low, high in turns):
             continue
+        near = [(low, high) for low, high in handled if low - reach <= t <= high + reach]
+        if near and not _stays(blocks.means[is_gyro], near, blocks.dt, members[is_gyro], time[0]):
+            continue
+        t = next((0.5 * (low + high) for low, high in near), t)
         channels = tuple(c for c, m in zip(names, members) if m)
         found.append(
             Finding(
                 "restart",
                 channels,
                 t,
-                float(time[min(row + 1, len(time) - 1)]),
+                max(t, float(time[min(row + 1, len(time) - 1)])),
                 {"time": t, "channels": list(channels)},
                 {"change_over_noise": float(joint[at])},
                 f"The levels of {named(channels)} change at once at {seconds(t)} s and stay: the "
@@ -61,3 +79,16 @@ def find(
             )
         )
     return found
+
+
+def _stays(gyros, spans, dt: float, members, begin: float) -> bool:
+    """Whether the levels of two gyros are others after being handled than before, and go on being so."""
+    low = int((min(s[0] for s in spans) - begin) / dt) - GUARD
+    high = int((max(s[1] for s in spans) - begin) / dt) + 1 + GUARD
+    if low < WIDTH or high + 2 * WIDTH > gyros.shape[1]:
+        return False
+    before = gyros[:, low - WIDTH : low].mean(axis=1)
+    after = gyros[:, high : high + WIDTH].mean(axis=1)
+    later = gyros[:, high + WIDTH : high + 2 * WIDTH].mean(axis=1)
+    kept = (later - before) / np.where(after == before, np.inf, after - before)
+    return bool(((kept > 0.7) & (kept < 1.4) & members).sum() >= GYROS)

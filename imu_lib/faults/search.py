@@ -119,7 +119,8 @@ def _within(live, channels, bad, levels, part, time, rate) -> list[Finding]:
     spans = [(d.start, d.stop) for d in touched]
     tilts = tilt.find({c: ready[c].x for c in good}, t, rate, spans)
     calm = {c: _calm(ready[c].x, touched) for c in good}
-    again = restart.find(calm, t, rate, [(k.start, k.stop) for k in (*long_ones(touched), *tilts)])
+    handled, turned = ([(k.start, k.stop) for k in some] for some in (long_ones(touched), tilts))
+    again = restart.find(calm, t, rate, turned, handled)
     return [
         replace(item, rows=item.rows + part.start) if len(item.rows) else item
         for item in (*touched, *tilts, *again)

@@ -78,6 +78,9 @@ def header_of(lines, first, delimiter, width):
         line = line.strip(" \r\n")
         if not line.strip():
             continue
+        if delimiter != ";":
+            line = line.lstrip("; ")
+        line = re.sub(r"^(?:columns|fields|header|format)\s*[:=]\s*", "", line, flags=re.IGNORECASE)
         listed = re.match(r"^units?\s*[:=]\s*(.*)$", line, re.IGNORECASE)
         if listed and unit_row is None:
             found = [f for d in (delimiter, ",", ";") if len(f := fields(listed[1], d)) == width]

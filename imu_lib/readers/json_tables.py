@@ -26,7 +26,7 @@ def read_json(data: bytes, source: str, columns, signal) -> Raw | None:
         found = _lines(data)
     if found is None:
         return None
-    found = _samples(found)
+    found = _split(_samples(found))
     if isinstance(found, list):
         found = _columns(found)
     arrays = {}
@@ -70,6 +70,18 @@ def _samples(found):
             continue
         return found
     return found
+
+
+def _split(found):
+    """Names and rows apart (`columns`, `data`) as columns; anything else as it is."""
+    if not isinstance(found, dict):
+        return found
+    names_, rows = found.get("columns"), found.get("data")
+    if not (isinstance(names_, list) and isinstance(rows, list) and rows):
+        return found
+    if not all(isinstance(r, list) and len(r) == len(names_) for r in rows):
+        return found
+    return [dict(zip(map(str, names_), r)) for r in rows]
 
 
 def _columns(rows: list) -> dict:

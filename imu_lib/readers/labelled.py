@@ -43,6 +43,8 @@ def unfold(text: str) -> Table | None:
         return None
     if sum(line.strip() == "---" for line in some) >= 2:
         return _documents(lines)
+    if share(some, _PLOTTED.match) > 0.9:
+        return _plotted(lines)
     middle = [x for x in some[len(some) // 4 :] if re.search(r"\d", x)]
     if not middle:
         return None
@@ -52,6 +54,24 @@ def unfold(text: str) -> Table | None:
             if table is not None:
                 return table
     return None
+
+
+#: A value on its own with its stamp in ms, as boards send it to a plotter: `>gx:1234:0.01`.
+_PLOTTED = re.compile(rf"^>([^:|]+):(\d+(?:\.\d+)?):({NUMBER})(?:§(\S+?))?(?:\|\w*)?\s*$")
+
+
+def _plotted(lines) -> Table | None:
+    """Values that each come with their name and stamp: those of one stamp are a row."""
+    rows: dict[str, tuple[dict[str, str], int]] = {}
+    for number, line in enumerate(lines, 1):
+        if m := _PLOTTED.match(line):
+            name = f"{m[1].strip()} [{m[4]}]" if m[4] else m[1].strip()
+            rows.setdefault(m[2], ({"time [ms]": m[2]}, number))[0][name] = m[3]
+    if len(rows) < 2:
+        return None
+    keys = Counter(tuple(r) for r, _ in rows.values()).most_common(1)[0][0]
+    kept = [([r[k] for k in keys], p) for r, p in rows.values() if set(keys) <= set(r)]
+    return as_table(list(keys), kept, len(rows) - len(kept))
 
 
 def _documents(lines) -> Table | None:
@@ -162,7 +182,7 @@ def _scan(line: str) -> list[tuple[str, str]]:
         word = re.match(
             r"\s*[\])}]?\s*([A-Za-z°µ][\w°/^²*-]*(?:\s?s\^?-?[12])?)(?!\s*\w*\s*[=:])", line[at:]
         )
-        abuts = re.match(r"([A-Za-zµ°][^\s,;=:]*)(?=\s)", line[at:])
+        abuts = re.match(r"[\])}]?([A-Za-zµ°][^\s,;=:]*)(?=\s|$)", line[at:])
         if abuts and names.unit_of(abuts[1]) and not (word and names.unit_of(word[1])):
             word = abuts  # 12us a=...: what touches the number is its unit
         if word and names.unit_of(word[1]):

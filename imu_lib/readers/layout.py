@@ -126,6 +126,12 @@ def sniff(head: bytes, source: str, *, whole: bool = True) -> Layout:
     ):  # a delimiter behind every row, not behind the names
         header, unit_row, rate = header_of(lines, first, delimiter, len(kinds) - 1)
         header, unit_row = (None if h is None else (*h, "") for h in (header, unit_row))
+    if header is None and _counts(
+        [fields(lines[i], delimiter)[0] for i in kept[start : start + 6]]
+    ):
+        named, unit_row, rate = header_of(lines, first, delimiter, len(kinds) - 1)
+        header = None if named is None else ("row", *named)  # R names no column of row numbers
+        unit_row = None if unit_row is None else ("", *unit_row)
     if header is None:
         header = _over_two(lines, first, delimiter, kinds)
     said = units_said(lines[:first]) if unit_row is None else {}
@@ -144,6 +150,11 @@ def _blanks(lines, kept, best) -> bool:
     return len(found) < 4 or any(
         " " in f.strip() and k != "moment" for f, k in zip(found, rows[start])
     )
+
+
+def _counts(first: list[str]) -> bool:
+    """Whether the fields number the rows from 0 or 1."""
+    return len(first) > 3 and any(first == [str(k + i) for k in range(len(first))] for i in (0, 1))
 
 
 def _over_two(lines, first, delimiter, kinds) -> tuple[str, ...] | None:

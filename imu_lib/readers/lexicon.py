@@ -19,7 +19,7 @@ def words(text: str) -> set[str]:
 GYRO = words(
     "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop gyrometer pqr"
     " omega w wb wib wibb angvel anglvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
-    " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus uhlovarychlost szogsebesseg acisalhiz"
+    " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus jiroskop uhlovarychlost szogsebesseg acisalhiz"
     " гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
 ACCEL = words(
@@ -30,8 +30,12 @@ ACCEL = words(
     " przyspieszenie akcelerometr zrychleni ivme ускорение акселерометр 加速度 加速度计 加速计 加速度計"
     " 가속도 accreading f fb fib fibb a gforce gf specificforce sf accs"
 )
-ANGULAR = words("angular ang angulaire angolare rotation rotational turn rot katowa winkel")
-SPEED = words("velocity vel rate rates vitesse velocidad velocita velocidade predkosc speed turn")
+ANGULAR = words(
+    "угловая acisal uhlova angular ang angulaire angolare rotation rotational turn rot katowa winkel"
+)
+SPEED = words(
+    "velocity vel rate rates vitesse velocidad velocita velocidade predkosc скорость hiz rychlost speed turn"
+)
 #: Letters that name a sensor where they stand nearly alone, and what may stand beside them.
 LETTERS = words("g w a f")
 BESIDE_LETTERS = words("rs s b ib imu raw data cal field meas body sensor msg kf r i lsm mpu out")
@@ -107,14 +111,14 @@ FINE = {
     "centiseconds": "cs", "centisecond": "cs", "hundredths": "cs", "csec": "cs",
 }  # fmt: skip
 COMPACT = re.compile(
-    r"^(gyroscope|gyro|gyr|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|a|ag|f|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
+    r"^(gyroscope|gyro|gyr|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|a|ag|f|sf|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
 )
 COMPACT_FRONT = re.compile(
     r"^([xyz])(gyro|gyr|gyroscope|rate|omega|accelerometer|acceleration|accel|acc|accl|mag|dtheta|dang|dvel)$"
 )
 KIND_OF = {
     "ag": "accel", "g": "gyro", "w": "gyro", "gyro": "gyro", "gyr": "gyro", "gyroscope": "gyro", "omega": "gyro",
-    "wb": "gyro", "rate": "gyro", "ang": "gyro", "rot": "gyro", "a": "accel", "f": "accel", "fb": "accel",
+    "wb": "gyro", "rate": "gyro", "ang": "gyro", "rot": "gyro", "a": "accel", "f": "accel", "sf": "accel", "fb": "accel",
     "gf": "accel", "gforce": "accel", "acc": "accel", "accl": "accel", "accel": "accel",
     "accelerometer": "accel", "acceleration": "accel", "alpha": "alpha", "dtheta": "dtheta",
     "dt": "dtheta", "da": "dtheta", "dang": "dtheta", "dv": "dv", "dvel": "dv",
@@ -156,6 +160,8 @@ def interval(tokens: list[str]) -> bool:
             {"sample", "interval"},
             {"interval"},
         )
+        or have == {"delta"}
+        and len(tokens) == 2
         or since
         and bool(have & TIME)
     )

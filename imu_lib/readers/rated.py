@@ -25,7 +25,7 @@ class Timing:
 def rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
     """Repeats spread, rate measured and held against the stated one, the clock's grain taken out."""
     n = len(time)
-    packed = _packets(raw, time)
+    packed = _packets(raw, time) if ticking(time, coarser(time, tick)) is None else None
     if packed is not None:
         _agree(raw, packed[1], rate)
         return Timing(*even(*packed), keep)
@@ -60,12 +60,23 @@ def rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
     measured = timing.measured_rate(time)
     step = np.diff(time)
     steady = np.abs(step * measured - 1.0) < 0.02
-    if tick * measured > 0.2 and steady.mean() < 0.97:
+    if tick * measured > 0.2 and (steady.mean() < 0.97 or _slips(step, tick)):
         time, measured = without_grain(raw, time, tick, measured)
     elif steady.mean() < 0.97:
         measured = lattice_rate(step) or measured
     _agree(raw, measured, rate)
     return Timing(*even(time, measured), keep)
+
+
+def _slips(step, tick) -> bool:
+    """Whether a clock whose tick is no decimal part of a second slips evenly against the sampling: each
+    of its long steps is two ticks, and they come at even intervals.
+    """
+    long = np.flatnonzero(step > 1.5 * np.median(step))
+    if len(long) < 5 or abs(np.log10(tick) - round(np.log10(tick))) < 0.01:
+        return False
+    apart = np.diff(long)
+    return bool(apart.std() < 0.25 * apart.mean() and step.max() < 2.5 * np.median(step))
 
 
 def _agree(raw, measured, rate) -> None:

@@ -120,6 +120,10 @@ def _words(line: bytes, layout) -> bool:
         return True
     found = layout.split(text)
     first = next((i for i, f in enumerate(found) if f), 0)
+    if 2 * len(found) < len(layout.kinds) and not any(
+        fields.kind(f, layout.decimal) == "number" for f in found
+    ):
+        return True
     other = first >= len(layout.kinds) or layout.kinds[first] not in ("text", "empty")
     return (
         other

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, fields, names
+from imu_lib.readers import calendar, fields, headerless, names
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
@@ -63,7 +63,7 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
         line=lambda row: f"line {_line_of(lines, layout, row)}",
     )
     raw.notes += lines.notes
-    layout = _labels_as_header(lines, layout)
+    layout = headerless.with_names(_labels_as_header(lines, layout))
     units = layout.units or ("",) * len(layout.kinds)
     headings = [
         Heading(

@@ -57,8 +57,12 @@ def stamp_of(tokens: list[str], joined: str, name: str) -> Meaning | None:
         "xvalue",
     ):
         is_time = True
+    if tokens[-1] in ("cycle", "cycles", "systick", "rtc") and len(tokens) < 3:
+        is_time = True
     lone = tokens if len(tokens) == 1 else []
-    weak = words("t s ms us ns sec secs second seconds a tick ticks temps min minutes")
+    weak = words(
+        "cpu cycle cycles systick rtc t s ms us ns sec secs second seconds a tick ticks temps min minutes"
+    )
     alone = have <= weak | lexicon.TIME | lexicon.OWN | lexicon.ARRIVAL | words(
         "gps utc since boot start header stamp unix in of from the tv ts"
     )
@@ -77,10 +81,11 @@ def stamp_of(tokens: list[str], joined: str, name: str) -> Meaning | None:
                 unit = lexicon.FINE[token]
                 break
             tail = re.search(
-                r"(?:time|stamp|^t|ts|elapsed)(ms|us|ns|s|sec|secs|usec|msec|nsec)$", token
+                r"(?:time|stamp|ts)(ms|us|ns|secs?|usec|msec|nsec)$|(?:^t|elapsed)(ms|us|ns|s|secs?|usec|msec|nsec)$",
+                token,
             )
             if tail:
-                unit = lexicon.FINE[tail[1]]
+                unit = lexicon.FINE[tail[1] or tail[2]]
                 break
         if tokens[-1] in lexicon.FINE or joined in lexicon.FINE:
             part = "sub" if unit in ("ns", "us", "ms", "cs") else "whole"
@@ -100,7 +105,7 @@ def stamp_of(tokens: list[str], joined: str, name: str) -> Meaning | None:
             if have & (lexicon.ACCEL - {"a", "f"})
             else ""
         )
-        if tokens == ["ticks"] or tokens == ["tick"]:
+        if tokens[-1] in ("tick", "ticks", "cycle", "cycles", "systick", "rtc") and len(tokens) < 3:
             unit = "ticks"
         return Meaning("time", unit=unit, rank=rank, part=part, why=f"named a time ({name.strip()[:40]})", group=group)  # fmt: skip
     if have <= lexicon.COUNTER | {"imu", "msg", "message", "data", "header", "field", "of"} and (
