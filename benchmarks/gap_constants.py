@@ -5,10 +5,10 @@
     python benchmarks/gap_constants.py --cases 1 --first 9600000
 
 The first runs through the score's kinds on records of ten minutes and looks at every candidate that
-is fitted, however little it promises beside what a round needs; the second draws records of white noise, and of
-white noise and a walk, and counts the families that a free base would take at several prices of a
-noise; the third is the slope of right names on the stored weights (benchmarks/gap_reliability.py).
-The table goes to benchmarks/results/gap_constants.json.
+is fitted, however little it promises beside what a round needs; the second draws records of white
+noise, and of white noise and a walk, and counts the families that a free base would take at several
+prices of a noise; the third is the slope of right names on the stored weights
+(benchmarks/gap_reliability.py). The table goes to benchmarks/results/gap_constants.json.
 """
 
 from __future__ import annotations

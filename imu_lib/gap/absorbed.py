@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.effects import COMPETITORS
 from imu_lib.gap.state import State
 
@@ -17,7 +21,7 @@ class FreeBase:
     an effect's strength.
     """
 
-    def __init__(self, state: State):
+    def __init__(self, state: State) -> None:
         self.data, self.terms = state.data, state.base
         fit, problem = state.fit, state.problem
         self.low_pass, self.expected = fit.low_pass, fit.expected
@@ -30,7 +34,7 @@ class FreeBase:
         """Whether it has a process of that kind."""
         return any(type(t) is kind for t in self.terms)
 
-    def imitates(self, processes) -> bool:
+    def imitates(self, processes: Iterable[Any]) -> bool:
         """Whether it has the spectra of so many of these noises."""
         taken = []
         for process in processes:
@@ -38,7 +42,7 @@ class FreeBase:
             taken.append(np.sum((self._basis.T @ v) ** 2) > SWALLOWED * np.sum(v**2))
         return bool(np.mean(taken) > FAMILY)
 
-    def hides(self, columns) -> bool:
+    def hides(self, columns: Array) -> bool:
         """Whether so many of these drifts (cosine coefficients, a column each) would show if its
         slow noises were not there.
         """

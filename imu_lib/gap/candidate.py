@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.likelihood.slot import FILTER, Slot
+from imu_lib.processes import LowPass
 
 
 @dataclass(frozen=True)
@@ -34,8 +38,8 @@ class Candidate:
         What the effect wants to remember.
     """
 
-    effect: object
-    process: object = None
+    effect: Any  # effects.Competitor, which is made of candidates
+    process: Any = None
     slot: Slot | None = None
     column: np.ndarray | None = None
     signal: np.ndarray | None = None
@@ -43,17 +47,19 @@ class Candidate:
     screen: float = 0.0
     bonus: float = 0.0
     gain: float = 0.0
-    note: dict = field(default_factory=dict)
+    note: dict[str, Any] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """The effect's name in the report."""
-        return self.effect.name
+        return str(self.effect.name)
 
     @property
     def key(self) -> str:
         """Which of several of its kind it is."""
-        return self.effect.key if self.at is None else f"{self.name}:{self.at}:{self.slot.names[0]}"
+        if self.at is None or self.slot is None:
+            return str(self.effect.key)
+        return f"{self.name}:{self.at}:{self.slot.names[0]}"
 
 
 class Assembly:
@@ -61,33 +67,37 @@ class Assembly:
     enters in turn.
     """
 
-    def __init__(self, base, base_slots, low_pass):
+    def __init__(
+        self, base: Iterable[Any], base_slots: Iterable[Slot], low_pass: LowPass | None
+    ) -> None:
         self.terms, self.low_pass = list(base), low_pass
         self.slots = {slot.index: slot for slot in base_slots}
         self.columns: list[Candidate] = []
         self._places: dict[int, int] = {}
 
-    def add_noise(self, candidate: Candidate):
+    def add_noise(self, candidate: Candidate) -> None:
         """A further term, its parameters free."""
+        assert candidate.slot is not None, "a noise has free parameters"
         place = self._places[id(candidate)] = len(self.terms)
         self.slots[place] = replace(candidate.slot, index=place)
         self.terms.append(candidate.process)
 
-    def add_column(self, candidate: Candidate):
+    def add_column(self, candidate: Candidate) -> None:
         """A further column of the regression."""
         self._places[id(candidate)] = len(self.columns)
         self.columns.append(candidate)
 
-    def set_filter(self, candidate: Candidate):
+    def set_filter(self, candidate: Candidate) -> None:
         """The sensor's filter, its cutoff free where it has one."""
         self._places[id(candidate)] = FILTER
         self.low_pass = candidate.process
         if candidate.slot is not None:
             self.slots[FILTER] = candidate.slot
 
-    def free(self, candidate: Candidate):
+    def free(self, candidate: Candidate) -> None:
         """A parameter of a held term, which starts at the value of an earlier fit."""
         at, slot = candidate.at, candidate.slot
+        assert at is not None and slot is not None, "a term and what is free of it"
         self._places[id(candidate)] = at
         if candidate.process is not None:
             name = slot.names[0]
@@ -109,6 +119,7 @@ class Assembly:
         return self._places[id(candidate)]
 
     @property
-    def matrix(self):
+    def matrix(self) -> Array | None:
         """The columns, shape (orders, columns), or None."""
-        return np.column_stack([c.column for c in self.columns]) if self.columns else None
+        columns = [c.column for c in self.columns if c.column is not None]
+        return np.column_stack(columns) if columns else None

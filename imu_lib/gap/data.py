@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.likelihood import tapered
+from imu_lib.likelihood.layout import Layout
 from imu_lib.likelihood.statistics import Statistics, cosines
 
 #: Gain in log-likelihood below which a screened candidate is not fitted.
@@ -24,7 +28,7 @@ def block_length(n: int, fs: float) -> int:
     return int(max(1, min(round(samples), n // FEWEST_BLOCKS)))
 
 
-def statistics(x, fs: float) -> Statistics:
+def statistics(x: Array, fs: float) -> Statistics:
     """What the likelihood knows of samples: cosine coefficients below one cycle in two blocks, the
     tapered periodogram above.
     """
@@ -48,17 +52,24 @@ class Data:
     """
 
     def __init__(
-        self, x, fs: float, *, white: float = 0.0, temperature=None, extra=None, blind=None
-    ):
+        self,
+        x: Array,
+        fs: float,
+        *,
+        white: float = 0.0,
+        temperature: Array | None = None,
+        extra: Array | None = None,
+        blind: Array | None = None,
+    ) -> None:
         self.x, self.fs, self.white, self.blind = x, float(fs), white, blind
         self.n = len(x)
         self.m = block_length(self.n, self.fs)
         self.duration = self.n / self.fs
         self.temperature = temperature
         self._extra = extra
-        self._kept: dict = {}
+        self._kept: dict[Any, Any] = {}
 
-    def minus(self, signal) -> Data:
+    def minus(self, signal: Array) -> Data:
         """The channel without a deterministic signal."""
         out = Data(
             self.x - signal,
@@ -88,23 +99,23 @@ class Data:
         return stats if self.blind is None else stats.without(self.blind)
 
     @property
-    def layout(self):
+    def layout(self) -> Layout:
         """Its bands."""
         return self.stats.layout
 
     @cached_property
-    def extra(self):
+    def extra(self) -> Array:
         """Density that the electronics add in the bands, shape (b,)."""
         if self._extra is not None:
             return self._extra
         return np.full(len(self.layout.frequency), 2.0 * self.white / self.fs)
 
     @cached_property
-    def z(self):
+    def z(self) -> Array:
         """Transform of the tapered record."""
         return tapered.transform(self.x)
 
-    def once(self, key, make):
+    def once(self, key: Any, make: Callable[[], Any]) -> Any:
         """What `make()` gives, made once for this channel whatever is taken out of it."""
         if key not in self._kept:
             self._kept[key] = make()
@@ -117,7 +128,7 @@ class Data:
         return len(self.stats.stretches[0].coefficients)
 
     @property
-    def cosines(self):
+    def cosines(self) -> Array:
         """These coefficients of the record, shape (orders,)."""
         return self.stats.stretches[0].coefficients
 
@@ -127,24 +138,24 @@ class Data:
         return float(np.sqrt(np.sum(self.cosines**2) * self.fs / (2 * self.n)))
 
     @cached_property
-    def _cells(self):
+    def _cells(self) -> Array:
         count = min(self.n, FINE * (self.n // self.m))
         return np.rint(np.linspace(0, self.n, count + 1)).astype(int)
 
     @cached_property
-    def grid_time(self):
+    def grid_time(self) -> Array:
         """Times in s at which drifts are evaluated: the middles of equal parts of the record."""
         count = len(self._cells) - 1
         return ((np.arange(count) + 0.5) * self.n / count - 0.5) / self.fs
 
     @cached_property
-    def grid_temperature(self):
+    def grid_temperature(self) -> Array | None:
         """Mean temperature in these parts, or None."""
         if self.temperature is None:
             return None
         return np.add.reduceat(self.temperature, self._cells[:-1]) / np.diff(self._cells)
 
-    def columns(self, values) -> np.ndarray:
+    def columns(self, values: Array) -> np.ndarray:
         """Cosine coefficients, shape (orders, q), of drifts (parts, q) given on the grid."""
         scale = np.sqrt(self.n / len(values))
         return cosines(values, self.fs)[: self.orders] * scale

@@ -4,10 +4,19 @@ and instants found anew.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from imu_lib.arrays import Array
 
-def scanner(state, columns):
+if TYPE_CHECKING:
+    from imu_lib.gap.candidate import Candidate
+    from imu_lib.gap.state import State
+
+
+def scanner(state: State, columns: Array | None) -> Callable[..., tuple[Array, Array, Array]]:
     """Function of (effect, processes, their columns where these are known) that gives gain,
     amplitude and squared norm of drifts by generalised least squares under the fitted noise, beside
     `columns`.
@@ -20,7 +29,9 @@ def scanner(state, columns):
         basis, _ = np.linalg.qr(white[:, None] * columns)
         e = e - basis @ (basis.T @ e)
 
-    def scan(effect, processes, known=None):
+    def scan(
+        effect: Any, processes: Iterable[Any], known: Array | None = None
+    ) -> tuple[Array, Array, Array]:
         a = white[:, None] * (effect.columns(processes, data) if known is None else known)
         if basis is not None:
             a = a - basis @ (basis.T @ a)
@@ -30,7 +41,7 @@ def scanner(state, columns):
     return scan
 
 
-def _shaped(state):
+def _shaped(state: State) -> Iterator[tuple[int, Candidate, Array | None]]:
     """(place, candidate, columns of the other drifts or None) of drifts with a shape parameter."""
     for i, c in enumerate(state.items):
         if c.column is not None and c.effect.shape is not None:
@@ -38,7 +49,7 @@ def _shaped(state):
             yield i, c, np.column_stack(others) if others else None
 
 
-def profiled(state):
+def profiled(state: State) -> State:
     """The state with the range of every drift's shape parameter noted."""
     items, found = list(state.items), False
     for i, c, others in _shaped(state):
@@ -46,7 +57,7 @@ def profiled(state):
     return state.with_items(items).settled() if found else state
 
 
-def retuned(state):
+def retuned(state: State) -> State:
     """The state with the shapes of its drifts (time constants, instants) found anew beside one
     another.
     """

@@ -5,6 +5,7 @@ is.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +15,12 @@ from imu_lib.gap.drifts import retuned
 from imu_lib.gap.effects import COMPETITORS
 from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, TEMPER, State
 
-#: Alternatives within this log evidence of the winner cannot be told from it.
+#: Alternatives within this log evidence of the winner cannot be told from it: a weight of one in
+#: eight beside it, exp(-3 / TEMPER).
 INDISTINCT = 3.0
-#: A fit gains at the most so many times what its screening promises, and a rival further behind in
-#: log evidence has no weight.
+#: A fit gains at the most so many times what its screening promises (one of 246 candidates gained
+#: more, half of them as much as promised: benchmarks/gap_constants.py), and a rival further behind in
+#: log evidence has no weight, exp(-6 / TEMPER) = 2 %, less than what a report lists.
 MOST_OF_SCREENED, NO_WEIGHT = 2.0, 6.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second
 #: effect.
@@ -36,7 +39,7 @@ class Weighed:
     gain: float
 
 
-def weigh(state: State, *, exclude=(), least: float = 0.0) -> list[Weighed]:
+def weigh(state: State, *, exclude: tuple[str, ...] = (), least: float = 0.0) -> list[Weighed]:
     """All candidates that could be added to `state`, the best first; without those whose screening
     is far from a gain of `least`.
     """
@@ -66,11 +69,11 @@ def weigh(state: State, *, exclude=(), least: float = 0.0) -> list[Weighed]:
     return out
 
 
-def _weighed(item, trial, state) -> Weighed:
+def _weighed(item: Candidate, trial: State, state: State) -> Weighed:
     return Weighed(item, trial, trial.evidence - state.evidence, trial.ll - state.ll)
 
 
-def grow(state: State, *, most: int = 5, exclude=()) -> tuple[State, list]:
+def grow(state: State, *, most: int = 5, exclude: tuple[str, ...] = ()) -> tuple[State, list[Any]]:
     """Rounds until nothing is worth adding: the grown state and [(winner, all candidates of that
     round)].
     """
@@ -102,8 +105,8 @@ def prune(state: State) -> State:
 
 
 def swap(
-    state: State, *, exclude=(), passes: int = 2, reach: float = FARTHEST
-) -> tuple[State, list]:
+    state: State, *, exclude: tuple[str, ...] = (), passes: int = 2, reach: float = FARTHEST
+) -> tuple[State, list[Any]]:
     """Put every item to the test against all others in its place; returns the best state and for
     each item its rivals.
 
@@ -124,7 +127,7 @@ def swap(
             if weighed and weighed[0].evidence > own + 0.5:
                 state, changed = retuned(weighed[0].state).settled(), True
                 break
-            others = {}
+            others: dict[str, float] = {}
             for w in weighed:
                 others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
             two = _by_two(weighed, own, item, exclude, reach)
@@ -140,7 +143,9 @@ def swap(
     return state, [{} for _ in state.items] if changed else rivals
 
 
-def _by_two(weighed, own, item, exclude, reach):
+def _by_two(
+    weighed: list[Weighed], own: float, item: Candidate, exclude: tuple[str, ...], reach: float
+) -> tuple[float, Weighed, str] | None:
     """The best two other effects in the place of `item`: (log evidence relative to it, second of
     the two, key of the first), or None.
 
@@ -172,7 +177,7 @@ def _by_two(weighed, own, item, exclude, reach):
     return best
 
 
-def confidence(rivals: dict) -> tuple[float, dict]:
+def confidence(rivals: dict[str, float]) -> tuple[float, dict[str, float]]:
     """Posterior weight of the item and of each rival."""
     keys = [k for k in rivals]
     values = np.array([0.0] + [rivals[k] for k in keys]) / TEMPER

@@ -10,7 +10,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Any
 
 
-def each(function: Callable[..., Any], work: list[tuple], jobs: int) -> Iterator[Any]:
+def each(function: Callable[..., Any], work: list[tuple[Any, ...]], jobs: int) -> Iterator[Any]:
     """Results of `function(*args)` for the tuples of `work`, in the order in which they are done."""
     if jobs == 1 or len(work) == 1:
         for args in work:
@@ -32,7 +32,7 @@ def _may_fork() -> bool:
     return sys.platform == "linux" and threading.active_count() == 1
 
 
-def _forked(function: Callable[..., Any], work: list[tuple], jobs: int) -> Iterator[Any]:
+def _forked(function: Callable[..., Any], work: list[tuple[Any, ...]], jobs: int) -> Iterator[Any]:
     context = multiprocessing.get_context("fork")
     with ProcessPoolExecutor(min(jobs, len(work)), mp_context=context) as pool:
         futures = [pool.submit(function, *args) for args in work]

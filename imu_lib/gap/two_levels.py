@@ -4,12 +4,15 @@ hidden Markov chain.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
 from scipy.fft import dct, idct
 
+from imu_lib.arrays import Array
 from imu_lib.processes import Telegraph
 
 #: Step in the logarithms of distance and rate over which the bend of the likelihood is measured.
@@ -19,7 +22,7 @@ ROUNDS = 12
 
 
 @njit(cache=True, nogil=True)
-def _posterior(y, a, flip, var):
+def _posterior(y: Array, a: float, flip: float, var: float) -> tuple[Array, float, float]:
     """Probability of the upper level and log-likelihood against pure noise of y = a (s - 1/2) +
     N(0, var).
     """
@@ -47,12 +50,12 @@ def _posterior(y, a, flip, var):
     return out, ll, flips
 
 
-def _cosines(x):
+def _cosines(x: Array) -> Array:
     """Orthonormal cosine transform of a series less its mean, shape (n,)."""
     return dct(x - x.mean(), norm="ortho")
 
 
-def _amplitude(y, w, v, var, quiet):
+def _amplitude(y: Array, w: Array, v: float, var: float, quiet: Any) -> tuple[float, float]:
     """Distance of the two levels by generalised least squares of `y` on the expected states `w` -
     of variance `v` each - and its
     standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at
@@ -64,7 +67,9 @@ def _amplitude(y, w, v, var, quiet):
     return float(np.sum(quiet * y * w)) / square, float(np.sqrt(var / square))
 
 
-def _beyond_spectrum(y, rest, w, a, flip, ll, var, quiet) -> float:
+def _beyond_spectrum(
+    y: Array, rest: Array, w: Array, a: float, flip: float, ll: float, var: float, quiet: Any
+) -> float:
     """Log-likelihood of two levels beyond that of the Gaussian process of the same spectrum.
 
     The first is a lower bound: the expectation over the paths, of probability `ll` under white
@@ -129,7 +134,7 @@ class TwoLevels:
         surely when, nor how many in a row.
         """
 
-        def log_likelihood(u, v):
+        def log_likelihood(u: float, v: float) -> float:
             flip = _flips(self.process.rate * np.exp(v), self.step)
             return _posterior(self.left, self.process.amplitude * np.exp(u), flip, self.variance)[1]
 
@@ -158,11 +163,11 @@ def _flips(rate: float, step: float) -> float:
 
 
 def decoded(
-    x,
+    x: Array,
     fs: float,
     start: Telegraph,
     density: float,
-    drift_gain=None,
+    drift_gain: Callable[[int, float], Array] | None = None,
     *,
     rounds: int = ROUNDS,
     fixed: bool = False,

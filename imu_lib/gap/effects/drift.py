@@ -89,7 +89,7 @@ class Drift(Competitor):
     def worth_fitting(self, candidate, state, best, simple):
         return candidate.screen < SCREEN or super().worth_fitting(candidate, state, best, simple)
 
-    def candidates(self, state):
+    def candidates(self, state) -> list[Candidate]:
         if self.single and any(c.name == self.name for c in state.items):
             return []
         best = self.best(state, state.scan)
