@@ -1,0 +1,172 @@
+"""Single samples that are thrown off, between those that are hidden (missing, frozen, clipped): both
+are drawn anew given the others, in turns, since what is drawn under too loud a spectrum makes its
+neighbours surprising.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.gap.effects.spikes import Spikes
+from imu_lib.gap.imputation import impute
+from imu_lib.gap.innovations import Smooth, surprises
+from imu_lib.gap.outliers import deconvolved
+
+#: Steps of the grid, in standard deviations of what the other samples leave open, from which on
+#: the levels show in the innovations.
+DITHER = 0.3
+#: Rounds of finding samples that are thrown off, and of filling in between two of them.
+ROUNDS = 5
+#: Surprise from which on a sample is thrown off where the given model has spikes.
+SPIKE = 5.0
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """Samples that say little of the signal.
+
+    `rest` (n,) is the channel less what was set aside (`coarse`); `mask` marks the hidden samples,
+    `clipped` those at a limit, `above` and `below` are (mask, limit) of either, `grid` (step,
+    offset) or None.
+    """
+
+    rest: np.ndarray
+    coarse: np.ndarray
+    mask: np.ndarray
+    clipped: np.ndarray
+    above: tuple
+    below: tuple
+    grid: tuple | None
+
+    @classmethod
+    def of(cls, raw, rest, coarse, bad, side, grid) -> Hidden:
+        """Of samples that are `bad` or on one `side` of the range."""
+        half = 0.5 * (0.0 if grid is None else grid[0])
+        high, low = side > 0, side < 0
+        above = high, raw[high].min() - half if high.any() else 0.0
+        below = low, raw[low].max() + half if low.any() else 0.0
+        return cls(rest, coarse, bad | (side != 0), side != 0, above, below, grid)
+
+    def filled(self, spiked, smooth: Smooth, rng) -> np.ndarray:
+        """The rest with the hidden and the `spiked` samples drawn anew."""
+        bad = self.mask & ~self.clipped | spiked
+        return _fill(self.rest, bad, self.above, self.below, self.coarse, smooth, rng, self.grid)
+
+
+def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
+    """(finding or None, mask of the samples, clean rest, its spectrum); `held` are the spikes of the
+    given model, or None.
+    """
+    clean, spikes, spiked = hidden.rest, None, np.zeros(len(hidden.rest), bool)
+    for _ in range(ROUNDS):
+        if (hidden.mask | spiked).any():
+            clean, smooth = _settled(hidden, spiked, smooth, rng)
+        else:
+            clean = hidden.rest
+        y, even, instead = _surprises(hidden, clean, smooth, rng)
+        new = Spikes().detect(y[~hidden.mask], even, held)
+        if new is None and held is None:
+            spikes = None
+            break
+        count = spiked.sum()
+        spiked = np.zeros(len(clean), bool)
+        if new is not None:
+            spiked[np.flatnonzero(~hidden.mask)[new.mask]] = True
+            spikes = new
+        else:
+            spiked[np.abs(y) > SPIKE] = True
+        spiked |= instead & ~hidden.mask
+        if abs(int(spiked.sum()) - int(count)) <= 0.01 * count:
+            break
+    if (hidden.mask | spiked).any():
+        clean = hidden.filled(spiked, smooth, rng)
+        smooth = Smooth(clean, smooth.fs)
+    return spikes, spiked, clean, smooth
+
+
+def _settled(hidden: Hidden, spiked, smooth: Smooth, rng) -> tuple:
+    """The clean rest and its spectrum: what was filled in under too loud a spectrum would make its
+    neighbours surprising under a better one.
+    """
+    for _ in range(ROUNDS):
+        clean = hidden.filled(spiked, smooth, rng)
+        before, smooth = smooth.conditional_variance, Smooth(clean, smooth.fs)
+        if smooth.conditional_variance > 0.9 * before:
+            break
+    return clean, smooth
+
+
+def _surprises(hidden: Hidden, clean, smooth: Smooth, rng) -> tuple:
+    """(surprises of the samples, the spectrum they are held against, samples that stand for a spike
+    found beside them).
+    """
+    measured = np.where(hidden.mask, clean, hidden.rest)
+    probe, even = measured, smooth
+    step = None if hidden.grid is None else hidden.grid[0]
+    if step is not None and step > DITHER * np.sqrt(smooth.conditional_variance):
+        # a few levels have no median and no shoulders: spread each over its own width
+        dither = step * (rng.random(len(probe)) - 0.5)
+        probe, even = probe + dither, Smooth(clean + dither, smooth.fs)
+    y, instead = deconvolved(surprises(probe, even), even)
+    y[hidden.mask | _edges(measured, y)] = 0.0
+    for end in (y[:64], y[-64:]):
+        # a filter that starts up is no spike, unless it is one by eye
+        end[np.abs(end) < 20] = 0.0
+    return y, even, instead
+
+
+def _edges(x, y, *, reach: int = 4) -> np.ndarray:
+    """Surprises where the level before differs from the level after by most of the surprise: a
+    jump, not a spike; mask (n,).
+    """
+    at = np.flatnonzero(np.abs(y) > 4.5)
+    at = at[(at > reach + 1) & (at < len(x) - reach - 2)]
+    # the surprises beside a spike are its shadow
+    at = (
+        at[np.abs(y[at]) >= np.max(np.abs(y[at[:, None] + np.arange(-reach, reach + 1)]), axis=1)]
+        if len(at)
+        else at
+    )
+    out = np.zeros(len(x), bool)
+    if len(at) == 0 or len(at) > len(x) // 50:
+        return out
+    lag = np.arange(2, reach + 2)
+
+    def levels(at):
+        return np.median(x[at[:, None] - lag], axis=1), np.median(x[at[:, None] + lag], axis=1)
+
+    before, after = levels(at)
+    far = np.maximum(np.abs(x[at] - before), np.abs(x[at] - after))
+    # a filtered signal moves as much anywhere
+    usual = 1.4826 * np.median(
+        np.abs(np.subtract(*levels(np.linspace(reach + 2, len(x) - reach - 3, 4000).astype(int))))
+    )
+    jump = at[np.abs(after - before) > np.maximum(0.7 * far, 3.5 * usual)]
+    for k in (-1, 0, 1):
+        out[jump + k] = True
+    return out
+
+
+def _fill(rest, bad, above, below, coarse, smooth, rng, grid):
+    if not (above[0].any() or below[0].any()):
+        return impute(rest, bad, smooth, rng)
+    # the limits hold for the whole signal: for the rest of it they move with what was set aside
+    whole = impute(rest, bad | above[0] | below[0], smooth, rng)
+    out = impute(
+        rest,
+        bad,
+        smooth,
+        rng,
+        above=(above[0], above[1] - float(np.median(coarse[above[0]]))) if above[0].any() else None,
+        below=(below[0], below[1] - float(np.median(coarse[below[0]]))) if below[0].any() else None,
+    )
+    if grid is not None:  # clipped samples were rounded, too
+        step, offset = grid
+        out = np.where(
+            above[0] | below[0],
+            offset + np.rint((out + coarse - offset) / step) * step - coarse,
+            out,
+        )
+    return np.where(bad & ~above[0] & ~below[0], whole, out)
