@@ -3,9 +3,9 @@
     python benchmarks/gap_speed.py --first 1
 
 Three records: nothing hidden, an effect in one channel, effects in four channels; each with its
-model and without one.
-Wall time depends on the machine and on what else runs; processor load and cores are stored beside
-it.
+model and without one. Wall time depends on the machine and on what else runs: the load before, the
+cores and the processor time of all processes are stored beside it, and the peak memory of the
+process and of the largest of those that it starts (copies of it, which share what it has).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import resource
 import sys
 import time
 from datetime import date
@@ -36,6 +37,14 @@ HIDDEN = {
 }
 
 
+def used() -> float:
+    """Processor time of this process and of those that it started and that have ended, s."""
+    return sum(
+        sum(resource.getrusage(which)[:2])
+        for which in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    )
+
+
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--first", type=int, default=1, help="first seed")
@@ -46,13 +55,14 @@ def main(argv=None):
         record = Record(made.channels, made.fs, temperature=made.temperature)
         for given in (True, False):
             load = os.getloadavg()[0]
-            started = time.perf_counter()
+            started, processor = time.perf_counter(), used()
             found = close(record, Model.from_json(made.base) if given else None, jobs=2)
             rows.append(
                 {
                     "hidden": what,
                     "model": given,
                     "seconds": round(time.perf_counter() - started, 1),
+                    "processor": round(used() - processor, 1),
                     "load_before": round(load, 2),
                     "found": [s.effect for _, s in found.steps],
                 }
@@ -64,6 +74,13 @@ def main(argv=None):
         "date": date.today().isoformat(),
         "cores": os.cpu_count(),
         "simulations": 100,
+        "peak_mib": {
+            who: round(resource.getrusage(which).ru_maxrss / 1024)
+            for who, which in (
+                ("process", resource.RUSAGE_SELF),
+                ("largest_child", resource.RUSAGE_CHILDREN),
+            )
+        },
         "rows": rows,
     }
     (ROOT / "benchmarks" / "results" / "gap_speed.json").write_text(
