@@ -51,7 +51,11 @@
       else hide();
     });
     document.addEventListener("focusin", (event) => (event.target.matches(".term") ? show(event.target) : hide()));
-    document.addEventListener("scroll", hide, { passive: true });
+    document.addEventListener("scroll", () => {  // a word that has the focus keeps its note
+      const now = document.activeElement;
+      if (now && now.matches(".term")) show(now);
+      else hide();
+    }, { passive: true });
     document.addEventListener("keydown", (event) => { if (event.key === "Escape") hide(); });
   }
 

@@ -49,7 +49,7 @@ def card(root: Path, entry: contents.Entry, numbers: dict[str, int]) -> list[str
     after = ", ".join(str(numbers[slug]) for slug in entry.important)
     asks = f" · after {after}" if after else ""
     time = f'<span class="chapter-time">{entry.minutes} minutes{asks}</span>'
-    return [*lines, "", f"{entry.says}.", "", time, "::::", ""]
+    return [*lines, "", f"{entry.says[0].upper()}{entry.says[1:]}.", "", time, "::::", ""]
 
 
 def figures(notebook) -> list[bytes]:
