@@ -135,6 +135,16 @@ def test_a_word_of_the_glossary_explains_itself(pages, window):
     assert not window.problems
 
 
+def test_a_function_in_the_text_leads_to_its_reference(pages, window):
+    window.open((pages / "nbs/allan_variance.html").as_uri(), WIDTHS[0])
+    found = window.evaluate(
+        "[...document.querySelectorAll('a.to-reference')].map((a) => a.getAttribute('href'))"
+    )
+    assert len(found) > 5 and any(a.endswith("#imu_lib.allan.fit") for a in found)
+    reference = (pages / "book/api.html").read_text(encoding="utf-8")
+    assert all(f'id="{address.partition("#")[2]}"' in reference for address in found)
+
+
 def test_goals_are_ticked_off_and_counted(pages, window):
     window.open((pages / "nbs/errata.html").as_uri(), WIDTHS[0])
     ticks = "document.querySelectorAll('.can-now input')"

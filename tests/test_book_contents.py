@@ -59,3 +59,13 @@ def test_every_figure_has_a_caption(chapter):
         assert pictures <= 1, f"two figures, one caption: {cell.source}"
         if pictures:
             assert after is not None and after.source.lstrip().startswith("*"), cell.source
+
+
+def test_which_code_names_an_entry_of_the_reference():
+    from imu_lib.book import links
+
+    objects = {"imu_lib.allan.fit", "imu_lib.model.Model"}
+    assert links.target("allan.fit(curve, WhiteNoise() + ...)", objects) == "imu_lib.allan.fit"
+    assert links.target('imu.model.Model("x")', objects) == "imu_lib.model.Model"
+    assert links.target("allan.fit_any(curve)", objects) is None
+    assert links.target("curve.adev", objects) is None and links.target("imu-lib", objects) is None
