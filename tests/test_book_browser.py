@@ -122,11 +122,17 @@ def test_a_word_of_the_glossary_explains_itself(pages, window):
     window.open((pages / "nbs/allan_variance.html").as_uri(), WIDTHS[1])
     marks = window.evaluate("[...document.querySelectorAll('.term')].map((t) => t.textContent)")
     assert len(marks) > 8 and len({m.lower() for m in marks}) == len(marks)
-    shown = """(() => { const mark = [...document.querySelectorAll('.term')].find((t) => /^Gauss-Markov process$/i.test(t.textContent));
-        mark.scrollIntoView({ block: 'center', behavior: 'instant' }); mark.focus();
+    window.evaluate("""(() => {
+        window.mark = [...document.querySelectorAll('.term')].find((t) => /^Gauss-Markov process$/i.test(t.textContent));
+        mark.scrollIntoView({ block: 'center', behavior: 'instant' }); })()""")
+    x, y = window.evaluate(
+        "new Promise((done) => setTimeout(() => { const b = mark.getBoundingClientRect(); "
+        "done([b.left + 9, (b.top + b.bottom) / 2]); }, 200))"
+    )
+    window.send("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+    visible, text, left, right, address = window.evaluate("""(() => {
         const note = document.querySelector('.term-note'), box = note.getBoundingClientRect();
-        return [getComputedStyle(note).visibility, note.textContent, box.left, box.right, mark.getAttribute('href')]; })()"""
-    visible, text, left, right, address = window.evaluate(shown)
+        return [getComputedStyle(note).visibility, note.textContent, box.left, box.right, mark.getAttribute('href')]; })()""")
     assert visible == "visible" and text == glossary.terms(ROOT)["Gauss-Markov process"]
     assert left >= 0 and right <= WIDTHS[1]
     page, _, name = address.partition("#")

@@ -54,6 +54,7 @@ _HOME = {
     "outage_growth": "outages",
     "outage_fan": "outages",
     "outage_errors": "outages",
+    "outage_distributions": "outages",
     "solution_errors": "navigation",
     "nees_over_time": "navigation",
     "free_inertial": "navigation",

@@ -223,3 +223,35 @@ def outage_errors_2013(studies, *, against="full_gnss", axes=None):
             studies, what=what, against=against, published=published.outage_errors_2013(what), ax=ax
         )
     return axes
+
+
+@style.styled
+def outage_distributions(study, *, axes=None):
+    """Errors of many draws by outage and model, and where the printed error lies among them.
+
+    study : what `benchmarks/outages_paper.py` stored: "max" and "mean" by model, each with
+    "quantiles" (outage, 5), "paper" and "rank" (share of draws below it); bars are the 95 % range
+    with its median, dashes the printed value, red where it lies outside
+    """
+    axes = style.grid(2, 1, size=(8.0, 6.6), sharex=True).ravel() if axes is None else axes
+    for ax, what in zip(axes, ("max", "mean"), strict=True):
+        models = study[what]
+        for k, (name, found) in enumerate(models.items()):
+            q = np.array(found["quantiles"])
+            at = np.arange(len(q)) + 1 + 0.15 * (k - (len(models) - 1) / 2)
+            colour = style.CYCLE[k]
+            ax.vlines(at, q[:, 0], q[:, -1], color=colour, lw=3.5, alpha=0.45, label=name)
+            ax.plot(at, q[:, 2], "o", color=colour, ms=3.5)
+            rank = np.array(found["rank"])
+            for out, mark in ((False, style.BLACK), (True, "#cc0000")):
+                here = ((rank < 0.025) | (rank > 0.975)) == out
+                half = 0.06
+                ax.hlines(
+                    np.array(found["paper"])[here], at[here] - half, at[here] + half, mark, lw=2.2
+                )
+        ax.set(yscale="log", ylabel=f"{'maximum' if what == 'max' else 'mean'} horizontal error, m")
+    axes[-1].set(xlabel="outage", xticks=range(1, len(q) + 1))
+    axes[0].hlines([], [], [], style.BLACK, lw=2.2, label="printed")
+    axes[0].set_ylim(top=3.0 * axes[0].get_ylim()[1])
+    axes[0].legend(ncols=6, loc="upper left", fontsize=8)
+    return axes
