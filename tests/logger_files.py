@@ -112,6 +112,16 @@ def logs():
     out["names_in_a_remark.txt"] = (f"; made by hand\n; columns: {HEAD.replace(',', ' ')}\n" + table("", T, GYRO, ACCEL, sep=" "), SI, 100)
     out["unit_behind_a_bracket.txt"] = (_lines(lambda k, w, a: f"t={k * 10}ms w=[{_six(w, [])}]rad/s a=[{_six([], a)}]m/s2\n"), "", 100)
     out["plotted.txt"] = (_lines(lambda k, w, a: "".join(f">{n}:{k * 10}:{v:.9g}\n" for n, v in zip(SIX.split(","), (*w, *a)))), SI, 100)
+    both = [(n, k, o, x) for k in range(N) for n, o, x in (("accelerometer", 0, ACCEL[k]), ("gyroscope", 3, GYRO[k]))]
+    out["samples_of_each.json"] = (json.dumps([{"sensor": n, "time": 1614855598 * 10**9 + k * 10**7 + o, "values": dict(zip("xyz", x.tolist()))} for n, k, o, x in both]), SI, 100)
+    out["values_from_one.csv"] = ("wall_ms,sensor_type,v1,v2,v3\n" + "".join(f"{1614855598000 + k * 20 + o},{n},{_six(x, [])}\n" for n, k, o, x in both), SI, 50)
+    out["slashes_between.txt"] = (_lines(lambda k, w, a: f"{k * 20}ms, gyro: {_six(w, [], ' / ')} rad/s, acc: {_six([], a, ' / ')} m/s^2\n"), "", 50)
+    out["tuples.txt"] = (_lines(lambda k, w, a: f"{{'t': {k * 10}, 'gyro': ({_six(w, [])}), 'accel': ({_six([], a)})}}\n"), SI, 100)
+    out["stamp_of_a_terminal.log"] = (_lines(lambda k, w, a: f"[Thu Mar 04 10:59:{k / 50 + 10:06.3f} 2021] {_six(w, a)}\n"), f"{SI} --columns clock,{','.join(named)}", 50)
+    out["stamp_before_commas.txt"] = (_lines(lambda k, w, a: f"2021-03-04 10:59:{k / 50 + 10:06.3f} {_six(w, a)}\n"), f"{SI} --columns date,{','.join(named)}", 50)
+    out["hundredths_of_degrees.csv"] = (table("t_ms,gx_cdps,gy_cdps,gz_cdps,ax_mg,ay_mg,az_mg", I * 10, DPS * 100, IN_G * 1000), "", 100)
+    out["spanish.csv"] = (table("tiempo,Giro X,Giro Y,Giro Z,Acel X,Acel Y,Acel Z", T, GYRO, ACCEL), SI, 100)
+    out["body_rates.csv"] = (table("elapsed_s,p_radps,q_radps,r_radps,ax_mps2,ay_mps2,az_mps2", T, GYRO, ACCEL), "", 100)
     nines = ",".join(["0.0"] * 9)
     out["echo_of_a_topic.csv"] = (_lines(lambda k, w, a: f"{1614855598 + k // 100},{k % 100 * 10**7},imu_link,0.0,0.0,0.0,1.0,{nines},{_six(w, [])},{nines},{_six([], a)},{nines}\n"), "", 100)
     return out

@@ -2,6 +2,9 @@
 
 # fmt: off
 CASES = [
+    ("is no table of records: give a folder of them, or a .csv with one record a line (file, sensor, date); ",
+     "fleet {0}/parked.npz --out {0}/fleet_of_one",
+     "characterise {0}/nothing.npz"),
     ("the time repeats that of the row before, with other values ({} such rows); remove one of the two, ",
      "characterise {0}/twice.csv --gyro-unit rad/s",
      "check {0}/twice.csv --gyro-unit rad/s --time-unit none --rate 100"),

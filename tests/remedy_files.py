@@ -127,6 +127,7 @@ def files(folder):
     )
     frames = [f"10:59:{k // 17:02d}:{k % 17:02d}" for k in I]
     text["frames.csv"] = table(f"tc,{THREE}", frames, GYRO)
+    text["rad.csv"] = table("t [s],gyro_x [rad],gyro_y [rad],gyro_z [rad]", T, GYRO / 100)
     text["rises.csv"] = table(f"moment_of_it,{THREE}", T + 4, GYRO)
     text["g_of_x.csv"] = table("Time [s],G(x),G(y),G(z)", T, ACCEL / 9.80665)
     text["soon.csv"] = table(

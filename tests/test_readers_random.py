@@ -55,7 +55,9 @@ def possible(plan):
     """Whether the dress can hold the record at all."""
     if plan.stamps in COARSE and (plan.gap or plan.layout != "plain" or plan.dress == "labels"):
         return False
-    if plan.stamps == "frames" and not 1.5 * plan.rate < plan.n < 55 * plan.rate:
+    if plan.stamps == "frames" and not (
+        plan.rate >= 25 and 1.5 * plan.rate < plan.n < 55 * plan.rate
+    ):
         return False
     if plan.stamps == "ticks_64" and (plan.rate > 400 or plan.n < 400):
         return False

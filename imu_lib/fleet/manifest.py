@@ -101,8 +101,11 @@ def _of_table(path, options):
         with open(path, newline="", encoding="utf-8-sig") as file:
             rows = list(csv.DictReader(file))
             known = list(rows[0]) if rows else []
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path} is no table of records ({error}); give a .csv.") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise InputError(
+            f"{path} is no table of records: give a folder of them, or a .csv with one record a line (file, sensor, date); "
+            "`imu-lib characterise` takes a single record."
+        ) from None
     if "file" not in known:
         raise InputError(
             f"{path} has no column `file`; a manifest names one record a line: file, sensor, date."

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names
+from imu_lib.readers import by_rows, names
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
 from imu_lib.record import CHANNELS
@@ -27,8 +27,13 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
         Heading(_told(name, signal), "text" if x.dtype.kind in "OUS" else "number")
         for name, x in flat
     ]
-    if not columns and not any(
-        names.meaning(h.name, signal=signal).quantity in names.SIGNALS for h in headings
+    long = by_rows.sensors([names.meaning(h.name) for h in headings], headings)
+    if (
+        not columns
+        and long is None
+        and not any(
+            names.meaning(h.name, signal=signal).quantity in names.SIGNALS for h in headings
+        )
     ):
         if not (
             signal == "temperature"

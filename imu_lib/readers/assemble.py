@@ -63,7 +63,7 @@ def assemble(
             record,
             {k: s[2] for k, s in scale.items()},
             {k: s[0] for k, s in scale.items()},
-            strict=not raw.contract,
+            strict=not raw.contract or _contradicted(scale),
         )
     missing = int(record.missing().sum())
     if missing:
@@ -78,6 +78,11 @@ def assemble(
             f"{max(g.duration for g in gaps):.4g} s."
         )
     return record
+
+
+def _contradicted(scale) -> bool:
+    """Whether the call states another unit than SI, in which files with the contract's keys are."""
+    return any(s[2] not in ("rad/s", "m/s^2") for s in scale.values())
 
 
 def _record(raw, channels, rate, time, temperature):

@@ -31,32 +31,7 @@ def sensors(told: Sequence[Meaning], headings: Sequence[Heading]) -> Sensors | N
     if any(m.quantity in names.SIGNALS for m in told):
         return None
     texts = [i for i, h in enumerate(headings) if h.kind == "text"]
-    bare = {}
-    for i, h in enumerate(headings):
-        word = (
-            h.name.strip()
-            .lower()
-            .replace("value", "")
-            .replace("measurement", "")
-            .replace("axis", "")
-            .strip("_ []().")
-        )
-        axis = {
-            "x": 0,
-            "y": 1,
-            "z": 2,
-            "v0": 0,
-            "v1": 1,
-            "v2": 2,
-            "1": 0,
-            "2": 1,
-            "3": 2,
-            "s0": 0,
-            "s1": 1,
-            "s2": 2,
-        }
-        if h.kind == "number" and word in axis:
-            bare.setdefault(axis[word], i)
+    bare = _axes(headings)
     if not texts or sorted(bare) != [0, 1, 2]:
         return None
     named = [
@@ -78,6 +53,21 @@ def sensors(told: Sequence[Meaning], headings: Sequence[Heading]) -> Sensors | N
         )
     ]
     return Sensors((named or texts)[0], (bare[0], bare[1], bare[2]))
+
+
+def _axes(headings: Sequence[Heading]) -> dict[int, int]:
+    """Place of x, y, z (0, 1, 2) -> column, for headings that name an axis and nothing else."""
+    words = {}
+    for i, h in enumerate(headings):
+        word = h.name.strip().lower().rpartition(".")[2]
+        for part in ("value", "measurement", "axis"):
+            word = word.replace(part, "")
+        if h.kind == "number":
+            words.setdefault(word.strip("_ []()."), i)
+    for three in ("xyz", ("v0", "v1", "v2"), ("v1", "v2", "v3"), "123", ("s0", "s1", "s2")):
+        if all(w in words for w in three):
+            return {k: words[w] for k, w in enumerate(three)}
+    return {}
 
 
 def pivoted(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from imu_lib.errors import InputError
-from imu_lib.readers import directions, names
+from imu_lib.readers import directions, lexicon, names
 from imu_lib.readers.asking import suggestion
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
@@ -70,11 +70,17 @@ def turned(raw: Raw, told: list[Meaning], headings) -> None:
         )
 
 
+def _suffix_unit(name: str) -> str | None:
+    """The unit behind a lone letter: p_radps."""
+    tail = lexicon.SUFFIX.search(name.strip().lower())
+    return lexicon.SUFFIX_UNIT.get(tail[1]) or names.unit_of(tail[1]) if tail else None
+
+
 def body_rates(told: list[Meaning], headings) -> list[Meaning]:
     """p, q, r are the body rates of aeronautics where all three stand there, no other column is the
     gyro, and they may not be part of a quaternion.
     """
-    heads = [re.sub(r"[\[(].*", "", h.name).strip().lower() for h in headings]
+    heads = [lexicon.SUFFIX.sub("", re.sub(r"[\[(].*", "", h.name).strip().lower()) for h in headings]  # fmt: skip
     there = [i for i, m in enumerate(told) if m.quantity is None and m.why == names.UNKNOWN]
     rates = {heads[i]: i for i in there if heads[i] in ("p", "q", "r")}
     whole = {"q0", "q1", "q2", "q3"} <= set(heads) or {"qw", "qx", "qy", "qz"} <= set(heads)
@@ -86,7 +92,7 @@ def body_rates(told: list[Meaning], headings) -> list[Meaning]:
         out[i] = Meaning(
             "gyro",
             axis,
-            names.spelled_unit(headings[i].name),
+            names.spelled_unit(headings[i].name) or _suffix_unit(headings[i].name),
             why="p, q, r: the body rates of aeronautics",
         )
     return out

@@ -101,6 +101,17 @@ def habits(told: list[Meaning], headings) -> list[Meaning]:
             else m
             for m in told
         ]
+    if {"timeus", "gyrx", "accx"} <= heads:
+        return [
+            replace(
+                m,
+                unit={"gyro": "rad/s", "accel": "m/s^2"}[m.quantity],
+                why="beside TimeUS: ArduPilot writes rad/s and m/s^2",
+            )  # fmt: skip
+            if m.quantity in ("gyro", "accel") and m.unit is None
+            else m
+            for m in told
+        ]
     if "gfx" not in heads:
         return told
     return [

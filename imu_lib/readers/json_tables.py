@@ -127,7 +127,7 @@ def _unpacked(row: dict) -> list[dict]:
 def _leaves(item, name: str):
     """(dotted name, value) of whatever is no dict."""
     if not isinstance(item, dict):
-        yield name, item
+        yield name, list(item) if isinstance(item, tuple) else item
         return
     for key, value in item.items():
         yield from _leaves(value, f"{name}.{key}" if name else str(key))

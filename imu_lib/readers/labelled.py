@@ -108,7 +108,10 @@ def _is_prefixed(lines) -> bool:
         if any(shape.match(line) for shape in LOGGERS.values()):
             return True
         m = PREFIX.match(line)
-        return bool(m and (m[2] in ("->", "=>", ">") or line.lstrip()[0] in "[("))
+        if not m:
+            return False
+        apart = "," in line[m.end() :] and line[m.end() - 1] == " " and "-" in m[1]
+        return bool(m[2] in ("->", "=>", ">") or line.lstrip()[0] in "[(" or apart)
 
     return share(lines, arrow) > 0.6
 
@@ -170,7 +173,7 @@ def _scan(line: str) -> list[tuple[str, str]]:
         while value := _VALUE.match(line, at):
             values.append(value[1])
             at = value.end()
-            follow = re.match(r"\s*[,;\t ]\s*(?=\s*[+-]?[\d.])", line[at:])
+            follow = re.match(r"\s*[,;/\t ]\s*(?=\s*[+-]?[\d.])", line[at:])
             if not follow:
                 break
             at += follow.end()

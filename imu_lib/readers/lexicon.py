@@ -17,13 +17,13 @@ def words(text: str) -> set[str]:
 
 #: Words that tell what a column is, in the languages in which phone apps and loggers write them.
 GYRO = words(
-    "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop gyrometer pqr"
+    "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop giro omg gyrometer pqr"
     " omega w wb wib wibb angvel anglvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
     " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus jiroskop uhlovarychlost szogsebesseg acisalhiz"
     " гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
 ACCEL = words(
-    "accelerometer accelerometers accelerometre accel accels accele acc accl acce acceleration"
+    "accelerometer accelerometers accelerometre accel accels accele acc accl acce acel acl aceler acceleration"
     " accelerations xl akzelerometer beschl beschleunigung beschleunigungen beschleunigungssensor"
     " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
     " gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration"
@@ -88,7 +88,7 @@ FREE = words(
     "linear lineare lineaire linearen user free lin freeacc useracceleration linearacceleration lineal"
 )
 ARRIVAL = words(
-    "host arrival received receive recv rx system pc log logging server local bag rosbag write rostime"
+    "host arrival received receive recv rx system pc log logging server local bag rosbag wall write rostime"
 )
 OWN = words("header sensor device imu hw hardware")
 #: Prefixes of maker's field descriptors (MIP data sets 0x80): what each holds.
@@ -124,7 +124,7 @@ KIND_OF = {
     "dt": "dtheta", "da": "dtheta", "dang": "dtheta", "dv": "dv", "dvel": "dv",
 }  # fmt: skip
 SUFFIX = re.compile(
-    r"_(rad_per_sec|rad_per_s|rad_s|rads|radps|rad_sec|deg_per_sec|deg_per_s|degs|deg_s|degps|deg_sec|dps|mdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
+    r"_(rad_per_sec|rad_per_s|rad_s|rads|radps|rad_sec|deg_per_sec|deg_per_s|degs|deg_s|degps|deg_sec|dps|mdps|cdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
     r"|mss|mg|ug|g|counts?|lsb|raw|adc|sec|secs|msec|usec|nsec|ms|us|ns|s|min|degc|degf|deg_c|deg_f|celsius|fahrenheit|kelvin|c|f|k)$"
 )
 SUFFIX_UNIT = {

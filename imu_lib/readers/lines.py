@@ -20,9 +20,10 @@ LOGGERS = {
     "time [s]": re.compile(r"^\s*\[\s*(?:DEBUG|INFO|WARN|ERROR)\s*\]\s*\[(\d+\.\d+)\](?:\s*\[[\w./-]+\])?:\s*"),  # ROS
     "clock": re.compile(r"^\s*(?:\d{4}-)?\d{2}-\d{2}\s+(\d{2}:\d{2}:\d{2}[.,]\d+)\s+\d+\s+\d+\s+[VDIWEF]\s+[^:]{1,40}:\s*"),  # Android
     "clock ": re.compile(r"^\s*\[(\d{2}:\d{2}:\d{2}\.\d{3},\d{3})\]\s*(?:<\w+>\s*)?(?:[\w.-]+:\s*)?"),  # Zephyr
+    "clock  ": re.compile(r"^\s*\[\w{3} \w{3} +\d{1,2} (\d{2}:\d{2}:\d{2}(?:\.\d+)?) \d{4}\]\s*"),
     "time [s]  ": re.compile(r"^\s*\[\s*(\d+\.\d{3,9})\]\s*(?:[\w.-]+:\s*)?"),  # a kernel's messages
-    "time [s]   ": re.compile(r"^\s*(\d+\.\d+) ?s(?:ec)?\s*:\s+"),
-    "time [ms] ": re.compile(r"^\s*(\d+) ?ms\s*:\s+"),
+    "time [s]   ": re.compile(r"^\s*(\d+\.\d+) ?s(?:ec)?\s*[:,]\s+"),
+    "time [ms] ": re.compile(r"^\s*(\d+) ?ms\s*[:,]\s+"),
     "time [s] ": re.compile(r"^\s*\((\d{9,10}\.\d+)\)\s+"),  # candump and the like
 }  # fmt: skip
 

@@ -126,7 +126,10 @@ def _packets(raw, time):
     late = late - np.polyval(np.polyfit(slot, late, 1), slot)
     if np.ptp(late) > 1.5 or (size > usual).any():
         return None
-    rate = float((slot[-1] - slot[0]) / (stamp[-1] - stamp[0])) if len(stamp) > 500 else rate
+    rate = 1.0 / float(np.polyfit(slot - slot.mean(), stamp, 1)[0])
+    near = round(usual * rate)
+    if near and abs(usual * rate - near) * (stamp[-1] - stamp[0]) < 0.5 * usual:
+        rate = near / usual
     inside = np.arange(len(time)) - np.repeat(first, size)
     inside[: size[0]] += usual - size[0]
     place = np.repeat(slot, size) * usual + inside

@@ -11,6 +11,8 @@ import numpy as np
 from imu_lib.errors import InputError
 from imu_lib.readers import names, spelling
 
+#: What a unit of increments would be of a rate.
+_RATES = {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2", "g*s": "g"}
 KINDS = ("gyro", "accel", "dtheta", "dv")
 
 
@@ -168,6 +170,13 @@ class Raw:
             if scaled:
                 raise InputError(
                     f"{self.source}: `{heading}` is in [{unit}]; give it as {flag} {scaled}."
+                )
+            rate = _RATES.get(unit) if kind in ("gyro", "accel") else None
+            if rate in names.UNITS[kind]:
+                family = "dtheta" if kind == "gyro" else "dv"
+                raise InputError(
+                    f"{self.source}: `{heading}` is in [{unit}], an increment; name it {family}_x, {family}_y or {family}_z with --columns, "
+                    f"or give {flag} {rate} if it is a rate of that size."
                 )
             raise InputError(
                 f"{self.source}: the unit [{unit}] of `{heading}` is not known; give it with {flag}"
