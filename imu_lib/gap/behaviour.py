@@ -4,11 +4,15 @@ stays and a frequency that wanders about one place.
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 from scipy.stats import chi2
 
 #: What it may do instead.
 SWEEPS, BREATHES = "its frequency sweeps", "its amplitude rises and falls"
+#: Squared coherence of a band from which on it is one cause, and over that of chance.
+TOGETHER, BY_CHANCE = 0.05, 14.0
 #: Blocks in which the amplitude is looked at, and samples in one at the least.
 BLOCKS, SAMPLES = 24, 6
 #: log10 of the probability of the scatter by chance, and the standard deviation of the power over
@@ -111,3 +115,28 @@ def rises(parts) -> bool:
     chance = (2.0 * excess + 1.0) * (1 / len(edge) + 1 / len(middle))
     less = middle.mean() - edge.mean()
     return bool(less > LESS * excess and less > 3.0 * np.sqrt(max(chance, 1e-12)))
+
+
+def coherent(bands) -> bool:
+    """Whether any two channels move together in their bands (n,): the same resonance of each is
+    driven by the noise of each.
+    """
+    n = len(bands[0])
+    return any(
+        abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a) * np.vdot(b, b)).real
+        > max(TOGETHER, BY_CHANCE / n)
+        for a, b in combinations(bands, 2)
+    )
+
+
+def fading(x, ratio: float) -> float:
+    """Between 0, a steady amplitude, and 1, that of normal noise, from the fourth moment of the
+    zoomed band; 1 where the noise hides it.
+    """
+    r = ratio - 1.0
+    if len(x) < 30 or r < 0.5:
+        return 1.0
+    p = np.abs(x) ** 2
+    kurtosis = float(np.mean(p**2) / np.mean(p) ** 2)
+    steady = (r * r + 4 * r + 2) / (1 + r) ** 2
+    return float(np.clip((kurtosis - steady) / (2.0 - steady), 0.0, 1.5))

@@ -7,12 +7,11 @@ its samples are then nearly independent complex numbers, normal where there is n
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 from scipy.fft import next_fast_len
 
-from imu_lib.gap.behaviour import BREATHES, SWEEPS, breathes, rises, sweeps
+from imu_lib.gap.behaviour import BREATHES, SWEEPS, breathes, coherent, fading, rises, sweeps
 from imu_lib.gap.episodes import BLOCKS, episodes
 from imu_lib.gap.narrow_band import Place
 from imu_lib.gap.transforms import Transforms
@@ -22,8 +21,6 @@ from imu_lib.gap.transforms import Transforms
 FELT, LEAST = 9.0, 1.12
 #: Width over frequency up to which what several channels show at one place is one cause.
 NARROW = 0.04
-#: Squared coherence of a wider band from which on it is one cause, and over that of chance.
-TOGETHER, CHANCE = 0.05, 14.0
 #: Width over that of a stronger place from which on what is faint is what is left beside it.
 WIDE = 1.6
 
@@ -108,7 +105,7 @@ def examined(place: Place, found_on, transforms: Transforms) -> Source:
         {n: amplitude[n] for n in transforms.names if n in amplitude},
         sd,
         float(sum(g for _, g in felt.values())),
-        _fading(z[best][on], ratio),
+        fading(z[best][on], ratio),
         float(ratio - 1.0),
         wide.strange(
             {
@@ -120,18 +117,7 @@ def examined(place: Place, found_on, transforms: Transforms) -> Source:
             best,
             transforms.duration,
         ),
-        bandwidth < NARROW * frequency or _coherent([z[name][on] for name in felt]),
-    )
-
-
-def _coherent(bands) -> bool:
-    """Whether any two channels move together in their bands (n,): the same resonance of each is
-    driven by the noise of each.
-    """
-    n = len(bands[0])
-    return any(
-        abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a) * np.vdot(b, b)).real > max(TOGETHER, CHANCE / n)
-        for a, b in combinations(bands, 2)
+        bandwidth < NARROW * frequency or coherent([z[name][on] for name in felt]),
     )
 
 
@@ -237,19 +223,6 @@ def _width(z, felt, on, a, b, transforms) -> tuple[float, float, float]:
                 best += 0.5 * (y[0] - y[2]) / bend * (f[1] - f[0])
         return float(best), float(np.sqrt(3 / snr) / (np.pi * seconds)), 0.0
     return float(q[1]), float(half / np.sqrt(max(half * seconds, 1.0))), half
-
-
-def _fading(x, ratio: float) -> float:
-    """Between 0, a steady amplitude, and 1, that of normal noise, from the fourth moment of the
-    zoomed band; 1 where the noise hides it.
-    """
-    r = ratio - 1.0
-    if len(x) < 30 or r < 0.5:
-        return 1.0
-    p = np.abs(x) ** 2
-    kurtosis = float(np.mean(p**2) / np.mean(p) ** 2)
-    steady = (r * r + 4 * r + 2) / (1 + r) ** 2
-    return float(np.clip((kurtosis - steady) / (2.0 - steady), 0.0, 1.5))
 
 
 def sources(places: dict, transforms: Transforms) -> list[Source]:
