@@ -8,7 +8,7 @@ import pytest
 
 from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
-from imu_lib.gap.drive import columns, loop, path, problem, select
+from imu_lib.gap.drive import admission, columns, path, problem, select
 from imu_lib.model import Model
 from imu_lib.navigation import earth, gross, strapdown
 
@@ -97,8 +97,8 @@ def test_velocities_of_another_solution_do_not_hide_the_axes():
     mixed = drive.with_(gnss_velocity=velocity)
     assert gross.axes(mixed)[0] == ("+y", "-x", "+z")
     notes = []
-    assert loop._without_other_solutions(drive, notes) is drive and not notes
-    assert loop._without_other_solutions(mixed, notes).gnss_velocity is None
+    assert admission.one_solution(drive, notes) is drive and not notes
+    assert admission.one_solution(mixed, notes).gnss_velocity is None
     assert "velocities" in notes[0]
 
 

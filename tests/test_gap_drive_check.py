@@ -5,7 +5,10 @@ import numpy as np
 import pytest
 
 from imu_lib.drive import from_arrays
+from imu_lib.errors import InputError
+from imu_lib.gap.drive import admission, steps
 from imu_lib.health.driven import disagreements
+from imu_lib.navigation import gross
 
 RIGHT = generator.make(21, duration=200.0)
 
@@ -40,3 +43,30 @@ def test_the_flag_for_late_fixes_undoes_the_delay(late):
     """`outages --latency S` takes a fix stamped t at t - S: late stamps ask for a positive S."""
     words = said(gnss_time=RIGHT["gnss_time"] + late).split("--latency ")[1]
     assert abs(float(words.split(",")[0]) - late) < 0.2
+
+
+def test_units_and_signs_are_asked_for_and_not_explained():
+    drive = from_arrays(generator.make(9, duration=240.0), "x")
+    admission.check(drive)
+    upside = np.array([1.0, 1.0, -1.0])
+    for word, changes in {
+        "--gyro-unit deg/s": {"gyro": np.degrees(drive.gyro)},
+        "--accel-unit g": {"accel": drive.accel / 9.81},
+        "third column": {"gnss_velocity": drive.gnss_velocity * upside},
+    }.items():
+        with pytest.raises(InputError, match=word):
+            admission.check(drive.with_(**changes))
+
+
+def test_fixes_are_found_that_are_most_of_a_minute_late():
+    drive = from_arrays(generator.make(9, duration=240.0), "x")
+    late, likeness, _ = gross.best_match(drive.with_(gnss_time=drive.gnss_time + 40.0))
+    assert abs(late - 40.0) < 0.2 and likeness > 0.7
+
+
+def test_a_noise_that_no_sensor_has_is_said():
+    parameters = {"channel": "gyro_x", "process": "white_noise", "name": "N", "from": 1e-4}
+    found = [{"effect": "bias_model", "parameters": {**parameters, "to": 2e-3}}]
+    assert steps.absurd(found) is None
+    found[0]["parameters"]["to"] = 2e-2
+    assert "200 times" in steps.absurd(found)

@@ -7,9 +7,9 @@ import pytest
 from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
 from imu_lib.gap.drive import (
+    admission,
     alone,
     columns,
-    loop,
     path,
     posterior,
     random_effects,
@@ -70,7 +70,7 @@ def test_two_solutions_in_turn_are_parted_by_their_code():
     velocity[1::2, :2] *= -1.0
     mixed = drive.with_(gnss_velocity=velocity, gnss_fix=code)
     notes = []
-    one = loop._without_other_solutions(mixed, notes)
+    one = admission.one_solution(mixed, notes)
     assert set(one.gnss_fix) == {1.0} and one.gnss_velocity is not None
     assert "--accept" in notes[0]
 

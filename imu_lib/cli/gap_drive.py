@@ -106,8 +106,8 @@ def _outages(result) -> str:
     if ratio is None and "before" in medians:
         return (
             line
-            + f"error {medians['before']:.3g} m before, {medians['after']:.3g} m after; one outage is "
-            + "too few for an interval of their ratio"
+            + f"error {medians['before']:.3g} m before, {medians['after']:.3g} m after; "
+            + f"{len(result.windows)} are too few for an interval of their ratio"
         )
     if ratio is None:
         return (

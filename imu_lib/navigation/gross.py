@@ -10,6 +10,7 @@ from itertools import permutations, product
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import detrend
 
 from imu_lib.drive import Drive
 
@@ -18,7 +19,9 @@ from . import earth
 STEP = 0.2  # s of the common grid
 WIDTH = 2.0  # s of smoothing
 FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs from the above
-LATEST = 12.0  # s
+LATEST, FURTHEST = 12.0, 90.0  # s: where a match is looked for, and where else if there is none
+SURE_MATCH = 0.7  # correlation that a match further away needs
+ROLLING, OPPOSED = 1.0, -0.7  # m of heights that tell, and a correlation that no road has
 IDENTITY = ("+x", "+y", "+z")
 CLEAR = 6.0  # least gain of other axes, after tempering, nats
 MIRRORED = 3.0  # nats against left-handed axes: no sensor has them, a wrong sign in a file does
@@ -116,11 +119,18 @@ def best_match(drive: Drive) -> tuple[float, float, float]:
     seen = [k for k, least in ((2, 0.015), (3, 0.15)) if np.std(m.expected[m.moving, k]) > least]
     if not seen:
         return 0.0, 0.0, 0.0
-    steps = int(LATEST / STEP)
-    shifts = np.arange(-steps, steps + 1)
-    values = np.array([np.mean([_alike(m, c, k) for c in seen]) for k in shifts])
-    k = int(np.argmax(values))
-    if values[k] < 0.5 or k in (0, values.size - 1):
+    found = None
+    for furthest, least in ((LATEST, 0.5), (FURTHEST, SURE_MATCH)):
+        if furthest > LATEST and (found is not None or m.time.size * STEP < 2.0 * furthest):
+            break
+        steps = int(furthest / STEP)
+        shifts = np.arange(-steps, steps + 1)
+        values = np.array([np.mean([_alike(m, c, k) for c in seen]) for k in shifts])
+        k = int(np.argmax(values))
+        if values[k] >= least and k not in (0, values.size - 1):
+            found = k
+            break
+    if found is None:
         return 0.0, float(values[k]), float(values[steps])
     left, mid, right = values[k - 1 : k + 2]
     curve = left - 2 * mid + right
@@ -199,6 +209,21 @@ def _cost(m, body, shift):
     z = np.abs(z)
     huber = np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5)
     return float(huber.sum() * (m.moving.sum() / max(keep.sum(), 1)))
+
+
+def upside_down(drive: Drive) -> bool:
+    """Whether the fixes' heights rise where their velocities fall."""
+    if drive.gnss_velocity is None:
+        return False
+    time = np.asarray(drive.gnss_time)
+    height, down = np.asarray(drive.gnss_position)[:, 2], np.asarray(drive.gnss_velocity)[:, 2]
+    good = np.isfinite(height) & np.isfinite(down)
+    time, height, down = time[good], height[good], down[good]
+    if time.size < 50:
+        return False
+    sunk = detrend(-height)
+    gone = detrend(np.append(0.0, np.cumsum(0.5 * (down[1:] + down[:-1]) * np.diff(time))))
+    return np.std(gone) > ROLLING and np.corrcoef(sunk, gone)[0, 1] < OPPOSED
 
 
 def velocities_swapped(drive: Drive) -> bool:

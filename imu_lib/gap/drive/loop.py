@@ -17,14 +17,11 @@ from imu_lib.navigation import gross
 from imu_lib.navigation.held import Held
 from imu_lib.units import DEG
 
-from . import base_model, columns, correct, outage, search, steps, vehicle
+from . import admission, base_model, columns, correct, outage, search, steps, vehicle
 from .battery import battery
 from .problem import Noise, turn_on_of, with_constants
 
-SHORTEST = 60.0  # s
-FEWEST = 40  # fixes
 SEEN = 0.1  # s: from this offset of the fixes on, the search starts where the turns match best
-CONTRADICTED = 0.1  # share of velocities
 UNSURE = 3.0  # gap index above which innovations are far from white, and no name is sure
 
 
@@ -91,9 +88,9 @@ def close(
     """
     say = say or (lambda text: None)
     rng = np.random.default_rng(seed)
-    _enough(drive)
+    admission.check(drive)
     notes = []
-    drive = _without_other_solutions(drive, notes)
+    drive = admission.one_solution(drive, notes)
     permutation, sure, runner, gain, alike = gross.axes(drive)
     say(f"axes {' '.join(permutation)}")
     right = correct.axes_put_right(drive, permutation)
@@ -150,6 +147,9 @@ def close(
             f"{ratio['value']:.2g} times those before [{ratio['low']:.2g}, {ratio['high']:.2g}]."
         )
     strange = state.restarts or any(e.startswith("other: ") for e in state.kept)
+    absurd = steps.absurd(found)
+    unexplained = "; ".join(t for t in (absurd, unexplained) if t) or None
+    strange = strange or absurd is not None
     if after.index > UNSURE or strange:
         for step in found:
             step["confidence"] = min(step["confidence"], 0.8)
@@ -157,19 +157,6 @@ def close(
         drive, given, tuple(found), tuple(steps.invisible(state, turned)), whole, before, after, result,
         unexplained, tuple(notes), state, first,
     )  # fmt: skip
-
-
-def _enough(drive):
-    name = drive.source or drive.name or "the drive"
-    fixes = int(np.isfinite(drive.gnss_position).all(axis=1).sum())
-    if gross.velocities_swapped(drive):
-        raise InputError(
-            f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the third's sign."
-        )
-    if drive.duration < SHORTEST or fixes < FEWEST:
-        raise InputError(
-            f"{name}: {drive.duration:.0f} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
-        )
 
 
 def _start_time(state, say):
@@ -190,53 +177,6 @@ def _start_time(state, say):
         say(f"fixes are about {late:.1f} s late (turns agree by {likeness:.2f})")
     else:
         state.result = None
-
-
-def _one_solution(drive, notes):
-    """The drive with the fixes of those codes whose velocities are the ones at which their positions
-    move, where the others' are not: a file may hold two solutions in turn.
-    """
-    if drive.gnss_velocity is None or drive.gnss_fix is None:
-        return drive
-    codes = np.asarray(drive.gnss_fix)
-    shares = {}
-    for code in np.unique(codes[np.isfinite(codes)]):
-        mine = codes == code
-        if mine.sum() > max(FEWEST, 0.02 * codes.size):
-            shares[code] = float(np.mean(gross.contradicted(_fixes(drive, mine))))
-    good = [c for c, share in shares.items() if share < 0.3 * CONTRADICTED]
-    rest = [c for c, share in shares.items() if share > CONTRADICTED]
-    kept = np.isin(codes, good)
-    if not rest or kept.sum() < max(FEWEST, 0.3 * codes.size):
-        return drive
-    notes.append(
-        f"Fixes of code {', '.join(f'{c:g}' for c in rest)} are another solution, whose velocities are not those at which "
-        f"its positions move: those of code {', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
-    )
-    return _fixes(drive, kept)
-
-
-def _fixes(drive, kept):
-    """The drive with some of its fixes."""
-    names = ("time", "position", "velocity", "position_sd", "velocity_sd", "fix")
-    values = {f"gnss_{n}": getattr(drive, f"gnss_{n}") for n in names}
-    return drive.with_(**{k: None if v is None else np.asarray(v)[kept] for k, v in values.items()})
-
-
-def _without_other_solutions(drive, notes):
-    """The drive with its positions alone where many of its velocities are not those at which the
-    positions move.
-    """
-    drive = _one_solution(drive, notes)
-    if drive.gnss_velocity is None:
-        return drive
-    share = float(np.mean(gross.contradicted(drive)))
-    if share < CONTRADICTED:
-        return drive
-    notes.append(
-        f"{100 * share:.0f} % of the velocities are not those at which the positions move: positions alone are used."
-    )
-    return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
 
 
 def _start(drive, model, notes):

@@ -10,6 +10,7 @@ from imu_lib.navigation.filter import FilterModel
 from imu_lib.navigation.preparation import Gnss
 from imu_lib.navigation.statistics import paired
 
+FEWEST = 3  # outages that have an interval
 #: Fixes are believed as stated, but for rounding.
 GNSS = Gnss(position_floor=0.02, velocity_floor=0.005)
 
@@ -31,9 +32,9 @@ class Outages:
 
     def ratio(self):
         """After over before: {value, low, high}, geometric mean with Student's interval; None where
-        one outage has no interval.
+        there are too few outages: of two it reaches from nothing to a thousand.
         """
-        if "before" not in self.study.models or len(self.windows) < 2:
+        if "before" not in self.study.models or len(self.windows) < FEWEST:
             return None
         before, after = (self.study.errors(n, against=self.against) for n in ("before", "after"))
         pair = paired(after, before, ("after", "before"))

@@ -11,6 +11,7 @@ from .effects import CATALOGUE, LINEAR
 
 SUREST = 0.999  # no confidence above this is claimed
 ALIKE = 3.0  # nats
+ABSURD = 100.0  # times the model's level
 ANGLES = ("roll", "pitch", "yaw")
 TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case is turned
 SEEN = 3.0 * DEG  # of a mounting angle: what the drive does not show of it is said
@@ -278,6 +279,21 @@ def unexplained(state, after):
     if abs(z) > SURE:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
     return "; ".join(parts) or None
+
+
+def absurd(found):
+    """What is said where the only noise that accounts for the innovations is one that no sensor has,
+    or None.
+    """
+    for step in found:
+        p = step["parameters"]
+        if step["effect"] == "bias_model" and p["name"] != "correlation_time" and p["from"]:
+            if p["to"] > ABSURD * p["from"]:
+                return (
+                    f"{p['process']} of {p['channel']} would be {p['to'] / p['from']:.0f} times the model's, which is no noise of a sensor: "
+                    "the fixes and the readings are not of one time, body or unit, or the model is of another sensor"
+                )
+    return None
 
 
 def worse(found, ratio, left):

@@ -1,0 +1,88 @@
+"""What of a drive can be searched: enough of it, in SI units, and the fixes of one solution."""
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.navigation import gross
+from imu_lib.readers.drive_units import ALIKE, turn_ratio
+from imu_lib.units import DEG
+
+SHORTEST = 60.0  # s
+FEWEST = 40  # fixes
+CONTRADICTED = 0.1  # share of velocities
+GRAVITY = (5.0, 16.0)  # m/s^2, what a moving car feels in the median
+
+
+def check(drive):
+    """InputError where a drive has too little to be searched, or its units are not those of SI."""
+    name = drive.source or drive.name or "the drive"
+    fixes = int(np.isfinite(drive.gnss_position).all(axis=1).sum())
+    if gross.velocities_swapped(drive):
+        raise InputError(
+            f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the third's sign."
+        )
+    if gross.upside_down(drive):
+        raise InputError(
+            f"{name}: the heights rise where gnss_velocity falls: it is north, east, down; turn the sign of its third column, or of the heights if they are depths."
+        )
+    if drive.duration < SHORTEST or fixes < FEWEST:
+        raise InputError(
+            f"{name}: {drive.duration:.0f} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
+        )
+    felt = float(np.median(np.linalg.norm(drive.accel, axis=1)))
+    if not GRAVITY[0] < felt < GRAVITY[1]:
+        raise InputError(
+            f"{name}: the accelerometers read {felt:.3g} in the median, where a car feels 9.8 m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`."
+        )
+    ratio = turn_ratio(drive)
+    if ratio is not None and ratio < DEG * ALIKE:
+        raise InputError(
+            f"{name}: the gyros turn {1.0 / ratio:.3g} times as fast as the course of the fixes: give their unit (--gyro-unit deg/s), or multiply `gyro` by pi/180."
+        )
+
+
+def _of_one_code(drive, notes):
+    """The drive with the fixes of those codes whose velocities are the ones at which their positions
+    move, where the others' are not: a file may hold two solutions in turn.
+    """
+    if drive.gnss_velocity is None or drive.gnss_fix is None:
+        return drive
+    codes = np.asarray(drive.gnss_fix)
+    shares = {}
+    for code in np.unique(codes[np.isfinite(codes)]):
+        mine = codes == code
+        if mine.sum() > max(FEWEST, 0.02 * codes.size):
+            shares[code] = float(np.mean(gross.contradicted(_fixes(drive, mine))))
+    good = [c for c, share in shares.items() if share < 0.3 * CONTRADICTED]
+    rest = [c for c, share in shares.items() if share > CONTRADICTED]
+    kept = np.isin(codes, good)
+    if not rest or kept.sum() < max(FEWEST, 0.3 * codes.size):
+        return drive
+    notes.append(
+        f"Fixes of code {', '.join(f'{c:g}' for c in rest)} are another solution, whose velocities are not those at which "
+        f"its positions move: those of code {', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
+    )
+    return _fixes(drive, kept)
+
+
+def _fixes(drive, kept):
+    """The drive with some of its fixes."""
+    names = ("time", "position", "velocity", "position_sd", "velocity_sd", "fix")
+    values = {f"gnss_{n}": getattr(drive, f"gnss_{n}") for n in names}
+    return drive.with_(**{k: None if v is None else np.asarray(v)[kept] for k, v in values.items()})
+
+
+def one_solution(drive, notes):
+    """The drive with its positions alone where many of its velocities are not those at which the
+    positions move.
+    """
+    drive = _of_one_code(drive, notes)
+    if drive.gnss_velocity is None:
+        return drive
+    share = float(np.mean(gross.contradicted(drive)))
+    if share < CONTRADICTED:
+        return drive
+    notes.append(
+        f"{100 * share:.0f} % of the velocities are not those at which the positions move: positions alone are used."
+    )
+    return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
