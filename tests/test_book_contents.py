@@ -3,9 +3,11 @@ captions.
 """
 
 import nbformat
+import numpy as np
 import pytest
 
 from conftest import ROOT
+from imu_lib import datasets
 from imu_lib.book import chapters, contents
 
 CHAPTERS = chapters.chapters(ROOT)
@@ -69,3 +71,17 @@ def test_which_code_names_an_entry_of_the_reference():
     assert links.target('imu.model.Model("x")', objects) == "imu_lib.model.Model"
     assert links.target("allan.fit_any(curve)", objects) is None
     assert links.target("curve.adev", objects) is None and links.target("imu-lib", objects) is None
+
+
+def test_what_the_chapter_on_recorded_gaps_says_of_its_records():
+    """Sizes in its text that none of its cells prints."""
+    if not all(map(datasets.available, ("mpu6050_raw_counts", "mtig_gyro_x"))):
+        pytest.skip("the recorded signals are not at hand")
+    x = datasets.load("mpu6050_raw_counts")["gyro_y"]
+    noise = np.std(np.diff(x)) / np.sqrt(2)
+    assert np.mean(np.diff(x) == 0) == pytest.approx(1 / 50, rel=0.1)
+    assert np.diff(np.unique(x)).min() / noise == pytest.approx(1 / 15, rel=0.1)
+    size = np.abs(datasets.load("mtig_gyro_x").slice(0.0, 600.0)["gyro_x"])
+    middle = np.median(size)
+    assert 170 < size.max() / middle < 210
+    assert np.mean(size > 3 * 1.4826 * middle) == pytest.approx(0.2, abs=0.03)
