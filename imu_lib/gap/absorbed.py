@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap.effects import COMPETITORS
+from imu_lib.gap.effects import COMPETITORS, DRIFTS, SPECTRAL
 from imu_lib.gap.state import State
 
 #: An effect is swallowed if the base takes this share of the information on its strength, for this
@@ -59,6 +59,7 @@ def absorbed(state: State) -> list[str]:
     """Names of the effects that the free base of `state` has, or may have swallowed."""
     base = FreeBase(state)
     names = [t.name for t in base.terms]
-    names += [effect.name for effect in COMPETITORS if effect.absorbed(base)]
+    others = [e for e in COMPETITORS if e not in SPECTRAL and e not in DRIFTS]
+    names += [e.name for e in (*SPECTRAL, *DRIFTS, *others) if e.absorbed(base)]
     found = {item.name for item in state.items}
     return [n for n in dict.fromkeys(names) if n not in found]

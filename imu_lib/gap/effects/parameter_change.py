@@ -36,6 +36,7 @@ def elsewhere(term) -> bool:
 
 class ParameterChange(Competitor):
     name = "parameter_change"
+    order = 90
     cause = (
         "A parameter of the given model does not hold for this unit, this day or this environment."
     )
