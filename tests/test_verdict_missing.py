@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from imu_lib import verdict
+from imu_lib.cli.gap_drive import values
 from imu_lib.estimate import Estimate
 from imu_lib.gap.table import describe
 from imu_lib.processes import WhiteNoise
@@ -99,3 +100,20 @@ def test_an_effect_begins_a_sentence():
     assert verdict.effect_name("gnss_time_offset") == "GNSS time offset"
     assert verdict.effect_name("imu_clock") == "IMU clock"
     assert verdict.effect_name("lever_arm") == "Lever arm"
+
+
+def test_what_was_found_on_a_drive_has_units_and_axes():
+    arm = {
+        "effect": "lever_arm",
+        "parameters": {"arm": [1.0, 0.5, -1.0]},
+        "intervals": {"arm": [[0.9, 1.1], [0.4, 0.6], [-1.2, -0.8]]},
+    }
+    assert values(arm) == "x 1 [0.9, 1.1], y 0.5 [0.4, 0.6], z -1 [-1.2, -0.8] m"
+    turned = {"effect": "mounting", "parameters": {"yaw": np.pi / 6}, "intervals": {}}
+    assert values(turned) == "yaw 30 deg"
+    loud = {
+        "effect": "vibration",
+        "parameters": {"channel": "gyro_z", "N": 1e-3, "N_per_speed": 1e-4},
+        "intervals": {},
+    }
+    assert values(loud).endswith("N per speed 0.0001 rad/s/sqrt(Hz) per m/s")

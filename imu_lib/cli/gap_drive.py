@@ -6,6 +6,8 @@ import sys
 import zipfile
 from pathlib import Path
 
+from imu_lib.units import DEG
+
 
 def asked(args) -> bool:
     """Whether the call names a drive: a GNSS file beside the IMU's, or an archive with fixes."""
@@ -24,7 +26,6 @@ def run(args, model) -> int:
     """The workflow on a drive, its result printed and written."""
     from imu_lib.cli import common, drives
     from imu_lib.gap import drive as gap_drive
-    from imu_lib.units import DEG
 
     drive = drives.opened(args.file, args)
     heading = None if args.heading is None else args.heading * DEG
@@ -47,24 +48,51 @@ def _say(line):
         print(f"\r\x1b[2K{line[:110]}", end="", file=sys.stderr, flush=True)
 
 
+#: What a parameter is told in: its unit, or the effect's own; SI angles become degrees.
+UNITS = {
+    **dict.fromkeys(("offset", "velocity_offset", "correlation_time"), "s"),
+    **dict.fromkeys(("roll", "pitch", "yaw", "error"), "deg"),
+    **dict.fromkeys(("arm", ("gnss_correlated", "sigma"), ("gnss_outliers", "scale")), "m"),
+    ("gyro_bias", "bias"): "deg/s",
+    ("accel_bias", "bias"): "m/s^2",
+}
+
+
 def values(step) -> str:
-    """Parameters of a step in a line, with their intervals."""
+    """Parameters of a step in a line, with their intervals, units and axes."""
     parts = []
     for key, value in step["parameters"].items():
         interval = step["intervals"].get(key)
+        unit = _unit(step, key)
+        factor = 1.0 / DEG if unit.startswith("deg") else 1.0
         if isinstance(value, list) and interval:
+            axes = "xyz" if len(value) == 3 else [""] * len(value)
             parts += [
-                f"{v:.4g} [{low:.3g}, {high:.3g}]"
-                for v, (low, high) in zip(value, interval, strict=True)
+                f"{axis} {_told(v, ends, factor)}".strip()
+                for axis, v, ends in zip(axes, value, interval, strict=True)
             ]
         elif isinstance(value, list):
             parts.append(" ".join(f"{v}" for v in value))
         elif isinstance(value, float):
-            ends = f" [{interval[0]:.3g}, {interval[1]:.3g}]" if interval else ""
-            parts.append(f"{key} {value:.4g}{ends}")
+            parts.append(f"{key.replace('_', ' ')} {_told(value, interval, factor)}")
         else:
             parts.append(f"{value}")
+            continue
+        parts[-1] += f" {unit}" if unit else ""
     return ", ".join(parts)
+
+
+def _told(value, ends, factor) -> str:
+    interval = f" [{ends[0] * factor:.3g}, {ends[1] * factor:.3g}]" if ends else ""
+    return f"{value * factor:.4g}{interval}"
+
+
+def _unit(step, key) -> str:
+    if key in ("N", "N_per_speed"):
+        of = str(step["parameters"].get("channel", "accel"))
+        unit = f"{'rad/s' if of.startswith('gyro') else 'm/s^2'}/sqrt(Hz)"
+        return f"{unit} per m/s" if key == "N_per_speed" else unit
+    return UNITS.get((step["effect"], key), UNITS.get(key, ""))
 
 
 def text(found) -> str:
