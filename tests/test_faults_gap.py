@@ -123,3 +123,16 @@ def test_an_axis_that_another_one_repeats_is_told_and_left_out():
     done = close(Record(x, 100.0), channels=["gyro_x", "gyro_y"], simulations=0, jobs=1)
     assert list(done.channels) == ["gyro_x"]
     assert "yro_y is gyro_x again" in done.to_json()["verdict"][1]
+
+
+def test_two_long_knocks_in_half_a_minute_are_no_tail_of_the_noise():
+    rng = np.random.default_rng(8)
+    x = {c: 1e-3 * rng.standard_t(6, 6400) for c in ("gyro_x", "gyro_z", "accel_y")}
+    u = np.arange(120) / 120
+    for at in (3064, 5385):
+        for c in x:
+            x[c][at : at + 120] += 0.05 * np.exp(-4 * u) * np.sin(2 * np.pi * 6 * u + len(c))
+    found = [f for f in faults.find(Record(x, 200.0)) if f.kind == "disturbance"]
+    assert [round(f.start) for f in found] == [15, 27]
+    calm = {c: 1e-3 * rng.standard_t(3.5, 6400) for c in x}
+    assert not [f for f in faults.find(Record(calm, 200.0)) if f.kind == "disturbance"]

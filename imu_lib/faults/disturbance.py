@@ -29,6 +29,8 @@ STANDS = 5.5
 LARGE = 4.0
 #: Ratio of energies, without the few largest samples', that one channel alone must reach.
 LOUD = 6.0
+#: Ratio that no stationary noise reaches with that many samples at once, whatever its tails.
+PLAIN, CROWD = 120.0, 16
 #: s of the means that tell where an excursion of the level begins and ends.
 FINE = 0.25
 #: s between two findings that are one.
@@ -135,7 +137,10 @@ def _judged(power, rest, peak, rare, length, offset) -> list[Hit]:
     if length > 1:
         for c in range(k):
             value = np.log(np.maximum(rest[c], 1e-12))
-            limit = max(tail_threshold(value, ALONE), np.log(LOUD * max(np.median(rest[c]), 1e-12)))
+            usual = np.log(max(np.median(rest[c]), 1e-12))
+            limit = max(tail_threshold(value, ALONE), usual + np.log(LOUD))
+            if length >= CROWD:  # in a short record knocks are the tail themselves
+                limit = min(limit, usual + np.log(PLAIN))
             own = (value > limit) & stands[c] & rare[c]
             member[c] |= own
             mask |= own
