@@ -116,3 +116,8 @@ def test_a_plural_is_no_unit():
     for heading in ("timestamps", "Timestamps", "times"):
         assert names.meaning(heading).canonical == "time" and names.meaning(heading).unit is None
     assert names.meaning("timestampms").unit == "ms" and names.meaning("ts").unit is None
+
+
+def test_any_words_make_a_meaning():
+    for heading in ("hour_s", "h rs", "hh", "minute s", "utc hours", "h_s x"):
+        assert names.meaning(heading).quantity in (None, "part", "time", "counter")

@@ -187,38 +187,17 @@ def read(
             f"{where} counts ticks; give how many there are in a second with --time-unit ticks:HZ (they step by {step:.6g})."
         )
     if unit is not None:
-        if usual_rate(hz(unit)) < 1e-3 and not insisted and len(stamp) > 10:
-            likely = likely_unit(stamp, first)
-            raise InputError(
-                f"{where} states {unit}, which makes {hz(unit):.4g} Hz"
-                + (f" (in {likely} it would be {hz(likely):.4g} Hz)" if likely else "")
-                + f"; give --time-unit {likely or unit}, or --time-unit {unit} if it is right."
-            )
-        return Reading(unit, spelling.TIME_UNITS[unit], f"states {unit}: {hz(unit):.5g} Hz", True)
+        return _stated(stamp, first, where, unit, hz, insisted)
     known = MAKERS.get(heading.replace("_", "").lower())
     likely = weights(stamp, first, known)
     if rate:
-        near = [u for u in likely if u not in ("counter", "ticks") and 0.7 < hz(u) / rate < 1.4]
-        if near:
-            return Reading(
-                near[0],
-                spelling.stated_time(near[0]),
-                f"no unit stated: read as {near[0]}, which makes {hz(near[0]):.5g} Hz, as the stated rate",
-                False,
-            )
-        if is_count(stamp) and rate_given:
-            return Reading("counter", None, f"counts the samples; {rate:g} Hz by --rate", False)
-        if rate_given:
-            raise InputError(
-                f"{where} steps by {step:.6g}, which makes {rate:g} Hz in no usual unit; give --time-unit ticks:{step * rate:.6g} if it counts ticks, "
-                "or leave the stamps out with --time-unit none --rate HZ."
-            )
+        found = _by_rate(stamp, where, likely, rate, hz, step, rate_given)
+        if found is not None:
+            return found
     order = sorted(likely, key=likely.get, reverse=True)
     best = order[0]
     next_ = likely[order[1]] if len(order) > 1 else 0.0
-    if likely[best] < 1e-4 or likely[best] < ODDS * next_:
-        raise InputError(_question(where, stamp, order, likely, hz, step))
-    if best == "counter":
+    if likely[best] < 1e-4 or likely[best] < ODDS * next_ or best == "counter":
         raise InputError(_question(where, stamp, order, likely, hz, step))
     others = [f"in {u} {hz(u):.3g} Hz" for u in order[1:3] if u not in ("counter", "ticks")]
     date = " and a date" if EPOCH[0] < first * spelling.stated_time(best) < EPOCH[1] else ""
@@ -228,6 +207,38 @@ def read(
         f"no unit stated: read as {best}, which makes {hz(best):.5g} Hz{date}"
         + (f" ({', '.join(others)})" if others else ""),
         False,
+    )
+
+
+def _stated(stamp, first, where, unit, hz, insisted) -> Reading:
+    """The unit that the file states, asked about where it makes a rate that no sensor has."""
+    if usual_rate(hz(unit)) < 1e-3 and not insisted and len(stamp) > 10:
+        likely = likely_unit(stamp, first)
+        raise InputError(
+            f"{where} states {unit}, which makes {hz(unit):.4g} Hz"
+            + (f" (in {likely} it would be {hz(likely):.4g} Hz)" if likely else "")
+            + f"; give --time-unit {likely or unit}, or --time-unit {unit} if it is right."
+        )
+    return Reading(unit, spelling.TIME_UNITS[unit], f"states {unit}: {hz(unit):.5g} Hz", True)
+
+
+def _by_rate(stamp, where, likely, rate, hz, step, rate_given) -> Reading | None:
+    """The unit that makes the rate which the call or the file states; None where a file's makes none."""
+    near = [u for u in likely if u not in ("counter", "ticks") and 0.7 < hz(u) / rate < 1.4]
+    if near:
+        return Reading(
+            near[0],
+            spelling.stated_time(near[0]),
+            f"no unit stated: read as {near[0]}, which makes {hz(near[0]):.5g} Hz, as the stated rate",
+            False,
+        )
+    if not rate_given:
+        return None
+    if is_count(stamp):
+        return Reading("counter", None, f"counts the samples; {rate:g} Hz by --rate", False)
+    raise InputError(
+        f"{where} steps by {step:.6g}, which makes {rate:g} Hz in no usual unit; give --time-unit ticks:{step * rate:.6g} if it counts ticks, "
+        "or leave the stamps out with --time-unit none --rate HZ."
     )
 
 

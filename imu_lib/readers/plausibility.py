@@ -49,23 +49,7 @@ def gyro_unit(
     factor = names.GYRO_UNITS.get(unit) if factor is None or unit in names.GYRO_UNITS else None
     turned = turning(gyro, accel, rate)
     if turned is not None and turned[1]:
-        slope = turned[0]
-        for other in ("rad/s", "deg/s", "deg/h") if factor else ():
-            if other != unit and 0.5 < slope / (names.GYRO_UNITS[other] / factor) < 2.0:
-                return Told(
-                    f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}",
-                    True,
-                    other,
-                )
-        return (
-            None
-            if 0.2 < slope < 5
-            else Told(
-                f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale",
-                True,
-                None,
-            )
-        )
+        return _by_turning(turned[0], unit, factor)
     still, bias, quiet = _still(gyro, rate)
     whole = factor is not None and _whole(gyro / factor)
     if whole and (still > NOISY or bias > 3 * GYRO_BIAS[0]):
@@ -74,28 +58,14 @@ def gyro_unit(
             True,
             None,
         )
-    fast = float(np.quantile(np.abs(some(gyro)).max(axis=1), 0.99)) if len(gyro) > 200 else 0.0
     noise = None
     if strict and quiet and accel is not None and gravity(accel) is not None:
         noise = _noise_density(some(accel), rate)
+    fast = float(np.quantile(np.abs(some(gyro)).max(axis=1), 0.99)) if len(gyro) > 200 else 0.0
     if factor and fast > GYRO_FAST:
-        smaller = [u for u in ("deg/s", "deg/h") if names.GYRO_UNITS[u] < factor]
-        other = max(
-            smaller,
-            key=lambda u: _score(
-                *(x * names.GYRO_UNITS[u] / factor for x in (still, bias)), noise, rate
-            ),
-            default=None,
-        )
-        return Told(
-            f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a hundred; "
-            + (f"their unit is likely {other}" if other else "check the unit"),
-            True,
-            other,
-        )
-    score = _score(still, bias, noise, rate)
+        return _too_fast(fast, unit, factor, still, bias, noise, rate)
     if factor is None:
-        if score < -2 * REFUSED:
+        if _score(still, bias, noise, rate) < -2 * REFUSED:
             return Told(
                 f"the rates stated in {unit} have a {_worst(still, bias)}, more than any gyro at rest; check the counts per deg/s",
                 True,
@@ -107,15 +77,54 @@ def gyro_unit(
         for u in ("rad/s", "deg/s", "deg/h")
         for s in (names.GYRO_UNITS[u],)
     )
-    odds = best - score
-    if best_unit == unit or odds < DOUBTED:
-        if strict and quiet and noise is None and unit != "rad/s" and 0 < still < OPTICAL:
+    odds = best - _score(still, bias, noise, rate)
+    if best_unit != unit and odds >= DOUBTED:
+        return _unlikely(gyro, unit, factor, best_unit, odds, still, bias, noise)
+    if strict and quiet and noise is None and unit != "rad/s" and 0 < still < OPTICAL:
+        return Told(
+            f"the rates stated in {unit} have a {_worst(still, bias)}, that of an optical gyro; of a MEMS gyro the unit would likely be rad/s",
+            False,
+            "rad/s",
+        )
+    return None
+
+
+def _by_turning(slope: float, unit: str, factor: float | None) -> Told | None:
+    """What gravity says that turns `slope` times as fast as the rates."""
+    for other in ("rad/s", "deg/s", "deg/h") if factor else ():
+        if other != unit and 0.5 < slope / (names.GYRO_UNITS[other] / factor) < 2.0:
             return Told(
-                f"the rates stated in {unit} have a {_worst(still, bias)}, that of an optical gyro; of a MEMS gyro the unit would likely be rad/s",
-                False,
-                "rad/s",
+                f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}",
+                True,
+                other,
             )
+    if 0.2 < slope < 5:
         return None
+    return Told(
+        f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale",
+        True,
+        None,
+    )
+
+
+def _too_fast(fast, unit, factor, still, bias, noise, rate) -> Told:
+    """Rates that no vehicle has, and the smaller unit in which they would be usual."""
+    smaller = [u for u in ("deg/s", "deg/h") if names.GYRO_UNITS[u] < factor]
+
+    def likeness(u):
+        return _score(*(x * names.GYRO_UNITS[u] / factor for x in (still, bias)), noise, rate)
+
+    other = max(smaller, key=likeness, default=None)
+    return Told(
+        f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a hundred; "
+        + (f"their unit is likely {other}" if other else "check the unit"),
+        True,
+        other,
+    )
+
+
+def _unlikely(gyro, unit, factor, best_unit, odds, still, bias, noise) -> Told:
+    """A stated unit that loses against another one: refused where by far."""
     worst = _worst(still, bias)
     if noise and still and noise / still > 60:
         worst = (
