@@ -13,7 +13,7 @@ import pytest
 
 from imu_lib import InputError, fleet, scheduler
 from imu_lib.cli.main import main
-from imu_lib.fleet.spread import of_units
+from imu_lib.fleet.spread import of_units, widening
 from imu_lib.model import Model
 from imu_lib.writers import write_record
 
@@ -275,3 +275,16 @@ def test_shares():
     # Clopper and Pearson (1934), 3 of 10
     assert found.loc["white + flicker", "low"] == pytest.approx(0.0667, abs=1e-3)
     assert found.loc["white + flicker", "high"] == pytest.approx(0.6525, abs=1e-3)
+
+
+def test_scatter_of_uneven_units_is_known_less_well():
+    rng = np.random.default_rng(4)
+    even = rng.standard_normal(40)
+    assert widening(even) < 1.3
+    assert widening(np.append(even, 8.0)) > 3  # one unit carries half of the variance
+    assert widening(np.ones(9)) == widening(even[:3]) == 1.0
+    y = 0.2 * np.append(even, 8.0)
+    value = [np.exp(y + k * 1.96 * 0.02) for k in (0, -1, 1)]
+    ratio = of_units(*value).scatter.high / of_units(*value).scatter.low
+    without = of_units(*(v[:-1] for v in value))
+    assert ratio > 1.5 * without.scatter.high / without.scatter.low

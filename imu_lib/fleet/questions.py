@@ -167,7 +167,8 @@ def sensor_and_day(table, channel, method, coefficient) -> dict | None:
     two records or more.
 
     Restricted maximum likelihood of y_ij = mu + u_i + d_ij + e_ij with the errors known; intervals
-    where the profile falls by 1.92.
+    where the profile falls by 1.92, of the sensors by more where they have heavier tails than the
+    normal (`spread.widening`).
 
     Returns
     -------
@@ -205,8 +206,10 @@ def sensor_and_day(table, channel, method, coefficient) -> dict | None:
     )
     low = min(best.fun, surface.min())
     found = np.abs(best.x)
+    weights = [1 / (found[1] ** 2 + s**2) for _, s in groups]
+    wide = spreads.widening([np.average(y, weights=w) for (y, _), w in zip(groups, weights)])
     return {
-        "sensor": _profiled(grid, surface.min(axis=1) - low, found[0]),
+        "sensor": _profiled(grid, (surface.min(axis=1) - low) / wide, found[0]),
         "day": _profiled(grid, surface.min(axis=0) - low, found[1]),
         "error": float(np.median(np.concatenate([s for _, s in groups]))),
     }
