@@ -21,6 +21,7 @@ WIDTH = 2.0  # s of smoothing
 FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs from the above
 LATEST, FURTHEST = 12.0, 90.0  # s: where a match is looked for, and where else if there is none
 SURE_MATCH = 0.7  # correlation that a match further away needs
+FAR_OFF = 12.0  # times the median distance of a fix from the middle of its neighbours
 ROLLING, OPPOSED = 1.0, -0.7  # m of heights that tell, and a correlation that no road has
 IDENTITY = ("+x", "+y", "+z")
 CLEAR = 6.0  # least gain of other axes, after tempering, nats
@@ -209,6 +210,28 @@ def _cost(m, body, shift):
     z = np.abs(z)
     huber = np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5)
     return float(huber.sum() * (m.moving.sum() / max(keep.sum(), 1)))
+
+
+def wild(drive: Drive):
+    """(share, standard deviation m) of positions that lie far off between their neighbours; None
+    where there are hardly any, or so many that they are the receiver's usual ones.
+    """
+    time, position = np.asarray(drive.gnss_time), np.asarray(drive.gnss_position, float)
+    good = np.isfinite(position).all(axis=1)
+    time, position = time[good], position[good]
+    if time.size < 50:
+        return None
+    ned = earth.meters(position, position[0])
+    part = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], 1e-9)
+    apart = ned[1:-1] - ned[:-2] - part[:, None] * (ned[2:] - ned[:-2])
+    apart = np.linalg.norm(apart[(time[2:] - time[:-2]) < 4.0 * np.median(np.diff(time))], axis=1)
+    size = np.maximum(np.median(apart), 0.01)
+    # a wild one moves the middle of its two neighbours by half as much
+    peak = (apart > FAR_OFF * size) & (apart >= np.maximum(np.roll(apart, 1), np.roll(apart, -1)))
+    share = float(peak.mean())
+    if not 0.002 < share < 0.2:
+        return None
+    return share, float(np.sqrt(np.mean(apart[peak] ** 2) / 3.0))
 
 
 def upside_down(drive: Drive) -> bool:

@@ -6,8 +6,11 @@ removal improves.
 """
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
+
+from imu_lib.navigation import gross
 
 from . import alone, columns, random_effects, readings, select
 from .problem import Problem
@@ -37,6 +40,8 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
     for _ in range(2):  # a path that chases noisy fixes is no path to be linear about
         if state.size() > 1.5:
             state.rebuild()
+    if random:
+        _start_wild(state, say)
     seen, refused = {}, set()
     for number in range(ROUNDS):
         names = [n for n in candidates(state.problem) if n not in refused]
@@ -82,6 +87,32 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
     if state.changes:
         _prune_linear(state, say)
     return state
+
+
+def _start_wild(state, say):
+    """Start with wild fixes where the fixes alone show them: a path that follows a few that are far
+    off says nothing of the others.
+    """
+    found = gross.wild(state.drive)
+    if found is None or state.noise.fraction > 0.0 or not state.use[:, 0].any():
+        return
+    options = random_effects.changes(state.problem, state.noise, False)
+    change = next(c for c in options if c.effect == "gnss_outliers")
+    values = np.array(found)
+    change = replace(change, start=tuple(found))
+    # afresh: what the path that followed them was trusted with is nothing to start from
+    trial = State(
+        state.drive, change.enter(state.noise, values), state.theta, state.other, state.kept,
+        withhold=state.withhold,
+    )  # fmt: skip
+    trial.rebuild()
+    gain = trial.result.log_likelihood - state.result.log_likelihood
+    if gain < 5.0 * random_effects.penalty(change):
+        return
+    say(f"{100 * found[0]:.1f} % of the fixes are wild, by {found[1]:.3g} m")
+    state.changes.append(Change(change, values, gain, state.noise))
+    state.noise = trial.noise
+    state.take(trial)
 
 
 def _step(state, kept):
@@ -235,22 +266,31 @@ def _prune(state, say):
             say(f"the shock at {when:.1f} s taken out again")
             state.restarts = tuple(r for r in state.restarts if r != when)
             state.rebuild()
-    again = True
-    while again and state.changes:
-        again = False
-        losses = []
-        for found in state.changes:
-            rest = [c for c in state.changes if c is not found]
-            noise = _without(state, found)
-            value = state.evaluate(noise).log_likelihood
-            losses.append((state.result.log_likelihood - value, found, rest, noise))
-            found.gain = state.result.log_likelihood - value
-        loss, found, rest, noise = min(losses, key=lambda v: v[0])
-        if loss < random_effects.penalty(found.change):
-            say(f"{found.change.key} taken out again")
-            state.noise, state.changes = noise, rest
-            state.weigh()
-            again = True
+    while state.changes:
+        sets = _leaving(state.changes)
+        noises = [_without(state, out) for out in sets]
+        values = each(lambda noise: state.evaluate(noise).log_likelihood, noises)
+        worth = []
+        for out, value in zip(sets, values):
+            loss = state.result.log_likelihood - value
+            worth.append(sum(random_effects.penalty(c.change) for c in out) - loss)
+            if len(out) == 1:
+                out[0].gain = loss
+        best = int(np.argmax(worth))
+        if worth[best] <= 0.0:
+            break
+        say(", ".join(str(c.change.key) for c in sets[best]) + " taken out again")
+        state.noise = noises[best]
+        state.changes = [c for c in state.changes if c not in sets[best]]
+        state.weigh()
+
+
+def _leaving(changes):
+    """Changes that are tried without: each, each pair, as two may only make up for each other, and
+    all.
+    """
+    sets = [list(out) for size in (1, 2) for out in combinations(changes, size)]
+    return sets if len(changes) < 3 else [*sets, list(changes)]
 
 
 def _prune_linear(state, say):
@@ -277,10 +317,10 @@ def _prune_linear(state, say):
         _held(state, tuple(e for e in state.kept if e != effect), freely=True)
 
 
-def _without(state, found):
-    """The noise with one change undone: the others entered anew on the first hypothesis."""
+def _without(state, out):
+    """The noise with changes undone: the others entered anew on the first hypothesis."""
     noise = state.changes[0].before
     for other in state.changes:
-        if other is not found:
+        if other not in out:
             noise = other.change.enter(noise, other.values)
     return noise
