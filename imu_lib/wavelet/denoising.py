@@ -62,19 +62,15 @@ def denoise(
     mode : {"soft", "hard"}
     causal : {False, True, "sliding", "block"}
         False: the whole record at once, half-point symmetric at both ends; every sample uses the
-        future.
-        True or "sliding": sample k uses samples up to k alone, as if the last `window` of them
-        were de-noised as a
-        record of their own and the last one taken; no delay. "block": the same, `block` samples at
-        a time, so that a
-        sample is delivered up to `block` samples late and sees the future within its own block.
+        future. True or "sliding": sample k uses samples up to k alone, as if the last `window` of
+        them were de-noised as a record of their own and the last one taken; no delay. "block": the
+        same, `block` samples at a time: a sample is up to `block` samples late and sees the future
+        within its own block.
     window : int, optional
-        Past that a causal form looks at, in samples; default 32 * 2^level. Records start with
-        shorter windows and
-        fewer levels, doubling until the window is full.
-    refresh : int, optional
-        The sliding form's thresholds are computed anew every `refresh` samples; default 2^level.
-    block : int, optional
+        Past that a causal form looks at, samples; default 32 * 2^level. Records start with shorter
+        windows and fewer levels, doubling until the window is full.
+    refresh, block : int, optional
+        After how many samples the sliding form computes its thresholds anew; samples of a block.
         Default 2^level.
 
     Returns
@@ -89,31 +85,22 @@ def denoise(
     """
     x = np.asarray(x, dtype=float)
     _check(x, level, threshold, noise, mode, causal)
+    rows, lengths = (level, wavelet, threshold, noise, mode), (window, refresh, block)
+    if x.ndim == 2:
+        return np.stack([_denoised(column, rows, causal, *lengths) for column in x.T], axis=1)
+    return _denoised(x, rows, causal, *lengths)
+
+
+def _denoised(x, rows, causal, window, refresh, block):
+    """One signal; `rows` as `denoise_rows` takes them."""
+    level, wavelet = rows[:2]
     if level == 0:
         return x.copy()
-    if x.ndim == 2:
-        columns = [
-            denoise(
-                c,
-                level,
-                wavelet=wavelet,
-                threshold=threshold,
-                noise=noise,
-                mode=mode,
-                causal=causal,
-                window=window,
-                refresh=refresh,
-                block=block,
-            )
-            for c in x.T
-        ]
-        return np.stack(columns, axis=1)
     if not causal:
         _check_length(x.size, level, wavelet, "`x`")
-        return denoise_rows(x[None], level, wavelet, threshold, noise, mode)[0]
+        return denoise_rows(x[None], *rows)[0]
     window = 32 * 2**level if window is None else int(window)
     _check_length(window, level, wavelet, "`window`")
-    rows = (level, wavelet, threshold, noise, mode)
     if causal == "block":
         return causal_forms.by_blocks(x, denoise_rows, rows, window, int(block or 2**level))
     return causal_forms.sliding(x, *rows, window=window, refresh=int(refresh or 2**level))
