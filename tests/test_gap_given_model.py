@@ -18,6 +18,7 @@ from imu_lib.processes import (
     LowPass,
     Quantization,
     RandomWalk,
+    Stuck,
     Sum,
     Telegraph,
     WhiteNoise,
@@ -138,6 +139,17 @@ def test_two_levels_that_stand_out_are_found_only_where_they_are_not_those_of_th
     result = analyse("gyro_x", x, FS, Sum((noise, levels)), seed=1)
     assert ([s.effect for s in result.steps] == []) == (times == 1.0), result.steps
     assert result.unexplained is None
+
+
+def test_samples_that_are_frozen_as_the_model_says_are_no_noise_of_their_own():
+    """Runs of half a second: their samples say nothing, whether a model foresees them or not."""
+    rng, n, length = np.random.default_rng(12), 150_000, 50
+    x = 3e-3 * rng.standard_normal(n)
+    for start in rng.integers(0, n - length, 24):
+        x[start : start + length + 1] = x[start]
+    base = Sum((WhiteNoise(3e-3 / np.sqrt(FS)),), (Stuck(24 * length / n, length),))
+    found = analyse("gyro_x", x, FS, base, seed=1)
+    assert [s.effect for s in found.steps] == [] and found.unexplained is None
 
 
 def test_nothing_is_found_behind_a_given_slow_filter():

@@ -98,7 +98,10 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False, known=None) -> Cl
     return Clean(
         clean + coarse - known,
         coarse - known,
-        [*levels.findings, *(f for f in (clipped, stuck, spikes) if f is not None)],
+        [
+            *levels.findings,
+            *(f for f in (clipped, stuck, spikes) if f is not None and not f.held),
+        ],
         white,
         smooth,
         levels.step,

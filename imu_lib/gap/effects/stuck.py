@@ -71,7 +71,8 @@ class Stuck(Effect):
     def detect(self, x, clipped, twin, held) -> Finding | None:
         """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the
         noise (None where the grid is too fine to matter, and neighbours agree by chance as often as
-        others do)."""
+        others do), `held` what the given model has of it: then the finding says so, since its samples
+        tell nothing all the same."""
         start, length = runs(x)
         keep = ~clipped[start]
         start, length = start[keep], length[keep]
@@ -81,8 +82,6 @@ class Stuck(Effect):
         start, length = start[hit], length[hit]
         repeats = int(length.sum())
         if repeats < 2 or len(start) < 1:
-            return None
-        if held is not None and abs(repeats / len(x) / held.fraction - 1) < 0.5:
             return None
         typical = int(np.median(length))
         mask = np.zeros(len(x), bool)
@@ -100,6 +99,7 @@ class Stuck(Effect):
                 "length": [float(np.quantile(length, 0.025)), float(np.quantile(length, 0.975))],
             },
             mask=mask,
+            held=held is not None and abs(repeats / len(x) / held.fraction - 1) < 0.5,
         )
 
 
