@@ -28,7 +28,7 @@ class Blocks:
         """Number of blocks."""
         return self.means.shape[1]
 
-    def mean(self, low, high) -> np.ndarray:
+    def mean(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """Means over blocks low .. high-1, cut to the record; shape (channels, ...)."""
         low, high = np.clip(low, 0, self.k), np.clip(high, 0, self.k)
         return (self._total[:, high] - self._total[:, low]) / np.maximum(high - low, 1)

@@ -4,6 +4,8 @@ which no tilt does.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from imu_lib.faults.blocks import Blocks, peaks, sudden
@@ -28,7 +30,7 @@ def find(
     time: np.ndarray,
     rate: float,
     turns: list[tuple[float, float]],
-    handled: list[tuple[float, float]] = (),
+    handled: Sequence[tuple[float, float]] = (),
 ) -> list[Finding]:
     """Restarts within one stretch. `turns` are spans (s) known as tilts, `handled` those of handling,
     which leaves the gyros' levels as they were.
@@ -81,7 +83,13 @@ def find(
     return found
 
 
-def _stays(gyros, spans, dt: float, members, begin: float) -> bool:
+def _stays(
+    gyros: np.ndarray,
+    spans: Sequence[tuple[float, float]],
+    dt: float,
+    members: np.ndarray,
+    begin: float,
+) -> bool:
     """Whether the levels of two gyros are others after being handled than before, and go on being so."""
     low = int((min(s[0] for s in spans) - begin) / dt) - GUARD
     high = int((max(s[1] for s in spans) - begin) / dt) + 1 + GUARD

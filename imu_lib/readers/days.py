@@ -32,7 +32,7 @@ def is_date(text: str) -> bool:
     return any(shape.match(text) for shape in (_ISO, _OTHER, _SHORT))
 
 
-def days(raw: Raw, date, heading) -> tuple[np.ndarray, bool, str | None]:
+def days(raw: Raw, date: np.ndarray, heading: str) -> tuple[np.ndarray, bool, str | None]:
     """Days since 1970 of each date; whether the date is certain; what decided the order.
 
     InputError where a text is no date, or where two orders remain that make a difference.
@@ -54,7 +54,7 @@ def days(raw: Raw, date, heading) -> tuple[np.ndarray, bool, str | None]:
     return _decided(raw, heading, parts, which, index)
 
 
-def _date(raw, heading, text) -> Date:
+def _date(raw: Raw, heading: str, text: str) -> Date:
     if m := _ISO.match(text):
         return Date({"": (int(m[1]), int(m[2]), int(m[3]))}, None)
     if m := _OTHER.match(text):
@@ -76,12 +76,15 @@ def _year(two: int) -> int:
     return two + (1900 if two >= CENTURY else 2000)
 
 
-def _decided(raw, heading, parts, which, index):
+def _decided(
+    raw: Raw, heading: str, parts: list[Date], which: dict[str, int], index: np.ndarray
+) -> tuple[np.ndarray, bool, str | None]:
     """The one order that the dates of a file have."""
     good = {}
     for order in ("day first", "month first", "year first"):
-        dates = [p.orders.get(order, p.orders.get("")) for p in parts]
-        if all(d is not None and 1 <= d[1] <= 12 and 1 <= d[2] <= 31 for d in dates):
+        found = [p.orders.get(order, p.orders.get("")) for p in parts]
+        dates = [d for d in found if d is not None and 1 <= d[1] <= 12 and 1 <= d[2] <= 31]
+        if len(dates) == len(parts):
             good[order] = _numbers(raw, heading, dates)
     if not good:
         raise InputError(
@@ -109,13 +112,13 @@ def _decided(raw, heading, parts, which, index):
     )
 
 
-def _order(index) -> np.ndarray:
+def _order(index: np.ndarray) -> np.ndarray:
     """Numbers of the dates in the order in which they appear."""
     _, first = np.unique(index, return_index=True)
     return index[np.sort(first)]
 
 
-def _numbers(raw, heading, dates) -> np.ndarray:
+def _numbers(raw: Raw, heading: str, dates: list[tuple[int, int, int]]) -> np.ndarray:
     try:
         return np.array([np.datetime64(f"{y:04d}-{m:02d}-{d:02d}") for y, m, d in dates]).astype(
             np.int64

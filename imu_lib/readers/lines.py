@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -38,7 +39,7 @@ class Table:
     notes: tuple[str, ...] = ()
 
 
-def share(lines, test) -> float:
+def share(lines: Sequence[str], test: Callable[[str], object]) -> float:
     return sum(1 for line in lines if test(line)) / len(lines)
 
 
@@ -59,7 +60,9 @@ def stamp_head(line: str) -> str:
     return next((head for head, shape in LOGGERS.items() if shape.match(line)), "clock")
 
 
-def as_table(header, kept, lost) -> Table | None:
+def as_table(
+    header: Sequence[str] | None, kept: Sequence[tuple[list[str], int]], lost: int
+) -> Table | None:
     if len(kept) < 2:
         return None
     text = "\n".join("\t".join(r) for r, _ in kept) + "\n"

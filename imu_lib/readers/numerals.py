@@ -36,12 +36,12 @@ def seconds(stamp: np.ndarray, unit: str | None) -> Written | None:
     return None
 
 
-def _clock(stamp) -> np.ndarray:
+def _clock(stamp: np.ndarray) -> np.ndarray:
     whole = np.asarray(stamp, dtype=float)
     return whole // 10_000 * 3600.0 + whole // 100 % 100 * 60.0 + np.round(whole % 100, 9)
 
 
-def _closes(stamp) -> bool:
+def _closes(stamp: np.ndarray) -> bool:
     """Whether numbers jump where a minute is full, and run on evenly when they are read as clocks."""
     x = np.asarray(stamp, dtype=float)
     if len(x) < 20 or x.min() < 0 or x.max() >= 240_000 or x.max() < 60:
@@ -58,7 +58,7 @@ def _closes(stamp) -> bool:
     return bool((read[wide] < 3.0 * usual).all() and (read >= 0).all())
 
 
-def _date(stamp) -> Written | None:
+def _date(stamp: np.ndarray) -> Written | None:
     """Whole numbers of 14 digits (to the second) or 17 (to the millisecond) that are dates."""
     if stamp.dtype.kind != "i" or not len(stamp):
         return None

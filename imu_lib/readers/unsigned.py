@@ -54,13 +54,13 @@ def _tells(raw: Raw, kind: str, bits: int, accel_unit: str | None) -> bool:
     if kind == "gyro":
         ends = [((x < NEAR * size) | (x >= (1 - NEAR) * size)).mean() > 0.999 for x in columns]
         return all(ends)
-    if not str(accel_unit or "").lower().startswith("counts:"):
+    if accel_unit is None or not accel_unit.lower().startswith("counts:"):
         return False
     factor, zero, _ = spelling.stated(accel_unit, "accel")
     middle = np.array([np.nanmedian(x) for x in columns])
     with_sign = np.where(middle >= size / 2, middle - size, middle)
     plain, turned = (np.linalg.norm(x - zero) * factor for x in (middle, with_sign))
-    return GRAVITY[0] < turned < GRAVITY[1] and not GRAVITY[0] < plain < GRAVITY[1]
+    return bool(GRAVITY[0] < turned < GRAVITY[1] and not GRAVITY[0] < plain < GRAVITY[1])
 
 
 def _whole(x: np.ndarray) -> bool:
