@@ -73,6 +73,14 @@ def test_counts_that_have_no_sign_are_left_alone(tmp_path):
     same(opened(tmp_path / "a.csv", text, "--gyro-unit counts:1000:32768"), 100)
 
 
+def test_a_unit_says_that_there_is_no_sign_to_give(tmp_path):
+    """A rate table at 60 deg/s in thousandths of a degree, all axes above 0."""
+    turning = np.rint(DPS * 1000) + [2000, 4000, 60_000]
+    text = table("time [s],gx [mdps],gy [mdps],gz [mdps]", T, turning.astype(int))
+    record = opened(tmp_path / "a.csv", text, "--trust-units").record
+    assert record["gyro_z"].mean() == pytest.approx(np.radians(60), rel=0.02)
+
+
 def test_a_column_that_rises_is_offered_as_the_time(tmp_path):
     text = table(f"moment_of_it,{SIX}", T + 4, GYRO, ACCEL)
     with pytest.raises(InputError, match="`moment_of_it` rises as a time does") as error:

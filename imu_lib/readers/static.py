@@ -175,7 +175,7 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
             raw.drop(c, "left out by --time-unit none")
     if not (raw.simulated or raw.contract):
         sentinels.missing(raw)
-        unsigned.signed(raw, units.get("accel"))
+        unsigned.signed(raw, units)
     if not raw.simulated:
         streams.drop_copies(raw)
     parts = streams.separate(raw)

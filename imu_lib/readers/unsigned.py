@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from imu_lib.readers import spelling
@@ -13,15 +15,16 @@ BITS = (16, 24, 32)
 NEAR = 0.25  # of the range: both ends are in use, and the middle is not
 
 
-def signed(raw: Raw, accel_unit: str | None) -> None:
+def signed(raw: Raw, units: Mapping[str, str | None]) -> None:
     """Give such columns their sign, with a word.
 
     They are whole numbers below 2^16 (2^24, 2^32). What tells is a column that leaps between both ends
-    of that range, gyros that stand near its ends, or a specific force (`accel_unit` as the call states
-    it, counts:C) that is gravity with the sign and not without.
+    of that range, gyros that stand near its ends, or a specific force (`units` as the call states
+    them, counts:C) that is gravity with the sign and not without.
     """
-    found = {k: _bits(raw, k) for k in ("gyro", "accel")}
-    sure = {k for k, bits in found.items() if bits and _tells(raw, k, bits, accel_unit)}
+    counts = [k for k in ("gyro", "accel") if _counts(raw, k, units.get(k))]
+    found = {k: _bits(raw, k) for k in counts}
+    sure = {k for k, bits in found.items() if bits and _tells(raw, k, bits, units.get(k))}
     if not sure:
         return
     for kind, bits in found.items():
@@ -35,6 +38,12 @@ def signed(raw: Raw, accel_unit: str | None) -> None:
             f"The counts of the {word} are above 0 and reach into the upper half of 2^{bits}: they were read with a sign "
             f"(two's complement of {bits} bits).",
         )
+
+
+def _counts(raw: Raw, kind: str, flag: str | None) -> bool:
+    """Whether neither the file nor the call states another unit than counts."""
+    said = {raw.units.get(c) for c in raw.columns if kind_of(c) == kind}
+    return said <= {None, "counts"} and (flag or "counts").lower().startswith("counts")
 
 
 def _bits(raw: Raw, kind: str) -> int | None:
