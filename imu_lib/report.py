@@ -95,6 +95,15 @@ def number(value, digits=4):
     return "-" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"
 
 
+LEAST_P = "1e-9"  # a smaller probability says nothing more
+
+
+def probability(value):
+    """A p-value to two digits; a smaller one than a thousand-millionth says nothing more."""
+    tiny = value is not None and value < float(LEAST_P)
+    return f"< {LEAST_P}" if tiny else number(value, 2)
+
+
 def estimate(e, symbol, channel, digits=4):
     """`value [low, high]` in the datasheet unit, `< high` where the record does not show the
     quantity.
@@ -151,7 +160,7 @@ def rows_of(result, sensor):
             "goodness of fit, p",
             "",
             "likelihood",
-            *(number(result[n].choice.p_value, 2) for n in names),
+            *(probability(result[n].choice.p_value) for n in names),
         )
     )
     return [

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from imu_lib import verdict
+from imu_lib import report, verdict
 from imu_lib.cli.gap_drive import values
 from imu_lib.estimate import Estimate
 from imu_lib.gap.table import describe
@@ -117,3 +117,8 @@ def test_what_was_found_on_a_drive_has_units_and_axes():
         "intervals": {},
     }
     assert values(loud).endswith("N per speed 0.0001 rad/s/sqrt(Hz) per m/s")
+
+
+def test_a_tiny_probability_is_a_bound():
+    assert report.probability(0.0) == report.probability(5e-275) == "< 1e-9"
+    assert report.probability(0.5432) == "0.54" and report.probability(None) == "-"

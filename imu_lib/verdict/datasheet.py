@@ -17,11 +17,6 @@ ROWS = {
     "Q": ("angle quantization Q", "velocity quantization Q", "allan"),
     "R": ("rate ramp R", "acceleration ramp R", "allan"),
 }
-LEAST = 1e-9  # a smaller probability says nothing more
-
-
-def _probability(p) -> str:
-    return f"< {LEAST:g}" if p < LEAST else report.number(p, 2)
 
 
 def _limit(estimate):
@@ -63,6 +58,6 @@ def datasheet(result, sensor: str) -> pd.DataFrame:
             rows[f"{title}, {report.unit_name(symbol, names[0])}"] = cells
     rows["sum of processes"] = {name[-1]: result[name].choice.name for name in names}
     rows["goodness of fit, p"] = {
-        name[-1]: _probability(result[name].choice.p_value) for name in names
+        name[-1]: report.probability(result[name].choice.p_value) for name in names
     }
     return pd.DataFrame(rows).T
