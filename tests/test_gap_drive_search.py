@@ -217,3 +217,19 @@ def test_noises_that_only_make_up_for_each_other_leave_together():
     state.weigh()
     search._prune(state, lambda text: None)
     assert not state.changes
+
+
+def test_a_path_does_not_follow_correlated_errors():
+    # positions that wander by metres in seconds turned the path, and the search explained the turns
+    effects = [("gnss_correlated", {"sigma": 2.5, "correlation_time": 9.0})]
+    drive = made(413, effects, kind="motorway", duration=150.0, velocity=False)
+    noise = Noise(MODEL)
+    apart = []
+    for tried in (noise, noise.with_(sigma=2.5, tau=9.0)):
+        found = path.build(drive, tried).path
+        true = [
+            np.interp(found["time"], drive.reference_time, v) for v in drive.reference_velocity.T
+        ]
+        late = found["time"] > 60.0
+        apart.append(np.sqrt(np.mean((found["velocity"][late] - np.transpose(true)[late]) ** 2)))
+    assert apart[1] < 0.7 * apart[0]

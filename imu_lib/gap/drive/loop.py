@@ -123,7 +123,7 @@ def close(
     if given_yaw is None and drive.reference_attitude is not None:
         given_yaw = float(drive.reference_attitude[0, 2])
     if given_yaw is not None:
-        apart = vehicle.heading_error(state.problem, given_yaw, mount)
+        apart = vehicle.heading_error(state.problem, given_yaw, mount, state.noise)
         found += [] if apart is None else steps.heading(*apart, after)
     steps.arm_of_vehicle(found, right, mount)
     fitted = [] if given else _ratios(noise, drive)

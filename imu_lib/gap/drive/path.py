@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from imu_lib.drive_effects import DriveEffect
 from imu_lib.navigation import attitude, earth
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Gnss
@@ -34,7 +35,13 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     spread = replace_sd(drive, *loose)
     engine = LooselyCoupled(
         spread,
-        FilterModel("gap", for_search(noise.model), turn_on_sd=turn_on, flicker="markov"),
+        FilterModel(
+            "gap",
+            for_search(noise.model),
+            turn_on_sd=turn_on,
+            flicker="markov",
+            effects=_correlated(noise),
+        ),
         gnss=gnss,
         heading=heading,
         remove_bias=False,
@@ -161,6 +168,14 @@ def _trust_velocities(fixes, split=False):
     sd = np.median(np.sqrt(fixes.variance[bad, :2].mean(axis=1)))
     if apart < 1.0 + 2.0 * sd:
         fixes.use[bad] |= 2
+
+
+def _correlated(noise: Noise):
+    """Correlated errors of the positions, which a path must not follow, as effects to be held."""
+    if noise.sigma == 0.0:
+        return ()
+    parameters = {"sigma": noise.sigma, "correlation_time": max(noise.tau, 1e-2)}
+    return (DriveEffect("gnss_correlated", parameters),)
 
 
 def replace_sd(drive, position, velocity):

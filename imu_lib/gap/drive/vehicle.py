@@ -5,6 +5,9 @@ wrong heading at the start.
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from imu_lib.processes import WhiteNoise
+from imu_lib.record import CHANNELS
+
 FASTER = 1.5  # m/s: what creeps says little, and is weighed by its speed
 TURNING = 0.3  # rad/s
 SYSTEMATIC = np.array([1.2, 0.25, 0.25]) * np.pi / 180  # roads are not level, tyres slip: rad
@@ -51,11 +54,15 @@ def _robust(a, b):
     return x, float(size / np.sqrt(independent) / np.mean(a[keep, 0]))
 
 
+def _white(noise, channel):
+    return [WhiteNoise(0.0), *(t for t in noise.model[channel].terms if t.name == "white_noise")]
+
+
 CARRIED = 90.0  # s over which the gyros carry a heading back to the start
 DRIFT = 2e-4  # rad/s that the gyros' bias may still be off
 
 
-def heading_error(problem, given, mount):
+def heading_error(problem, given, mount, noise):
     """Given heading at the first sample minus the path's own, in the vehicle's axes, and its
     standard deviation, rad; None where the drive has a hole there.
     """
@@ -63,6 +70,9 @@ def heading_error(problem, given, mount):
     if found is None:
         return None
     yaw, sd = found
+    density = max(n.N for c in CHANNELS[:3] for n in _white(noise, c))
+    growth = max(noise.per_speed[:3]) * float(np.sqrt(np.mean(problem.speed**2)))
+    sd = float(np.hypot(sd, np.hypot(density, growth) * np.sqrt(CARRIED)))
     return float((given - yaw + np.pi) % (2 * np.pi) - np.pi), sd
 
 
