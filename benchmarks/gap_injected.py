@@ -216,15 +216,23 @@ def summary(rows):
 
 
 def _fresh(row):
-    """[channel, effect, confidence, right, beside something unexplained] of all that is new."""
+    """[channel, effect, confidence, right, beside something unexplained] of all that is new.
+
+    A new name in place of one that is gone says of the record what nobody knows, and is not listed.
+    """
     old, new, effect = row["before"]["names"], row["after"], row["effect"]
-    right = gap_put.NAMES.get(effect, (effect,))
-    return [
-        [c, e, sure, c in row["on"] and e in right, c in new["unexplained"]]
-        for c, found in new["names"].items()
-        for e, sure in found.items()
-        if e not in old.get(c, {})
-    ]
+    names, out = gap_put.NAMES.get(effect, (effect,)), []
+    for c, found in new["names"].items():
+        gone = sum(e not in found for e in old.get(c, {}))
+        for e, sure in found.items():
+            if e in old.get(c, {}):
+                continue
+            right = c in row["on"] and e in names
+            if not right and gone > 0:
+                gone -= 1
+                continue
+            out.append([c, e, sure, right, c in new["unexplained"]])
+    return out
 
 
 def _counts(row):
