@@ -216,9 +216,8 @@ def summary(rows):
 
 
 def _fresh(row):
-    """[channel, effect, confidence, right, beside something unexplained] of all that is new.
-
-    A new name in place of one that is gone says of the record what nobody knows, and is not listed.
+    """[channel, effect, confidence, right, beside something unexplained, in place of a name that is
+    gone] of all that is new; of the last, nobody knows which of the two was right.
     """
     old, new, effect = row["before"]["names"], row["after"], row["effect"]
     names, out = gap_put.NAMES.get(effect, (effect,)), []
@@ -228,10 +227,9 @@ def _fresh(row):
             if e in old.get(c, {}):
                 continue
             right = c in row["on"] and e in names
-            if not right and gone > 0:
-                gone -= 1
-                continue
-            out.append([c, e, sure, right, c in new["unexplained"]])
+            instead = not right and gone > 0
+            gone -= instead
+            out.append([c, e, sure, right, c in new["unexplained"], instead])
     return out
 
 
