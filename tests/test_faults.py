@@ -150,6 +150,14 @@ def test_one_sample_thrown_off_is_no_disturbance_and_a_step_no_tilt():
     assert find(x, rate) == ()
 
 
+def test_one_huge_sample_leaves_no_shadow_that_is_a_knock():
+    x, rate = still(90_000)
+    rng = np.random.default_rng(5)
+    x[rng.integers(100, 89_900, 28), 2] += 2e-3 * rng.normal(0.0, 200.0, 28)
+    x[53_815, 2] -= 700 * 2e-3
+    assert [f.kind for f in find(x, rate) if f.kind == "disturbance"] == []
+
+
 def test_the_clock():
     n = 8000
     coarse = np.floor(np.arange(n) / 238.0 / 1e-3) * 1e-3

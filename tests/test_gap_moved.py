@@ -1,5 +1,6 @@
 """Jumps of several accelerometers at one time are a tilt, and the verdict tells what jumped."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -54,7 +55,7 @@ def test_what_gyros_or_gravity_deny_stays_a_step():
 
 def test_jumps_are_told_and_not_denied():
     steps = [
-        ("accel_x", step("step", amplitude=0.01, time=70.0)),
+        ("accel_x", replace(step("step", amplitude=0.01, time=70.0), indistinguishable=["tilt"])),
         ("gyro_y", step("telegraph", amplitude=1e-3, rate=0.05)),
     ]
     text = wrong.sentence(steps, 0.9)

@@ -56,9 +56,23 @@ def find(channels: dict[str, Prepared], time: np.ndarray, rate: float) -> list[F
     found = []
     for hit in merged(hits, max(2, round(JOINED * rate))):
         left = _no_steps(hit, channels, names, rate)
-        if left is not None:
+        if left is not None and not _spike(left, channels, names):
             found.append(_finding(left, channels, names, time, rate))
     return found
+
+
+def _spike(hit: Hit, channels, names) -> bool:
+    """Whether it is one sample of one channel: with the moving mean taken out, a large one leaves
+    its shadow on its neighbours.
+    """
+    if hit.slow or len(hit.channels) != 1:
+        return False
+    (c,) = hit.channels
+    ready, near = channels[names[c]], 50
+    low, high = max(0, hit.low - near), min(len(ready.x), hit.high + near)
+    level = np.median(ready.x[low:high])
+    off = np.abs(ready.x[hit.low : hit.high] - level)
+    return np.count_nonzero(off > LARGE * ready.sigma[hit.low]) <= 1
 
 
 def _no_steps(hit: Hit, channels, names, rate: float) -> Hit | None:

@@ -12,6 +12,7 @@ import numpy as np
 from imu_lib import faults
 from imu_lib.errors import InputError
 from imu_lib.faults import Finding
+from imu_lib.faults.disturbance import KNOCK
 from imu_lib.faults.finding import named, seconds
 from imu_lib.gap import record_level
 from imu_lib.gap.steps import Step
@@ -95,7 +96,8 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     masked = replace(masked, channels=kept)
     held = {p.name for p in model.record} if model is not None else set()
     clock, doubt = _clock(whole, sound, model, findings)
-    steps = [*clock, *(s for s in map(_step, _of(findings, kept)) if s is not None)]
+    told = without_turns(_of(findings, kept))
+    steps = [*clock, *(s for s in map(_step, told) if s is not None)]
     steps = [s for s in steps if s.effect not in held]
     processes = tuple(
         from_json({"process": s.effect, **s.parameters}, on_record=True) for s in steps
@@ -136,6 +138,18 @@ def _nothing(record: Record, left_out: dict[str, str]) -> str:
 def _of(findings, channels) -> tuple[Finding, ...]:
     """Findings that concern the channels kept."""
     return tuple(f for f in findings if not f.channels or set(f.channels) & set(channels))
+
+
+def without_turns(findings) -> list[Finding]:
+    """Findings without the knocks that are the gyros' pulse of a tilt: one event is told once."""
+    tilts = [f for f in findings if f.kind == "tilt"]
+
+    def turned(knock: Finding) -> bool:
+        if knock.kind != "disturbance" or knock.stop - knock.start >= KNOCK:
+            return False
+        return any(t.start < knock.stop and knock.start < t.stop for t in tilts)
+
+    return [f for f in findings if not turned(f)]
 
 
 def _silent(record: Record) -> dict[str, str]:

@@ -62,6 +62,8 @@ class Report:
     notes: tuple[str, ...] = ()
     #: The stretch of the record that was looked at, s from its first sample; None: all of it.
     stretch: tuple[float, float] | None = None
+    #: Length of the whole record, s; None: that of the stretch.
+    whole: float | None = None
     #: Effects that nothing in the record tells of: {"effect", "parameter", "why"} each.
     invisible: tuple[dict, ...] = ()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from dataclasses import replace
 
 from imu_lib.gap import ensemble, gauge
 from imu_lib.gap.channel import analyse
@@ -67,7 +68,8 @@ def close(
             reports, about, simulations, seed, jobs, lambda _: told.one("simulations")
         )
     seconds = time.perf_counter() - started
-    return _report(about, reports, [*about.steps, *moved], (base, grown), seconds)
+    found = _report(about, reports, [*about.steps, *moved], (base, grown), seconds)
+    return replace(found, whole=record.duration)
 
 
 def _report(about: Prepared, reports: dict, steps: list, models: tuple, seconds: float) -> Report:

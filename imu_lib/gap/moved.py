@@ -40,9 +40,20 @@ def as_tilts(results: dict, about) -> tuple[dict, list[Step]]:
     while jumps:
         group = [j for j in jumps if _together(j[1], jumps[0][1])]
         jumps = [j for j in jumps if j not in group]
-        step = _tilt(group, accels, force, about, at)
-        if step is None:
+        change = _change(group, accels)
+        angles = None if change is None else _angles(change, force)
+        if angles is None:
             continue
+        time = float(np.median([s.parameters["time"] for _, s in group]))
+        shown = _gyros_show(angles, time, about)
+        if shown is False:
+            continue
+        if len(group) < 2:  # it may be the electronics of one axis as well
+            for c, s in group:
+                kept = [_or_tilt(other) if other is s else other for other in out[c].steps]
+                out[c] = replace(out[c], steps=kept)
+            continue
+        step = _tilt(group, angles, at + time, shown)
         moved.append(step)
         for c, s in group:
             kept = [other for other in out[c].steps if other is not s]
@@ -58,29 +69,41 @@ def _together(a: Step, b: Step) -> bool:
     return abs(a.parameters["time"] - b.parameters["time"]) < reach
 
 
-def _tilt(group, accels, force, about, begin: float) -> Step | None:
+def _change(group, accels) -> np.ndarray | None:
+    """Change of the specific force, m/s^2; None where one axis jumps twice."""
     channels = [c for c, _ in group]
-    if len(set(channels)) < 2 or len(channels) != len(set(channels)):
+    if len(channels) != len(set(channels)):
         return None
     change = np.zeros(3)
     for c, s in group:
         change[accels.index(c)] = s.parameters["amplitude"]
+    return change
+
+
+def _angles(change, force) -> np.ndarray | None:
+    """Angles by which a tilt makes the change, rad; None where none does."""
     up = force / np.linalg.norm(force)
     if abs(change @ up) > ALONG * np.linalg.norm(change):
         return None
-    angles = rotation(force, force + change - (change @ up) * up)
-    time = float(np.median([s.parameters["time"] for _, s in group]))
-    shown = _gyros_show(angles, time, about)
-    if shown is False:
-        return None
+    return rotation(force, force + change - (change @ up) * up)
+
+
+def _or_tilt(step: Step) -> Step:
+    """A step that may be a tilt as well."""
+    return replace(step, indistinguishable=[*dict.fromkeys([*step.indistinguishable, "tilt"])])
+
+
+def _tilt(group, angles, time: float, shown) -> Step:
+    """The jumps of one moment as a tilt."""
+    channels = [c for c, _ in group]
     size = angle_in_words(float(np.linalg.norm(angles)))
     seen = "the gyros turn with them" if shown else "by less than the gyros can show"
     sure = SHOWN if shown else HIDDEN
     return Step(
         "tilt",
-        {"time": begin + time, "angles": [float(a) for a in angles]},
+        {"time": time, "angles": [float(a) for a in angles]},
         {},
-        f"mean of the signal: {', '.join(channels)} jump together at {seconds(begin + time)} s as "
+        f"mean of the signal: {', '.join(channels)} jump together at {seconds(time)} s as "
         f"gravity does in a tilt of {size}, {seen}",
         min(sure, max(s.confidence for _, s in group)),
         {"effect": "step", "confidence": round(1.0 - sure, 4)},

@@ -8,27 +8,48 @@ import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
+from imu_lib.gap import told
 from imu_lib.gap.shakes import FOREST
 from imu_lib.gap.verdict import TAIL
 from imu_lib.gap.wrong import sentence
-from imu_lib.processes import Spikes, Sum
+from imu_lib.processes import Sum
 
 #: Confidence from which on a finding is told as one.
 SURE = 0.9
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
 REACHED = 0.1
+#: Share of the record from which on the stretch that was looked at is all of it.
+WHOLE = 0.99
+#: Effects that the figures of noise are without, in words.
+NO_NOISE = {"spikes": "spikes", "step": "steps", "vibration": "vibrations"}
 
 
 def sentences(found) -> list[str]:
-    """Three to six sentences about a `gap.Report`."""
+    """Three to seven sentences about a `gap.Report`."""
     out = [
         _good_for(found),
-        sentence(found.steps, SURE, _left_out(found)),
+        sentence(found.steps, SURE, _left_out(found), named=bool(told.relevant(found.steps))),
         _sensor(found),
+        told.sentence(found.steps, SURE, _of_sensor(found)),
         _environment(found),
     ]
     out += [_left(found), _next(found)]
     return [s for s in out if s]
+
+
+def _of_sensor(found) -> set:
+    """(channel, effect) of what the sentence on the sensor tells."""
+    return {
+        (w, s.effect)
+        for w, s in found.steps
+        if w in found.channels
+        and (
+            s.effect == "resolution"
+            and found.model[w].find("resolution") is not None
+            or s.effect == "low_pass"
+            and found.model[w].low_pass is not None
+        )
+    }
 
 
 def _steps(found, names):
@@ -60,7 +81,11 @@ def _good_for(found) -> str:
         else "with reserve, since no channel is explained in full"
     )
     start, stop = found.stretch or (0.0, span)
-    text = f"The record, {_seconds(span)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
+    whole = max(found.whole or span, span)
+    text = f"The record, {_seconds(whole)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
+    if stop - start < WHOLE * whole:
+        text += f"; the other {_seconds(whole - (stop - start))} are left out"
+        text += " (a tilt, a restart or a long hole lies between)"
     if held:
         text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
     return text + "."
@@ -88,20 +113,23 @@ def _sensor(found) -> str:
         steps = [s.lsb for s in steps if s is not None]
         if steps:
             unit, factor = ("deg/s", np.pi / 180) if kind == "gyro" else ("mg", 9.80665e-3)
-            text += f", steps of {_spread([s / factor for s in steps])} {unit}"
+            text += f", a resolution of {_spread([s / factor for s in steps])} {unit}"
         if any(found.model[c].low_pass is not None for c in channels):
             cut = [f.cutoff for f in (found.model[c].low_pass for c in channels) if f and f.cutoff]
             text += f", a filter at {_spread(cut)} Hz" if cut else ", a filter"
         out.append(text)
-    return _sentence(out) + "." if out else ""
+    if not out:
+        return ""
+    taken = {s.effect: None for _, s in told.relevant(found.steps) if s.effect in NO_NOISE}
+    words = [NO_NOISE[effect] for effect in taken]
+    return _sentence(out) + (f" ({_listed(words)} taken out)" if words else "") + "."
 
 
 def _character(model: Sum, record):
     """(N, B, averaging time in s) of a channel: density near a twentieth of the rate, least Allan
     deviation over 0.664 where the record reaches it; None where there is none.
     """
-    spikes = tuple(s for s in model.stages if isinstance(s, Spikes))  # they are noise to a filter
-    noise = Sum(tuple(t for t in model.terms if not t.deterministic), spikes)
+    noise = Sum(tuple(t for t in model.terms if not t.deterministic))
     fs = record.rate
     try:
         density = float(np.sqrt(noise.psd(np.array([min(1.0, 0.05 * fs)]), fs)[0] / 2))
@@ -137,7 +165,7 @@ def _environment(found) -> str:
         if on:
             parts.append(text.format(_names(on)))
     if not parts:
-        return "Of the environment it shows nothing."
+        return "" if told.relevant(found.steps) else "Of the environment it shows nothing."
     return f"Of the environment: {'; '.join(parts)}."
 
 
@@ -175,7 +203,11 @@ def _without_name(found) -> str:
     left = [n for n, c in found.channels.items() if c.result.unexplained]
     if not left:
         beyond = found.record_unexplained
-        return f"Left without a name: {beyond}." if beyond else "Nothing is left without a name."
+        if beyond:
+            return f"Left without a name: {beyond}."
+        if told.relevant(found.steps):
+            return "Beside what is named, simulation and measurement agree."
+        return "Nothing is left without a name."
     first = found.channels[left[0]].result.unexplained
     more = "" if len(left) == 1 else f" ({len(left)} channels in all: {_names(left)})"
     return f"Left without a name on {left[0]}: {first}{more}."

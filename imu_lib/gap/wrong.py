@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from imu_lib.faults.tilt import angle_in_words
+
 #: Effects that are the data's faults, and those of something that happened.
 FAULTS = ("dropout", "held", "time_gaps", "jitter", "rate_error", "stuck", "spikes", "saturation")
 TOUCHED = ("disturbance", "tilt")
@@ -10,16 +14,20 @@ JUMPS = ("step", "telegraph")
 GRAVITY = 9.80665
 #: Times and parts that are told.
 TIMES, PARTS = 5, 5
+#: Seconds within which jumps are one event.
+APART = 2.0
 
 
 def _amount(p, key) -> str:
     return f"{100 * p[key]:.2g} %"
 
 
-def _or_tilted(p, on: str) -> str:
-    """What a jump of one accelerometer alone may be as well."""
-    angle = abs(p["amplitude"]) / GRAVITY
-    return f" (or it was tilted by {1e3 * angle:.2g} mrad)" if "accel" in on and angle < 0.5 else ""
+def _or_tilted(found) -> str:
+    """What jumps of accelerometers may be as well, where the geometry allows it."""
+    if not all("tilt" in s.indistinguishable for _, s in found):
+        return ""
+    change = np.linalg.norm([s.parameters["amplitude"] for _, s in found])
+    return f" (or it was tilted by {1e3 * change / GRAVITY:.2g} mrad)"
 
 
 #: Effect -> words from its parameters and " on CHANNEL".
@@ -33,37 +41,79 @@ WORDS = {
     "saturation": lambda p, on: f"samples are clipped{on}",
     "stuck": lambda p, on: f"{_amount(p, 'fraction')} of the samples are frozen{on}",
     "spikes": lambda p, on: f"single samples are thrown off{on}, {60 * p['rate']:.2g} a minute",
-    "step": lambda p, on: f"the level jumped{on} at {p['time']:.0f} s{_or_tilted(p, on)}",
     "telegraph": lambda p, on: (
         f"the level jumps to and fro between two values{on}, {60 * p['rate']:.2g} times a minute"
     ),
 }
 
 
-def sentence(steps, sure: float, left_out=()) -> str:
+def sentence(steps, sure: float, left_out=(), *, named: bool = False) -> str:
     """The sentence about `steps`, (channel or "record", step) of everything found; what is less
-    than `sure` is in doubt; `left_out` are sentences on channels that tell nothing.
+    than `sure` is in doubt; `left_out` are sentences on channels that tell nothing. `named`: other
+    sentences tell of findings, so that it is not said that nothing is wrong.
     """
-    named = [(w, s) for w, s in steps if s.effect in (*FAULTS, *JUMPS)]
     parts, doubtful = [text.rstrip(".") for text in left_out], []
-    for where, s in named:
+    jumps, rest = _jumps(steps, sure)
+    parts += jumps
+    for where, s in rest:
         on = "" if where == "record" else f" on {where}"
         text = WORDS.get(s.effect, lambda p, on, s=s: f"{s.effect.replace('_', ' ')}{on}")
         if s.confidence >= sure or where == "record":
             parts.append(text(s.parameters, on))
         else:
             doubtful.append(f"{s.effect.replace('_', ' ')}{on}")
-    touched = [s for _, s in steps if s.effect in TOUCHED]
-    if touched:
-        at = sorted(s.parameters.get("start", s.parameters.get("time", 0.0)) for s in touched)
-        what = "moved" if any(s.effect == "tilt" for s in touched) else "touched"
-        parts.append(f"it was {what} at {_times(at)} s")
-    if doubtful and not parts:
-        return f"Nothing is surely wrong with the data themselves, but in doubt: {', '.join(doubtful)}."
+    parts += _touched([s for _, s in steps if s.effect in TOUCHED])
+    parts = list(dict.fromkeys(parts))
+    if len(parts) > PARTS:
+        parts = [*parts[:PARTS], f"and {len(parts) - PARTS} more of the kind in the table"]
+    if doubtful:
+        parts.append(f"in doubt: {', '.join(doubtful)}")
     if not parts:
-        return "Nothing is wrong with the data themselves: no drop-outs, no frozen or clipped samples, nobody touched it."
-    text = "; ".join(list(dict.fromkeys(parts))[-PARTS:])
+        sound = "no drop-outs, no frozen or clipped samples"
+        if not named:
+            return f"Nothing is wrong with the data themselves: {sound}, nobody touched it."
+        still = "" if any(_may_have_moved(s) for _, s in steps) else "; nobody touched it"
+        return f"{sound[:1].upper()}{sound[1:]}{still}."
+    text = "; ".join(parts)
     return f"{text[:1].upper()}{text[1:]}."
+
+
+def _may_have_moved(s) -> bool:
+    """Whether a tilt is another name of a step."""
+    return "tilt" in s.indistinguishable
+
+
+def _jumps(steps, sure: float) -> tuple[list[str], list]:
+    """Sentences about sure jumps, those of one moment as one, and the other faults and jumps."""
+    named = [(w, s) for w, s in steps if s.effect in (*FAULTS, *JUMPS)]
+    at: dict = {}
+    for where, s in named:
+        if s.effect == "step" and s.confidence >= sure:
+            moment = next((t for t in at if abs(t - s.parameters["time"]) < APART), None)
+            at.setdefault(s.parameters["time"] if moment is None else moment, []).append((where, s))
+    parts = []
+    for time, found in at.items():
+        on = [where for where, _ in found]
+        listed = on[0] if len(on) == 1 else f"{', '.join(on[:-1])} and {on[-1]}"
+        parts.append(f"the level jumped on {listed} at {time:.0f} s{_or_tilted(found)}")
+    told = [s for found in at.values() for _, s in found]
+    return parts, [(w, s) for w, s in named if not any(s is t for t in told)]
+
+
+def _touched(steps) -> list[str]:
+    """When it was touched, and when and by how much it was tilted."""
+    parts = []
+    tilts = sorted((s for s in steps if s.effect == "tilt"), key=lambda s: s.parameters["time"])
+    knocks = sorted(s.parameters["start"] for s in steps if s.effect == "disturbance")
+    if knocks:
+        parts.append(f"it was touched at {_times(knocks)} s")
+    if tilts:
+        sizes = [float(np.linalg.norm(s.parameters["angles"])) for s in tilts]
+        least, most = angle_in_words(min(sizes)), angle_in_words(max(sizes))
+        by = least if least == most else f"{least} to {most}"
+        at = _times([s.parameters["time"] for s in tilts])
+        parts.append(f"it was moved at {at} s (tilted by {by})")
+    return parts
 
 
 def _times(at) -> str:

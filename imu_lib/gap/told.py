@@ -1,0 +1,64 @@
+"""What was found in the signals and is told nowhere else in the verdict, as a sentence."""
+
+from __future__ import annotations
+
+from imu_lib.gap.described import describe
+from imu_lib.gap.wrong import FAULTS, JUMPS, TOUCHED
+
+#: Confidence from which on a finding has its place in the verdict.
+LEAST = 0.5
+#: Findings of one effect that are told one by one.
+SHOWN = 3
+#: What an effect is to the reader; the others go by their name.
+MEANING = {
+    "ramp": "a ramp (the mean drifts)",
+    "warm_up": "a warm-up",
+    "gauss_markov": "a Gauss-Markov process",
+    "gauss_markov_2": "a Gauss-Markov process of second order",
+    "random_walk": "a random walk",
+    "parameter_change": "a parameter change",
+    "autoregressive": "autoregressive noise",
+    "common_mode": "noise in common",
+}
+#: Effects of the environment, told with it where they are sure.
+SURROUNDINGS = ("vibration", "temperature", "warm_up", "wandering_level", "noise_level_change")
+
+
+def relevant(steps) -> list:
+    """(channel or "record", step) of `steps` that a verdict has to tell."""
+    return [(w, s) for w, s in steps if s.confidence >= LEAST]
+
+
+def sentence(steps, sure: float, of_sensor=()) -> str:
+    """The sentence about what is told nowhere else; `of_sensor` are the (channel, effect) that the
+    sensor's own sentence has; what is less than `sure` is told as likely.
+    """
+    by_effect: dict = {}
+    for where, s in relevant(steps):
+        settled = s.confidence >= sure or where == "record"
+        elsewhere = s.effect in (*FAULTS, *JUMPS, *TOUCHED) or (where, s.effect) in of_sensor
+        if elsewhere or (s.effect in SURROUNDINGS and settled):
+            continue
+        by_effect.setdefault((s.effect, settled), []).append((where, s))
+    parts = [_effect(effect, found, settled) for (effect, settled), found in by_effect.items()]
+    return f"In the signals: {'; '.join(parts)}." if parts else ""
+
+
+def _effect(effect: str, found, settled: bool) -> str:
+    name = MEANING.get(effect, effect.replace("_", " "))
+    seen = [_seen(where, s) for where, s in found[:SHOWN]]
+    if len(found) > SHOWN:
+        seen.append(f"on {len(found) - SHOWN} more of the kind")
+    rivals = [n.replace("_", " ") for _, s in found for n in s.indistinguishable if not s.evidence]
+    text = f"{'' if settled else 'likely '}{name} {', '.join(seen)}"
+    if not settled and rivals:
+        text += f", or {' or '.join(dict.fromkeys(rivals))}"
+    return text
+
+
+def _seen(where: str, s) -> str:
+    """Place and parameters, and what else one change may be."""
+    parameters = " ".join(describe(s, where).split()).removeprefix(s.effect).strip()
+    place = "" if where == "record" else f"on {where} "
+    other = f", or {s.evidence}" if s.evidence and not s.detected else ""
+    return f"{place}({parameters}{other})"

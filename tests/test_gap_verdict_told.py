@@ -1,0 +1,118 @@
+"""What the table holds is in the verdict, whatever it is, and nothing denies it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from imu_lib.faults import Finding
+from imu_lib.gap import effects, faulty
+from imu_lib.gap.channel import ChannelResult
+from imu_lib.gap.found import ChannelReport, Report
+from imu_lib.gap.steps import Step
+from imu_lib.gap.summary import sentences
+from imu_lib.model import Model
+from imu_lib.processes import Spikes, Sum, WhiteNoise
+from imu_lib.record import Record
+
+N, FS = 60_000, 100.0
+#: Effect -> (its parameters, words of it in the verdict).
+TOLD = {
+    "autoregressive": ({"a": [0.5], "sigma": 1e-3, "rate": 100.0}, "autoregressive noise"),
+    "common_mode": ({"N": 1e-4, "channels": ["gyro_x", "gyro_y"]}, "noise in common"),
+    "dropout": ({"fraction": 0.01, "value": 0.0, "channels": ["gyro_x"]}, "drop-outs"),
+    "disturbance": ({"start": 99.0, "duration": 0.3, "channels": ["gyro_x"]}, "touched at 99 s"),
+    "flicker": ({"B": 1e-5}, "flicker"),
+    "gauss_markov": ({"sigma": 1e-3, "correlation_time": 30.0}, "Gauss-Markov"),
+    "gauss_markov_2": ({"sigma": 1e-3, "correlation_time": 30.0}, "Gauss-Markov"),
+    "heavy_tails": ({"dof": 5.0}, "heavy tails"),
+    "jitter": ({"sd": 1e-3}, "time stamps scatter"),
+    "low_pass": ({"cutoff": 20.0, "order": 2}, "low pass"),
+    "noise_level_change": ({"time": 99.0, "ratio": 2.0}, "noise"),
+    "parameter_change": (
+        {"process": "white_noise", "name": "N", "from": 1e-4, "to": 2e-4},
+        "parameter change",
+    ),
+    "quantization": ({"Q": 1e-5}, "quantization"),
+    "ramp": ({"R": 1e-5}, "drifts"),
+    "random_walk": ({"K": 1e-5}, "random walk"),
+    "resolution": ({"lsb": 1e-3}, "resolution"),
+    "saturation": ({"limit": 1.0, "low": -1.0}, "clipped"),
+    "sinusoid": ({"amplitude": 1e-3, "frequency": 3.0}, "sinusoid"),
+    "spikes": ({"rate": 0.1, "scale": 1.0}, "thrown off"),
+    "step": ({"amplitude": 1e-2, "time": 99.0}, "jumped"),
+    "stuck": ({"fraction": 0.01}, "frozen"),
+    "telegraph": ({"amplitude": 1e-3, "rate": 0.05}, "between two values"),
+    "temperature": ({"slope": 1e-4}, "temperature"),
+    "tilt": ({"time": 99.0, "angles": [1e-3, 0.0, 0.0]}, "tilted by 3.44 arcmin"),
+    "time_gaps": ({"fraction": 0.01}, "missing"),
+    "vibration": (
+        {"frequency": 9.0, "harmonics": 1, "bandwidth": 0.0, "amplitude": [1.0], "channels": ["gyro_x"]},
+        "9 Hz",
+    ),  # fmt: skip
+    "wandering_level": ({"sd": 0.2, "correlation_time": 9.0}, "rises and falls"),
+    "warm_up": ({"amplitude": 1e-2, "time_constant": 99.0}, "warm"),
+    "white_noise": ({"N": 1e-4}, "white noise"),
+}  # fmt: skip
+DENIED = ("Nothing is", "shows nothing", "Nothing is left without")
+
+
+def step(effect, sure):
+    return Step(effect, TOLD[effect][0], {}, "", sure, {}, [], gain=20.0)
+
+
+def said(steps=(), of_record=(), stages=(), **more):
+    """The sentences on a report of two gyros, the first with `steps`."""
+    record = Record({c: np.zeros(N) for c in ("gyro_x", "gyro_y")}, FS)
+    models = {"gyro_x": Sum((WhiteNoise(1e-4),), stages), "gyro_y": Sum((WhiteNoise(1e-4),))}
+    results = {c: ChannelResult(c, m, m, [], [], None) for c, m in models.items()}
+    results["gyro_x"] = replace(results["gyro_x"], steps=list(steps))
+    model = Model(channels=models, rate=FS)
+    channels = {c: ChannelReport(r) for c, r in results.items()}
+    found = Report(channels, list(of_record), None, model, model, record, 1.0, False, **more)
+    return sentences(found)
+
+
+def test_every_effect_has_its_words_here():
+    assert set(TOLD) >= set(effects.CATALOGUE) | set(faulty.DETECTED)
+
+
+@pytest.mark.parametrize("sure", [0.55, 0.99])
+@pytest.mark.parametrize("effect", sorted(TOLD))
+def test_what_was_found_is_told_and_not_denied(effect, sure):
+    found = step(effect, sure)
+    on_record = "channels" in TOLD[effect][0] or effect in ("tilt", "jitter", "time_gaps")
+    text = " ".join(said(of_record=[found]) if on_record else said([found]))
+    words = TOLD[effect][1]
+    assert words in text or effect.replace("_", " ") in text
+    assert not any(denied in text for denied in DENIED)
+
+
+def test_a_ramp_is_told_with_its_size():
+    text = " ".join(said([step("ramp", 1.0)]))
+    assert "a ramp (the mean drifts) on gyro_x (R " in text and "deg/h" in text
+
+
+def test_the_noise_is_told_without_the_spikes():
+    spiked = said([step("spikes", 1.0)], stages=(Spikes(rate=1.0, scale=1.0),))
+    (sensor,) = [s for s in spiked if "gyroscopes have" in s]
+    assert "have 0.344 deg/sqrt(h) of noise (spikes taken out)" in sensor
+
+
+def test_the_length_told_is_that_of_the_whole_record():
+    first = said(stretch=(0.0, N / FS), whole=900.0)[0]
+    assert first.startswith("The record, 15 min at 100 Hz, is good from 0 to 600 s")
+    assert "the other 5 min are left out (a tilt" in first
+    assert "left out" not in said(stretch=(0.0, N / FS), whole=N / FS)[0]
+
+
+def test_a_knock_that_is_the_pulse_of_a_tilt_is_told_once():
+    def event(kind, start, stop, parameters):
+        return Finding(kind, ("gyro_x",), start, stop, parameters, {}, "")
+
+    knock = event("disturbance", 10.0, 10.3, {})
+    pulse = event("disturbance", 99.5, 100.05, {})
+    handling = event("disturbance", 199.0, 203.0, {})
+    tilts = [event("tilt", t, t + 0.5, {}) for t in (99.8, 200.0)]
+    told = faulty.without_turns([knock, pulse, handling, *tilts])
+    assert told == [knock, handling, *tilts]
