@@ -129,3 +129,88 @@ def test_a_plural_is_no_unit():
 def test_any_words_make_a_meaning():
     for heading in ("hour_s", "h rs", "hh", "minute s", "utc hours", "h_s x"):
         assert names.meaning(heading).quantity in (None, "part", "time", "counter")
+
+
+@pytest.mark.parametrize(
+    ("header", "values", "fits"),
+    [
+        ("deg/s", DPS * 1000, ("mdps", "deg/h")),
+        ("rad/s", DPS, ("deg/s",)),
+        ("deg/s", DPS * 3600, ("deg/h", "mdps")),
+    ],
+)
+def test_every_unit_that_fits_is_offered_where_the_stated_one_cannot_be(tmp_path, header, values, fits):  # fmt: skip
+    text = table(f"time [s],gx [{header}],gy [{header}],gz [{header}],ax [g],ay [g],az [g]", T, values, IN_G)  # fmt: skip
+    with pytest.raises(InputError) as error:
+        opened(tmp_path / "a.csv", text, "")
+    offered = re.findall(r"--gyro-unit (\S+?),? ", str(error.value))
+    assert set(fits) <= set(offered) - {"or"} and header not in offered
+    for unit in offered:
+        if unit != "or":
+            assert not any("unit" in n for n in opened(tmp_path / "a.csv", text, f"--gyro-unit {unit}").record.notes if "states" not in n)  # fmt: skip
+
+
+def test_mg_and_gal_are_both_offered(tmp_path):
+    text = table("time [s],ax [m/s^2],ay [m/s^2],az [m/s^2]", T, IN_G * 1000)
+    with pytest.raises(InputError, match="--accel-unit mg or --accel-unit cm/s") as error:
+        opened(tmp_path / "a.csv", text, "")
+    assert "--accel-unit g" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("worked_on", "own"),
+    [
+        ("motionRotationRate{} [rad/s]", "gyroRotation{} [rad/s]"),
+        ("fused_gyro_{} [rad/s]", "gyro_{} [rad/s]"),
+        ("gyro_calibrated_{} [rad/s]", "gyro_{} [rad/s]"),
+    ],
+)
+def test_the_example_names_the_sensor_s_own_reading(tmp_path, worked_on, own):
+    heads = ",".join(h.format(a) for h in (worked_on, own) for a in "XYZ")
+    text = table(f"time [s],{heads}", T, GYRO - GYRO.mean(axis=0), GYRO)
+    with pytest.raises(InputError, match="say which is meant") as error:
+        opened(tmp_path / "a.csv", text, "")
+    named = re.search(r"--columns '([^']+)'", str(error.value))[1]
+    record = opened(tmp_path / "a.csv", text, f"--columns '{named}'").record
+    assert np.allclose(record["gyro"], GYRO, atol=1e-8)
+
+
+@pytest.mark.parametrize("frame", ["ENU", "ned", ("east", "north", "up")])
+def test_points_of_the_compass_are_axes(tmp_path, frame):
+    order = [[p[0].lower() for p in frame].index(a) for a in ("enu" if "u" in str(frame).lower() else "ned")]  # fmt: skip
+    heads = [f"gyro_{p}_dps" for p in frame] + [f"acc_{p}_g" for p in frame]
+    found = opened(tmp_path / "a.csv", table("time_s," + ",".join(heads), T, DPS, IN_G), "")
+    assert np.allclose(found.record["gyro"], GYRO[:, order], rtol=1e-6)
+    assert np.allclose(found.record["accel"], ACCEL[:, order], rtol=1e-6)
+
+
+def test_an_example_names_a_signal_or_is_not_printed(tmp_path):
+    heads = "time_s," + ",".join(f"{s}_{p}" for s in ("acc", "gyro") for p in ("k", "l", "m"))
+    with pytest.raises(InputError) as error:
+        opened(tmp_path / "a.csv", table(heads, T, ACCEL, GYRO), SI)
+    named = re.search(r"as in (\S+?)\.$", str(error.value))[1]
+    same(opened(tmp_path / "a.csv", table(heads, T, ACCEL, GYRO), f"{SI} --columns {named}"), 100)
+    with pytest.raises(InputError, match="give the file with the readings"):
+        opened(tmp_path / "b.csv", table("time_s,temperature", T, T * 0 + 20.5), "")
+
+
+def test_three_columns_with_gravity_are_offered_as_an_accelerometer(tmp_path):
+    text = table("time,seconds_elapsed,z,y,x", 16 * 10**17 + I * 10**7, T, ACCEL[:, ::-1])
+    with pytest.raises(InputError, match="as in time,-,accel_z,accel_y,accel_x"):
+        opened(tmp_path / "a.csv", text, "")
+
+
+def test_commas_that_are_decimal_marks_and_delimiters(tmp_path):
+    heads = "t [s],wx [dps],wy [dps],wz [dps],ax [g],ay [g],az [g]"
+    rows = table("", T, DPS, IN_G, form="%.7f").replace(".", ",")
+    rows = re.sub(r"(?m)^(\d),", r"\1,", rows)
+    text = heads + "\n" + rows
+    found = opened(tmp_path / "a.csv", text, "")
+    assert found.record.rate == pytest.approx(100)
+    assert np.allclose(found.record["gyro"], GYRO, atol=1e-6)
+    assert any("decimal marks" in n for n in found.record.notes)
+
+
+def test_names_of_a_sketch(tmp_path):
+    heads = "t [s],AcX [g],AcY [g],AcZ [g],GyX [dps],GyY [dps],GyZ [dps]"
+    same(opened(tmp_path / "a.csv", table(heads, T, IN_G, DPS), ""), 100)

@@ -91,7 +91,9 @@ def add_reading_arguments(group) -> None:
         help="of the time stamps: s, ms, us, ns, min or ticks:HZ (HZ ticks per second); none leaves them out, with --rate",
     )
     group.add_argument(
-        "--gyro-unit", metavar="UNIT", help="rad/s, deg/s, deg/h or counts:C (C counts per deg/s)"
+        "--gyro-unit",
+        metavar="UNIT",
+        help="rad/s, deg/s, deg/h, mdps or counts:C (C counts per deg/s)",
     )
     group.add_argument(
         "--accel-unit", metavar="UNIT", help="m/s^2, g, mg or counts:C (C counts per g)"

@@ -42,7 +42,7 @@ def add_arguments(parser):
     for flag, kind, text in (
         ("--rate", common.positive, "samples per second"),
         ("--time-unit", str, "s, ms, us or ns"),
-        ("--gyro-unit", str, "rad/s, deg/s, deg/h or counts:C"),
+        ("--gyro-unit", str, "rad/s, deg/s, deg/h, mdps or counts:C"),
         ("--accel-unit", str, "m/s^2, g, mg or counts:C"),
         ("--columns", str, "names by position"),
     ):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from imu_lib import units
 from imu_lib.errors import InputError
 from imu_lib.readers import names
 from imu_lib.readers.names import SIGNALS, Meaning
@@ -38,7 +39,8 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
     numbers = [
         i
         for i, h in enumerate(headings)
-        if h.kind in ("number", "empty") and told[i].quantity is None
+        if h.kind in ("number", "empty")
+        and (told[i].quantity is None or told[i].quantity in SIGNALS and not told[i].axis)
     ]
     rising = None
     if values:
@@ -53,7 +55,12 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
     ):
         order = ["time", *order]
     triples = [n for n in numbers if order[0] != "time" or n != numbers[0]][:6]
-    if values and len(triples) == 6 and _steadier(values, triples[:3], triples[3:]):
+    force = [told[i].quantity for i in triples[:3]] == ["accel"] * 3
+    if values and len(triples) == 6 and not force:
+        force = _steadier(values, triples[:3], triples[3:])
+    if values and len(triples) == 3 and not force:
+        force = _is_gravity(values, triples)
+    if force:
         order = [
             *[o for o in order if o == "time"],
             "accel_x",
@@ -108,6 +115,15 @@ def _moves(x) -> bool:
 def _rises(x) -> bool:
     step = np.diff(np.asarray(x, dtype=float))
     return bool(len(step) and (step > 0).mean() > 0.9)
+
+
+def _is_gravity(values, three) -> bool:
+    """Whether the length of three columns stands still at that of gravity in m/s^2, g or mg."""
+    x = np.column_stack([np.asarray(values[i], dtype=float) for i in three])
+    size = np.linalg.norm(x[np.isfinite(x).all(axis=1)], axis=1)
+    middle = float(np.median(size)) if size.size else 0.0
+    near = any(0.8 < middle / g < 1.25 for g in (units.G, 1.0, 1000.0))
+    return near and float(size.std()) < 0.2 * middle
 
 
 def _steadier(values, first, second) -> bool:

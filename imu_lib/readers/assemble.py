@@ -270,7 +270,9 @@ def _told(record: Record, told, kind: str) -> Record:
         return record
     if told.refused:
         remedy = f"correct --{kind}-unit or the header" + (
-            f": --{kind}-unit {told.likely}" if told.likely else ""
+            ": " + " or ".join(f"--{kind}-unit {u}" for u in (told.likely, *told.also))
+            if told.likely
+            else ""
         )
         raise InputError(f"{record.source}: {told.why}; {remedy}, or --trust-units if it is right.")
     return record.with_note(f"{told.why[:1].upper()}{told.why[1:]}.")

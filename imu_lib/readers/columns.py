@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, families, instances, names, twins
+from imu_lib.readers import by_rows, families, instances, names, twins, unused
 from imu_lib.readers.asking import (
     STAMPS,
     Heading,
@@ -89,13 +89,13 @@ def decide(
     values = load(wanted)
     if named and not columns:
         letter_g(raw, told, headings, values)
-        raw.unnamed_time = _unnamed_time(raw, told, headings, load)
+        raw.unnamed_time = unused.unnamed_time(raw, told, headings, load)
     if interval is not None:
         add_up(raw, told, headings, values, interval)
     told = letter_t(told, headings, values)
     told = one_time(raw, told, headings, values)
     by_call = " (--columns)" if columns else ""
-    _say_unused(raw, told, headings)
+    unused.say(raw, told, headings)
     for i, (m, heading) in enumerate(zip(told, headings)):
         if m.quantity is None or m.canonical is None:
             raw.skip(heading.name, m.why)
@@ -104,63 +104,6 @@ def decide(
         else:
             raw.add(m.canonical, values[i], m.unit, heading.name, m.why + by_call)
     return raw
-
-
-def _unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
-    """The names to give where a column of an unknown name rises as a time does, and no other is one."""
-    if raw.rate or any(m.quantity in ("time", "date", "clock", "counter") for m in told):
-        return None
-    free = [i for i, (m, h) in enumerate(zip(told, headings)) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
-    try:
-        values = load(free) if free else {}
-    except InputError:
-        return None  # a damaged line in a column that nobody needs
-    for i in free:
-        if np.asarray(values[i]).dtype.kind in "fi" and (np.diff(values[i]) > 0).mean() > 0.9:
-            said = list(told)
-            said[i] = Meaning("time")
-            return f"`{headings[i].name}` rises as a time does: {suggestion(said, headings)}"
-    return None
-
-
-def _say_unused(raw: Raw, told: list[Meaning], headings) -> None:
-    """A word on columns that state a unit of rate or specific force and are not used, where the record
-    has no such reading.
-    """
-    for kind, word in (("gyro", "gyro"), ("accel", "accelerometer")):
-        there = {m.axis for m in told if m.quantity == kind and m.axis}
-        if there:
-            unknown = [h.name for m, h in zip(told, headings) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
-            if len(there) < 3 and unknown:
-                raw.notes += (
-                    f"Of the {word} {' and '.join(sorted(there))} alone was found; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are "
-                    "not known here (--columns names columns by position).",
-                )
-            continue
-        lost = [
-            h.name
-            for m, h in zip(told, headings)
-            if (m.quantity is None and m.why == names.UNKNOWN or m.quantity == kind and not m.axis)
-            and names.unit_of(h.unit or names.spelled_unit(h.name) or "") in names.UNITS[kind]
-        ]
-        if lost:
-            said = list(told)
-            for axis, i in zip("xyz", [i for i, h in enumerate(headings) if h.name in lost]):
-                said[i] = Meaning(kind, axis, names.unit_of(headings[i].unit or names.spelled_unit(headings[i].name) or ""))  # fmt: skip
-            raw.notes += (
-                f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not read; {suggestion(said, headings)} if they are.",
-            )
-            continue
-        unknown = [
-            h.name
-            for m, h in zip(told, headings)
-            if m.quantity is None and m.why == names.UNKNOWN and h.kind == "number"
-        ]
-        if len(unknown) >= 3:
-            raw.notes += (
-                f"No column was read as the {word}; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are not known here "
-                "(--columns names columns by position).",
-            )
 
 
 def _by_name(heading: Heading, signal: str | None) -> Meaning:
@@ -244,10 +187,26 @@ def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
         values = load([i for i, h in enumerate(headings) if h.kind == "number"])
     except InputError:
         values = None  # a damaged line is told when the columns are known
+    named_so = example(told, headings, values)
+    if not any(f"{s}_" in named_so for s in SIGNALS):
+        raise Unnamed(
+            f"{raw.source} has {width} column{'s' * (width > 1)} and {header}, and none of them holds numbers that could be one; give the file with the readings."
+        )
     raise Unnamed(
-        f"{raw.source} has {width} column{'s' * (width > 1)} and {header}; name them by position with --columns, as in "
-        f"{example(told, headings, values)}{one}."
+        f"{raw.source} has {width} column{'s' * (width > 1)} and {header}{_commas(headings, values)}; name them by position with --columns, as in "
+        f"{named_so}{one}."
     )
+
+
+def _commas(headings, values) -> str:
+    """A word on whole numbers of which every other column, or nearly, has no sign: a decimal comma may
+    be cut.
+    """
+    whole = [np.asarray(x) for x in (values or {}).values() if np.asarray(x).dtype.kind in "iu"]
+    positive = sum(bool((x >= 0).all() and np.ptp(x) > 9) for x in whole)
+    if len(whole) < 7 or len(whole) < len(headings) or positive < len(whole) // 2:
+        return ""
+    return " (if its commas are decimal marks too, write the file with points, or with semicolons between the fields)"
 
 
 def _preferred(raw: Raw, told, headings) -> list[Meaning]:
@@ -256,19 +215,27 @@ def _preferred(raw: Raw, told, headings) -> list[Meaning]:
     """
     out = list(told)
     second: dict[str, tuple[int, int]] = {}
+    skip: list[int] = []
+    equal: list[tuple[str, int, int]] = []
     for canonical in sorted({m.canonical for m in told if m.quantity in SIGNALS and m.axis}):
         there = [i for i, m in enumerate(told) if m.canonical == canonical]
         best = min(told[i].rank for i in there)
         first = [i for i in there if told[i].rank == best]
+        # the sensor's own reading goes before one that a device has worked on
+        first.sort(key=lambda i: names.worked_on(headings[i].name))
         if len(first) > 1:
-            raise InputError(
-                f"{raw.source}: both `{headings[first[0]].name}` and `{headings[first[1]].name}` would be {canonical}; "
-                f"{suggestion(told, headings, first[1:])}."
-            )
+            equal.append((canonical, *first[:2]))
+            skip += first[1:]
         for i in there:
             if i not in first:
                 out[i] = Meaning(why=f"`{headings[first[0]].name}` is {canonical}")
                 second.setdefault(canonical.rpartition("_")[0], (first[0], i))
+    if equal:  # one sensor's three axes in the example, not a mixture
+        canonical, one, other = equal[0]
+        raise InputError(
+            f"{raw.source}: both `{headings[one].name}` and `{headings[other].name}` would be {canonical}; "
+            f"{suggestion(told, headings, skip)}."
+        )
     twins.say(raw, second, headings)
     for increment, rate in (("dtheta", "gyro"), ("dv", "accel")):
         if any(m.quantity == rate and m.axis for m in out):

@@ -15,7 +15,7 @@ def families(told: list[Meaning], headings) -> list[Meaning]:
     """Sensors that are named by their place (left_gx, right_gx; gx_A, gx_B), where several places are
     named; and directions that no second one stands beside, which are none (vert_acc of a receiver).
     """
-    out = _following(told, headings)
+    out = _compass(_following(told, headings), headings)
     places = [directions.place(h.name) for h in headings]
     if len({p[0] for p in places if p}) > 1:
         for i, found in enumerate(places):
@@ -50,6 +50,33 @@ def _following(told: list[Meaning], headings) -> list[Meaning]:
             if all(told[k].quantity is None for k in (i + 1, i + 2)):
                 for k, axis in ((i + 1, "y"), (i + 2, "z")):
                     out[k] = Meaning(m.quantity, axis, m.unit, m.rank, why=f"behind `{headings[i].name.strip()}`")  # fmt: skip
+    return out
+
+
+_POINT = re.compile(
+    r"^(.*[A-Za-z\d])(?:[ _.]|(?<=[a-z])(?=[A-Z]))((?i:east|north|up|down|[enud]))(?=[ _.\[(]|$)(.*)$"
+)
+#: Points of the compass as the axes that they are in a right-handed frame.
+_FRAMES = ({"e": "x", "n": "y", "u": "z"}, {"n": "x", "e": "y", "d": "z"})
+
+
+def _compass(told: list[Meaning], headings) -> list[Meaning]:
+    """Readings along east, north, up or north, east, down, where all three are named."""
+    out = list(told)
+    found: dict[str, dict[str, tuple[int, Meaning]]] = {}
+    for i, h in enumerate(headings):
+        if point := _POINT.match(h.name.strip()):
+            along = names.meaning(f"{point[1]}_x{point[3]}")
+            if along.quantity in ("gyro", "accel") and along.axis == "x":
+                there = found.setdefault(along.quantity, {})
+                there.setdefault(point[2][0].lower(), (i, along))
+    for there in found.values():
+        frame = next((f for f in _FRAMES if set(f) == set(there)), {})
+        for letter, axis in frame.items():
+            i, along = there[letter]
+            unit = names.unit_of(headings[i].unit or "") or along.unit
+            why = f"{along.why}, {', '.join(frame)} as x, y, z"
+            out[i] = Meaning(along.quantity, axis, unit, along.rank, why=why)
     return out
 
 

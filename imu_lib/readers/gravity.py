@@ -21,11 +21,12 @@ OFF_GRAVITY = 0.04  # share by which the specific force at rest may be off gravi
 
 class Told(NamedTuple):
     """why: a sentence. refused: the unit cannot be; otherwise it is unusual. likely: the unit it more
-    likely is, None where none fits."""
+    likely is, None where none fits. also: other units that fit as well."""
 
     why: str
     refused: bool
     likely: str | None
+    also: tuple[str, ...] = ()
 
 
 def gravity(accel: np.ndarray) -> float | None:
@@ -85,17 +86,22 @@ def accel_unit(accel: np.ndarray, unit: str, factor: float) -> Told | None:
                 near[0],
             )
         return None
-    for other in ("m/s^2", "g", "mg", "cm/s^2", "ft/s^2", "ug", "mm/s^2"):
-        scale = names.ACCEL_UNITS[other]
-        fits = (
-            GRAVITY[0] < read * scale < GRAVITY[1] if axes == 3 else 0.5 < read * scale < GRAVITY[1]
+    fit = [
+        u
+        for u in ("m/s^2", "g", "mg", "cm/s^2", "ft/s^2", "ug", "mm/s^2")
+        if (GRAVITY[0] if axes == 3 else 0.5) < read * names.ACCEL_UNITS[u] < GRAVITY[1]
+        and u != unit
+    ]
+    if fit:
+        if axes == 3:  # mg and cm/s^2 are 2 % apart: the nearer one first
+            fit.sort(key=lambda u: abs(np.log(read * names.ACCEL_UNITS[u] / units.G)))
+        return Told(
+            f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; "
+            f"its unit is likely {' or '.join(fit)}",
+            True,
+            fit[0],
+            tuple(fit[1:]),
         )
-        if fits and other != unit:
-            return Told(
-                f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; its unit is likely {other}",
-                True,
-                other,
-            )
     if size < 0.5:
         return None  # what is left when gravity was taken out
     return Told(

@@ -20,7 +20,7 @@ GYRO = words(
     "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop giro omg gyrometer pqr"
     " omega w wb wib wibb angvel anglvel angrate turnrate rotationrate winkelgeschwindigkeit drehrate drehraten"
     " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus jiroskop uhlovarychlost szogsebesseg acisalhiz"
-    " гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
+    " gy гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
 ACCEL = words(
     "accelerometer accelerometers accelerometre accel accels accele acc accl acce acel acl aceler acceleration"
@@ -28,7 +28,7 @@ ACCEL = words(
     " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
     " gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration"
     " przyspieszenie akcelerometr zrychleni ivme ускорение акселерометр 加速度 加速度计 加速计 加速度計"
-    " 가속도 accreading f fb fib fibb a gforce gf specificforce sf accs"
+    " 가속도 accreading ac f fb fib fibb a gforce gf specificforce sf accs"
 )
 ANGULAR = words(
     "угловая acisal uhlova angular ang angulaire angolare rotation rotational turn rot katowa winkel"
@@ -37,7 +37,7 @@ SPEED = words(
     "velocity vel rate rates vitesse velocidad velocita velocidade predkosc скорость hiz rychlost speed turn"
 )
 #: Letters that name a sensor where they stand nearly alone, and what may stand beside them.
-LETTERS = words("g w a f")
+LETTERS = words("g w a f ac gy")
 BESIDE_LETTERS = words("rs s b ib imu raw data cal field meas body sensor msg kf r i lsm mpu out")
 DELTA = words("delta d del increment inc dang dvel dtheta dv velinc deltav deltatheta")
 DELTA_ANGLE = words("theta angle ang angles dtheta dang rot deltatheta gyro gyr")
@@ -87,6 +87,10 @@ NOT = {
 FREE = words(
     "linear lineare lineaire linearen user free lin freeacc useracceleration linearacceleration lineal"
 )
+#: Words of readings that a device has worked on: gravity or the bias taken out, sensors put together.
+WORKED_ON = FREE | words(
+    "motion fused fusion fusedrotation rotationrate calibrated calib cal corrected compensated unbiased est estimated virtual filtered filt"
+) - {"lin"}
 ARRIVAL = words(
     "host arrival received receive recv rx system pc log logging server local bag rosbag wall write rostime"
 )
@@ -111,13 +115,13 @@ FINE = {
     "centiseconds": "cs", "centisecond": "cs", "hundredths": "cs", "csec": "cs",
 }  # fmt: skip
 COMPACT = re.compile(
-    r"^(gyroscope|gyro|gyr|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|a|ag|f|sf|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
+    r"^(gyroscope|gyro|gyr|gy|g|w|omega|wb|rate|accelerometer|acceleration|accel|acc|ac|a|ag|f|sf|fb|gf|gforce|dtheta|dt|da|dang|dv|dvel|mag|m|q|alpha|ang|rot)_?([xyz])$"
 )
 COMPACT_FRONT = re.compile(
     r"^([xyz])(gyro|gyr|gyroscope|rate|omega|accelerometer|acceleration|accel|acc|accl|mag|dtheta|dang|dvel)$"
 )
 KIND_OF = {
-    "ag": "accel", "g": "gyro", "w": "gyro", "gyro": "gyro", "gyr": "gyro", "gyroscope": "gyro", "omega": "gyro",
+    "ag": "accel", "ac": "accel", "gy": "gyro", "g": "gyro", "w": "gyro", "gyro": "gyro", "gyr": "gyro", "gyroscope": "gyro", "omega": "gyro",
     "wb": "gyro", "rate": "gyro", "ang": "gyro", "rot": "gyro", "a": "accel", "f": "accel", "sf": "accel", "fb": "accel",
     "gf": "accel", "gforce": "accel", "acc": "accel", "accl": "accel", "accel": "accel",
     "accelerometer": "accel", "acceleration": "accel", "alpha": "alpha", "dtheta": "dtheta",

@@ -90,7 +90,7 @@ def _known(text: str) -> bool:
     return bool(
         tokens
         & (lexicon.GYRO | lexicon.ACCEL | lexicon.TEMPERATURE | set(lexicon.NOT))
-        - {"g", "a", "f", "w", "t"}
+        - {*lexicon.LETTERS, "t"}
     )
 
 
@@ -201,6 +201,11 @@ def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | No
     if quantity in SIGNALS and found.axis:
         return (f"{quantity}_{axis}", found.unit) if axis else (None, None)
     return quantity, found.unit
+
+
+def worked_on(name: str) -> bool:
+    """Whether a heading says that a device has taken the bias or gravity out of a reading."""
+    return bool(set(_key(_split(name)[0]).split("_")) & lexicon.WORKED_ON)
 
 
 def spelled_unit(name: str) -> str | None:

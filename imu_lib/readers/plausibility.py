@@ -28,6 +28,8 @@ OPTICAL = (
 )
 REFUSED = 7.0  # log-odds for another unit from which a stated one is refused
 DOUBTED = 2.5  # and from which a word is said
+#: Units that a record may be in whatever its header says.
+READINGS = ("rad/s", "deg/s", "deg/h", "mdps")
 
 
 def gyro_unit(
@@ -72,14 +74,14 @@ def gyro_unit(
                 None,
             )
         return None
-    best, best_unit = max(
-        (_score(still * s / factor, bias * s / factor, noise, rate), u)
-        for u in ("rad/s", "deg/s", "deg/h")
-        for s in (names.GYRO_UNITS[u],)
-    )
-    odds = best - _score(still, bias, noise, rate)
-    if best_unit != unit and odds >= DOUBTED:
-        return _unlikely(gyro, unit, factor, best_unit, odds, still, bias, noise)
+    scores = {
+        u: _score(*(x * names.GYRO_UNITS[u] / factor for x in (still, bias)), noise, rate)
+        for u in READINGS
+    }
+    fit = _fitting(scores)
+    odds = scores[fit[0]] - _score(still, bias, noise, rate)
+    if fit[0] != unit and odds >= DOUBTED:
+        return _unlikely(gyro, unit, factor, fit, odds, still, bias, noise)
     if strict and quiet and noise is None and unit != "rad/s" and 0 < still < OPTICAL:
         return Told(
             f"the rates stated in {unit} have a {_worst(still, bias)}, that of an optical gyro; of a MEMS gyro the unit would likely be rad/s",
@@ -89,9 +91,18 @@ def gyro_unit(
     return None
 
 
+def _fitting(scores: dict[str, float]) -> list[str]:
+    """The units that fit about as well as the best one, that one first: which of them it is cannot be
+    told from the values.
+    """
+    best = max(scores.values())
+    fit = [u for u in scores if scores[u] > best - DOUBTED]
+    return sorted(fit, key=lambda u: -scores[u])
+
+
 def _by_turning(slope: float, unit: str, factor: float | None) -> Told | None:
     """What gravity says that turns `slope` times as fast as the rates."""
-    for other in ("rad/s", "deg/s", "deg/h") if factor else ():
+    for other in READINGS if factor else ():
         if other != unit and 0.5 < slope / (names.GYRO_UNITS[other] / factor) < 2.0:
             return Told(
                 f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}",
@@ -109,22 +120,25 @@ def _by_turning(slope: float, unit: str, factor: float | None) -> Told | None:
 
 def _too_fast(fast, unit, factor, still, bias, noise, rate) -> Told:
     """Rates that no vehicle has, and the smaller unit in which they would be usual."""
-    smaller = [u for u in ("deg/s", "deg/h") if names.GYRO_UNITS[u] < factor]
-
-    def likeness(u):
-        return _score(*(x * names.GYRO_UNITS[u] / factor for x in (still, bias)), noise, rate)
-
-    other = max(smaller, key=likeness, default=None)
+    scores = {
+        u: _score(*(x * names.GYRO_UNITS[u] / factor for x in (still, bias)), noise, rate)
+        for u in READINGS
+        if names.GYRO_UNITS[u] < factor and fast * names.GYRO_UNITS[u] / factor < GYRO_FAST
+    }
+    fit = _fitting(scores) if scores else []
     return Told(
         f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a hundred; "
-        + (f"their unit is likely {other}" if other else "check the unit"),
+        + (f"their unit is likely {' or '.join(fit)}" if fit else "check the unit"),
         True,
-        other,
+        fit[0] if fit else None,
+        tuple(fit[1:]),
     )
 
 
-def _unlikely(gyro, unit, factor, best_unit, odds, still, bias, noise) -> Told:
-    """A stated unit that loses against another one: refused where by far."""
+def _unlikely(gyro, unit, factor, fit, odds, still, bias, noise) -> Told:
+    """A stated unit that loses against those of `fit`, the best one first: refused where by far."""
+    best_unit, also = fit[0], tuple(u for u in fit[1:] if u != unit)
+    likely = " or ".join((best_unit, *also))
     worst = _worst(still, bias)
     if noise and still and noise / still > 60:
         worst = (
@@ -139,11 +153,12 @@ def _unlikely(gyro, unit, factor, best_unit, odds, still, bias, noise) -> Told:
     )
     if odds < REFUSED or tactical:
         return Told(
-            f"{said}: unusual, though possible; in {best_unit} they would be usual (--gyro-unit {best_unit})",
+            f"{said}: unusual, though possible; in {likely} they would be usual (--gyro-unit {' or --gyro-unit '.join((best_unit, *also))})",
             False,
             best_unit,
+            also,
         )
-    return Told(f"{said}; their unit is likely {best_unit}", True, best_unit)
+    return Told(f"{said}; their unit is likely {likely}", True, best_unit, also)
 
 
 def _mean_rate(gyro: np.ndarray) -> float:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 
-from imu_lib.readers import cells, fields, labelled, tagged
+from imu_lib.readers import cells, commas, fields, labelled, tagged
 
 
 class Lines:
@@ -67,7 +67,12 @@ class Lines:
         """Words between the numbers become a header."""
         head, whole = self.head()
         text, encoding = fields.decode(head, self.source, whole)
-        for how in (lambda t: tagged.unfold(t, self.source), labelled.unfold, cells.plain):
+        for how in (
+            lambda t: tagged.unfold(t, self.source),
+            labelled.unfold,
+            cells.plain,
+            commas.joined,
+        ):
             if how(text) is None:
                 continue
             table = how(self.data.decode(encoding, errors="replace"))

@@ -52,7 +52,7 @@ UNITS = {
 }
 #: What is asked for first: the rest of the table is understood where a file spells it.
 USUAL = {
-    "gyro": ("rad/s", "deg/s", "deg/h"),
+    "gyro": ("rad/s", "deg/s", "deg/h", "mdps"),
     "accel": ("m/s^2", "g", "mg"),
     "time": ("s", "ms", "us", "ns", "min", "ticks:HZ"),
 }

@@ -72,7 +72,7 @@ def read(
     rate : float, optional
         Hz, where the file has no time.
     gyro_unit : str, optional
-        rad/s, deg/s, deg/h or counts:C (C counts per deg/s).
+        rad/s, deg/s, deg/h, mdps or counts:C (C counts per deg/s).
     accel_unit : str, optional
         m/s^2, g, mg or counts:C (per g); a zero that is not at 0 counts as counts:C:ZERO.
     time_unit : str, optional

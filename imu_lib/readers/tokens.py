@@ -129,9 +129,15 @@ def _kind(have: set[str], joined: str, axis: str | None) -> str | None:
             return "accel"
         if not axis or len(others) != 1:
             return None
-        return {"g": "gyro", "w": "gyro", "a": "accel", "f": "accel", "alpha": "alpha"}.get(
-            next(iter(others))
-        )
+        return {
+            "g": "gyro",
+            "w": "gyro",
+            "gy": "gyro",
+            "a": "accel",
+            "ac": "accel",
+            "f": "accel",
+            "alpha": "alpha",
+        }.get(next(iter(others)))
     if not named and have & lexicon.LETTERS and len(others) > 1 and not spoken:
         return None
     return "gyro"

@@ -1,0 +1,68 @@
+"""A word on columns that are not used though they may be meant: a time or a sensor of an unknown name."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.errors import InputError
+from imu_lib.readers import names
+from imu_lib.readers.asking import suggestion
+from imu_lib.readers.names import Meaning
+from imu_lib.readers.raw import Raw
+
+
+def unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
+    """The names to give where a column of an unknown name rises as a time does, and no other is one."""
+    if raw.rate or any(m.quantity in ("time", "date", "clock", "counter") for m in told):
+        return None
+    free = [i for i, (m, h) in enumerate(zip(told, headings)) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
+    try:
+        values = load(free) if free else {}
+    except InputError:
+        return None  # a damaged line in a column that nobody needs
+    for i in free:
+        if np.asarray(values[i]).dtype.kind in "fi" and (np.diff(values[i]) > 0).mean() > 0.9:
+            said = list(told)
+            said[i] = Meaning("time")
+            return f"`{headings[i].name}` rises as a time does: {suggestion(said, headings)}"
+    return None
+
+
+def say(raw: Raw, told: list[Meaning], headings) -> None:
+    """A word on columns that state a unit of rate or specific force and are not used, where the record
+    has no such reading.
+    """
+    for kind, word in (("gyro", "gyro"), ("accel", "accelerometer")):
+        there = {m.axis for m in told if m.quantity == kind and m.axis}
+        if there:
+            unknown = [h.name for m, h in zip(told, headings) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
+            if len(there) < 3 and unknown:
+                raw.notes += (
+                    f"Of the {word} {' and '.join(sorted(there))} alone was found; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are "
+                    "not known here (--columns names columns by position).",
+                )
+            continue
+        lost = [
+            h.name
+            for m, h in zip(told, headings)
+            if (m.quantity is None and m.why == names.UNKNOWN or m.quantity == kind and not m.axis)
+            and names.unit_of(h.unit or names.spelled_unit(h.name) or "") in names.UNITS[kind]
+        ]
+        if lost:
+            said = list(told)
+            for axis, i in zip("xyz", [i for i, h in enumerate(headings) if h.name in lost]):
+                said[i] = Meaning(kind, axis, names.unit_of(headings[i].unit or names.spelled_unit(headings[i].name) or ""))  # fmt: skip
+            raw.notes += (
+                f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not read; {suggestion(said, headings)} if they are.",
+            )
+            continue
+        unknown = [
+            h.name
+            for m, h in zip(told, headings)
+            if m.quantity is None and m.why == names.UNKNOWN and h.kind == "number"
+        ]
+        if len(unknown) >= 3:
+            raw.notes += (
+                f"No column was read as the {word}; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are not known here "
+                "(--columns names columns by position).",
+            )
