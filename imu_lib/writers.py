@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -14,17 +15,24 @@ from imu_lib.stream import Scratch, bounds
 UNIT = {"gyro": "rad/s", "accel": "m/s^2"}
 
 
-def check_folder(folder) -> None:
+def check_folder(folder, given=None) -> None:
     """InputError where files cannot be made in `folder`, or where the folder cannot be made
-    itself; before long work.
+    itself; before long work. The sentence names `given`, the path of the call.
     """
     folder = Path(folder).resolve()
     there = next(path for path in (folder, *folder.parents) if path.exists())
     effective = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
-    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK, **effective):
+    try:  # permissions do not tell all: file systems refuse as well
+        if not os.access(there, os.W_OK | os.X_OK, **effective):
+            raise PermissionError
+        with tempfile.TemporaryDirectory(dir=there, prefix=".imu-lib-"):
+            pass
+    except OSError:
+        same = given is None or Path(given).resolve() == there
         raise InputError(
-            f"{there} may not be written to; choose another place, or change its permissions."
-        )
+            f"{'' if same else f'{given} cannot be made: '}{there} may not be written to; "
+            "choose another place, or change its permissions."
+        ) from None
 
 
 def arrays(record: Record) -> dict[str, np.ndarray]:

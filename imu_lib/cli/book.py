@@ -14,10 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from imu_lib.cli import common
+from imu_lib.cli import common, named
 from imu_lib.errors import InputError
 
 NAME = "book"
+#: Names of the files in --out DIR.
+WRITES = ("*",)
 HELP = (
     "A book about your own record or drive (HTML, readable offline): page one is a verdict with a "
     "datasheet, what is wrong, what limits the record and files for other programs."
@@ -52,7 +54,9 @@ def run(args: argparse.Namespace) -> int:
     from imu_lib.book import build, own
 
     given = args.file or args.gyro or args.accel
-    out = Path(args.out or f"{own.safe_name(given)}_book").resolve()
+    args.out = args.out or f"{own.safe_name(given)}_book"
+    named.check(args)  # an earlier book is replaced whole, with what lies in it
+    out = Path(args.out).resolve()
     build.check_target(out)  # before the long work
     with tempfile.TemporaryDirectory(prefix="imu-lib-book-") as folder:
         subject = _of_drive(args, drive, folder) if drive else _of_record(args, record, folder)

@@ -10,6 +10,8 @@ from imu_lib.cli import common
 from imu_lib.errors import InputError
 
 NAME = "calibrate"
+#: Names of the files in --out DIR.
+WRITES = ("calibration.json", "*.png")
 HELP = (
     "Bias, scale factor and cross-coupling of accelerometers and gyroscopes: from poses put down by hand (24 or more, each "
     "axis up, down and level; the rests are found), or from poses or rates that --poses lists."

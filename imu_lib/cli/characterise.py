@@ -6,6 +6,8 @@ from imu_lib.cli import common
 from imu_lib.errors import InputError
 
 NAME = "characterise"
+#: Names of the files in --out DIR.
+WRITES = ("model.json", "result.json", "report.html", "*.png")
 HELP = (
     "Allan variance, spectrum, autocorrelation, autoregressive model and likelihood on every channel of a record at "
     "rest: coefficients with 95 % intervals, an error model, figures, exports."

@@ -8,12 +8,9 @@ import argparse
 import io
 import json
 import math
-import os
 import sys
-import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 
 from imu_lib.cli.opening import (  # noqa: F401 - part of what is shared
     open_either,
@@ -22,8 +19,13 @@ from imu_lib.cli.opening import (  # noqa: F401 - part of what is shared
     reading_options,
     record_options,
 )
+from imu_lib.cli.outputs import (  # noqa: F401 - part of what is shared
+    atomic_folder,
+    atomic_path,
+    check_out,
+    check_writable,
+)
 from imu_lib.cli.progress import Lines, Share, progress  # noqa: F401 - part of what is shared
-from imu_lib.errors import InputError
 
 
 def number(text: str) -> float:
@@ -117,82 +119,6 @@ def add_json_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json", metavar="FILE", help="write the whole result as JSON (- for standard output)"
     )
-
-
-@contextmanager
-def atomic_path(path):
-    """A temporary path beside `path` that takes its name when the block ends well and vanishes
-    otherwise.
-    """
-    path = Path(path)
-    check_writable(path)
-    handle, temporary = tempfile.mkstemp(
-        dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix
-    )
-    os.close(handle)
-    temporary = Path(temporary)
-    try:
-        yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)  # mkstemp makes files private; a result is not
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-@contextmanager
-def atomic_folder(path):
-    """A temporary folder whose files move into `path` (made if needed) when the block ends well;
-    otherwise nothing is left.
-    """
-    path = Path(path)
-    check_out(path)
-    with tempfile.TemporaryDirectory(
-        dir=path.resolve().parent, prefix=f".{path.name}-"
-    ) as temporary:
-        yield Path(temporary)
-        path.mkdir(exist_ok=True)
-        for item in sorted(Path(temporary).rglob("*")):
-            target = path / item.relative_to(temporary)
-            if item.is_dir():
-                target.mkdir(exist_ok=True)
-            else:
-                item.replace(target)
-
-
-def check_writable(path) -> None:
-    """InputError at once, before long work, where `path` (a file to be) has no folder, is one, or
-    may not be written. `-`
-    and None pass."""
-    if path in (None, "-"):
-        return
-    path = Path(path)
-    if path.is_dir():
-        raise InputError(f"{path} is a directory; name a file to write.")
-    if not path.parent.is_dir():
-        raise InputError(f"{path.parent} is no folder to write {path.name} into; make it first.")
-    _folder(path.parent)
-
-
-def _folder(path) -> None:
-    from imu_lib.writers import check_folder
-
-    check_folder(path)
-
-
-def check_out(path) -> None:
-    """InputError at once, before long work, where `path` (--out, a folder to be) cannot be made or
-    written into. None passes.
-    """
-    if path is None:
-        return
-    path = Path(path)
-    if path.exists() and not path.is_dir():
-        raise InputError(f"{path} is a file; --out names a folder.")
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"{path.parent} is no folder to make {path.name} in; make it first.")
-    _folder(path.resolve().parent)  # it is filled beside and then moved
 
 
 def plain(value):

@@ -6,10 +6,12 @@ import argparse
 from dataclasses import asdict
 from pathlib import Path
 
-from imu_lib.cli import common
+from imu_lib.cli import common, named
 from imu_lib.errors import InputError
 
 NAME = "exercise"
+#: Names of the files in --out DIR.
+WRITES = ("marks.csv", "feedback_*.md")
 HELP = "The blind sensor: a record or drive with hidden effects for each student, and its marking."
 
 
@@ -67,7 +69,11 @@ def marks(args) -> int:
     answers = Path(args.answers)
     if not answers.exists():
         raise InputError(f"{answers} does not exist; name a file of answers or their folder.")
-    found = mark_all(answers, args.key or key_of(answers))
+    common.check_writable(args.json)
+    common.check_out(args.out)
+    key = args.key or key_of(answers)
+    named.refuse_overwriting(args, [key])
+    found = mark_all(answers, key)
     print("student  points  hidden  named  wrong")
     for name, m in found.items():
         print(f"{name:>7}  {m.points:6.1f}  {m.hidden:6}  {m.named:5}  {m.wrong:5}")

@@ -5,10 +5,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from imu_lib.cli import common
+from imu_lib.cli import common, named
 from imu_lib.errors import InputError
 
 NAME = "fleet"
+#: Names of the files in --out DIR.
+WRITES = ("fleet.parquet", "fleet.json", "model.json")
 HELP = (
     "Characterise every record of a folder or of a manifest (.csv with the columns file, sensor, date) into one "
     "Parquet table; started again, it goes on where it was. Prints the spread of each coefficient over the sensors, "
@@ -59,6 +61,7 @@ def run(args):
     common.check_out(out)
     reading = ("rate", "time_unit", "gyro_unit", "accel_unit", "columns")
     entries = fleet.entries(args.records, **{key: getattr(args, key) for key in reading})
+    named.refuse_overwriting(args, [e.path for e in entries])
     out.mkdir(exist_ok=True)
     left = len(fleet.Ledger(out, entries, gap=args.gap).open())
     done = len(entries) - left

@@ -9,6 +9,8 @@ import sys
 import time
 
 NAME = "gap"
+#: Names of the files in --out DIR.
+WRITES = ("model.json", "report.html")
 HELP = "Where simulation and measurement disagree, of a record or of a drive, what is missing, and how far the gap shrinks when it is added."
 
 

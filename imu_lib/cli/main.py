@@ -76,7 +76,7 @@ def parser(command: str | None = None) -> Parser:
                 name, aliases=aliases, help=about, description=getattr(found, "HELP", about)
             )
             found.add_arguments(sub)
-            sub.set_defaults(run=found.run)
+            sub.set_defaults(run=found.run, writes=getattr(found, "WRITES", ()))
         else:
             commands.add_parser(name, aliases=aliases, help=about, add_help=False)
     return out
@@ -122,8 +122,12 @@ def main(argv: list[str] | None = None) -> int:
 
     try:
         args = parser(command).parse_args(argv)
+        from imu_lib.cli import named, outputs
         from imu_lib.cli.common import json_alone
 
+        if outputs.descriptor(getattr(args, "json", None)) == 1:
+            args.json = "-"  # standard output by another name
+        named.check(args)
         with json_alone(getattr(args, "json", None)):
             return int(args.run(args) or 0)
     except ImuLibError as error:

@@ -8,6 +8,8 @@ from imu_lib.cli import common, drives, outages_models, outages_report
 from imu_lib.errors import InputError
 
 NAME = "outages"
+#: Names of the files in --out DIR.
+WRITES = ("result.json", "*.png")
 HELP = (
     "GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error model is followed. "
     "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, or from the paper's own tables; "

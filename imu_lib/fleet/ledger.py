@@ -101,6 +101,7 @@ def _key(entry, gap):
 
 
 def _replace(path, content):
+    path = path.resolve() if path.is_symlink() else path
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with open(part, "wb") as file:

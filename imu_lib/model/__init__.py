@@ -212,8 +212,14 @@ class Model:
         return cls.from_json(content, where=str(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the error-model file; it appears whole or not at all."""
+        """Write the error-model file; it appears whole or not at all. A symbolic link is followed, and
+        a device or pipe is written through.
+        """
         path = Path(path)
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            path.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")
+            return
+        path = path.resolve() if path.is_symlink() else path
         temporary = path.with_name(f".{path.name}.part")
         temporary.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")
         temporary.replace(path)
