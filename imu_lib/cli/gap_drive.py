@@ -104,7 +104,7 @@ def text(found) -> str:
         lines.append("Nothing is missing that the innovations would show.")
     for step in found.steps:
         lines.append(
-            f"{step['effect']}: {values(step)}\n    {step['where']}\n"
+            f"{step['effect']}: {values(step)}\n    {_lines(step)}\n"
             f"    confidence {step['confidence']:.3g}, runner-up {step['runner_up']['effect']}; "
             f"log-likelihood gain {step['log_likelihood_gain']:.0f}; gap {step['gap_before']:.1f} to {step['gap_after']:.1f}"
         )
@@ -119,11 +119,48 @@ def text(found) -> str:
     if found.outages is not None:
         lines.append(_outages(found.outages))
     if found.invisible:
-        some = sorted({i["effect"] for i in found.invisible})
-        lines.append("not visible on this drive (in part): " + ", ".join(some))
+        lines.append("not visible on this drive: " + ", ".join(_unseen(found.invisible)))
     lines.append(f"unexplained: {found.unexplained or 'nothing'}")
     lines += [f"note: {n}" for n in found.notes]
     return "\n".join(lines)
+
+
+def _lines(step):
+    return "\n    ".join(t for t in (sentence(step), step["where"]) if t)
+
+
+def _unseen(invisible):
+    """Effects with those of their components that the drive does not show."""
+    parts = {}
+    for entry in invisible:
+        parts.setdefault(entry["effect"], []).append(entry["parameter"].split()[-1])
+    return [f"{effect} ({' '.join(parts[effect])})" for effect in sorted(parts)]
+
+
+def sentence(step) -> str | None:
+    """Who is late, and in which direction, of effects whose sign alone does not say it; None of the
+    others.
+    """
+    p = step["parameters"]
+    if step["effect"] == "gnss_time_offset":
+        if "velocity_offset" in p:
+            return f"{_when('positions', p['offset'])}, {_when('velocities', p['velocity_offset'])}"
+        taken = "before" if p["offset"] > 0 else "after"
+        return (
+            f"{_when('fixes', p['offset'])} against the IMU: what is stamped t was taken {taken} t"
+        )
+    if step["effect"] == "imu_clock":
+        return f"the IMU's clock runs {'fast' if p['scale'] > 0 else 'slow'} against GNSS time, by {abs(p['scale']) * 1e6:.3g} parts in a million"
+    if step["effect"] == "gnss_noise":
+        than = "larger" if p["ratio"] > 1.0 else "smaller"
+        return f"errors of the {p['of']} are {than} than stated, {p['ratio']:.3g} times"
+    if step["effect"] == "heading":
+        return f"the heading given points {abs(p['error']) / DEG:.3g} deg to the {'right' if p['error'] > 0 else 'left'} of the true one"
+    return None
+
+
+def _when(what, offset) -> str:
+    return f"the {what} are stamped {abs(offset):.3g} s {'late' if offset > 0 else 'early'}"
 
 
 def _outages(result) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from imu_lib import plots, report
-from imu_lib.cli.gap_drive import values
+from imu_lib.cli.gap_drive import sentence, values
 
 
 def write(found, path) -> None:
@@ -36,6 +36,9 @@ def write(found, path) -> None:
             f"Confidence {step['confidence']:.3g}; runner-up: {step['runner_up']['effect']} ({step['runner_up']['confidence']:.2g}).",
             f"Log-likelihood gained {step['log_likelihood_gain']:.1f}; gap index {step['gap_before']:.2f} before it, {step['gap_after']:.2f} with it.",
         ]
+        if sentence(step):
+            said = sentence(step)
+            lines.insert(0, f"{said[0].upper()}{said[1:]}.")
         if step["indistinguishable"]:
             lines.append(
                 "This drive cannot tell it from: " + ", ".join(step["indistinguishable"]) + "."

@@ -40,9 +40,9 @@ def of_drive(drive: Drive) -> Health:
     if drive.gnss_time[0] > drive.time[-1] or drive.gnss_time[-1] < drive.time[0]:
         more.append("The fixes and the IMU do not overlap in time.")
     if gnss["gaps"]:
+        count = int((step > 1.5 * usual).sum())
         more.append(
-            f"{int((step > 1.5 * usual).sum())} gaps between fixes, the longest "
-            f"{float(step.max()):.3g} s."
+            f"{count} {'gap' if count == 1 else 'gaps'} between fixes, the longest {float(step.max()):.3g} s."
         )
     if drive.gnss_velocity is None:
         more.append("The fixes have no velocity.")

@@ -5,7 +5,7 @@ with speed v and course c. Both follow from the fixes alone, smoothed, and are h
 readings under every order and sign of the axes.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations, product
 
 import numpy as np
@@ -20,6 +20,7 @@ STEP = 0.2  # s of the common grid
 WIDTH = 2.0  # s of smoothing
 FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs from the above
 LATEST, FURTHEST = 12.0, 90.0  # s: where a match is looked for, and where else if there is none
+MATCHED = 2.0  # nats: chance alone, of one shift, exceeds them once in twenty
 SURE_MATCH = 0.7  # correlation that a match further away needs
 FAR_OFF = 12.0  # times the median distance of a fix from the middle of its neighbours
 ROLLING, OPPOSED = 1.0, -0.7  # m of heights that tell, and a correlation that no road has
@@ -106,7 +107,18 @@ def late(drive: Drive) -> tuple[float, float]:
     accelerations; 0 where the drive does not say, or agrees nearly as well as it stands.
     """
     offset, likeness, here = best_match(drive)
-    return (0.0 if likeness < here + 0.05 else offset), likeness
+    if likeness >= here + 0.05 or _gain(drive, likeness, here) > MATCHED:
+        return offset, likeness
+    return 0.0, likeness
+
+
+def _gain(drive, likeness, here):
+    """Nats by which one correlation explains more than another, of samples WIDTH seconds apart."""
+    m = motion(drive)
+    if m is None or not -1.0 < here < likeness < 1.0:
+        return 0.0
+    left = (1.0 - here**2) / (1.0 - likeness**2)
+    return 0.5 * m.moving.sum() * STEP / WIDTH * float(np.log(max(left, 1.0)))
 
 
 def best_match(drive: Drive) -> tuple[float, float, float]:
@@ -158,6 +170,45 @@ def to_body(permutation):
     return c
 
 
+def forces_reversed(drive: Drive) -> bool:
+    """Whether the accelerometers, all their signs turned, fit the gyros and the fixes clearly better
+    than under any order and sign of the axes.
+    """
+    m = motion(drive)
+    if m is None or m.moving.sum() < 50:
+        return False
+    turned = replace(m, readings=m.readings * np.repeat([1.0, -1.0], 3))
+    there = min(_costs(turned, (p for p in everything() if not mirrored(p))).values())
+    here = min(_costs(m, everything()).values())
+    return (here - there) / _temper(m, there) > CLEAR
+
+
+def _costs(m, tried):
+    """{permutation: misfit, nats as if samples were independent, at the best of a few seconds}."""
+    shifts = sorted((int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)), key=abs)
+    readings = m.readings.copy()
+    if (~m.moving).sum() > 50:
+        readings[:, :3] -= np.median(readings[:, :3][~m.moving], axis=0)
+    out = {}
+    for permutation in tried:
+        c = to_body(permutation)
+        body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
+        out[permutation] = min(_cost(m, body, k) for k in shifts)
+    return out
+
+
+def _temper(m, least):
+    """By how much less than independent ones the samples count: smoothed readings repeat themselves
+    for WIDTH seconds.
+    """
+    return WIDTH / STEP * 5.0 * max(1.0, least / max(m.moving.sum() * 3.0, 1.0))
+
+
+def mirrored(permutation) -> bool:
+    """Whether the axes are left-handed."""
+    return bool(np.linalg.det(to_body(permutation)) < 0.0)
+
+
 def axes(drive: Drive):
     """The order and signs of the axes: (permutation, confidence, runner-up, gain in nats,
     indistinguishable).
@@ -165,25 +216,16 @@ def axes(drive: Drive):
     m = motion(drive)
     if m is None or m.moving.sum() < 50:
         return IDENTITY, 0.0, IDENTITY, 0.0, ()
-    shifts = [int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)]
-    shifts = sorted(shifts, key=abs)
-    costs = {}
-    readings = m.readings.copy()
-    readings[:, :3] -= (
-        np.median(readings[:, :3][~m.moving], axis=0) if (~m.moving).sum() > 50 else 0.0
-    )
-    for permutation in everything():
-        c = to_body(permutation)
-        body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
-        costs[permutation] = min(_cost(m, body, k) for k in shifts)
-    # smoothed readings repeat themselves for WIDTH seconds
-    least = min(costs.values())
-    temper = WIDTH / STEP * 5.0 * max(1.0, least / max(m.moving.sum() * 3.0, 1.0))
+    costs = _costs(m, everything())
+    temper = _temper(m, min(costs.values()))
     for permutation in costs:
-        if np.linalg.det(to_body(permutation)) < 0.0:
+        if mirrored(permutation):
             costs[permutation] += MIRRORED * temper
     order = sorted(costs, key=costs.get)
-    first, second = order[0], order[1]
+    first = order[0]
+    if not mirrored(first):  # no case can be turned into its mirror image: that is no rival
+        order = [p for p in order if not mirrored(p)]
+    second = order[1]
     here = costs[IDENTITY]
     gain = (here - costs[first]) / temper
     if first == IDENTITY or gain < CLEAR:

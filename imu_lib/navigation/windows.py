@@ -41,12 +41,26 @@ def windows_from(text):
     return tuple(windows)
 
 
+def overlapping(drive: Drive):
+    """InputError where no fix lies within the time of the IMU."""
+    first, last = drive.time[0], drive.time[-1]
+    fixes = np.asarray(drive.gnss_time)
+    if np.any((fixes >= first) & (fixes <= last)):
+        return
+    apart = max(fixes[0] - last, first - fixes[-1])
+    raise InputError(
+        f"{drive.source or drive.name or 'the drive'}: the fixes ({fixes[0]:.6g} to {fixes[-1]:.6g} s) and the IMU ({first:.6g} to {last:.6g} s) "
+        f"do not overlap: they lie {apart:.4g} s apart; bring both to one clock (--gnss-offset S for two files)."
+    )
+
+
 def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, moving=1.0):
     """Windows of `duration` s, one each `every` s, from `settle` s after the first motion on;
     those slower than `moving` m/s on the mean are left out.
     """
     if duration <= 0.0 or every <= 0.0:
         raise ValueError("`duration` and `every` must be above zero")
+    overlapping(drive)
     speed_time, speed = speeds(drive)
     moved = np.flatnonzero(speed > 3.0)
     if not moved.size:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.navigation import gross
+from imu_lib.navigation import gross, windows
 from imu_lib.readers.drive_units import ALIKE, turn_ratio
 from imu_lib.units import DEG
 
@@ -16,7 +16,9 @@ GRAVITY = (5.0, 16.0)  # m/s^2, what a moving car feels in the median
 def check(drive):
     """InputError where a drive has too little to be searched, or its units are not those of SI."""
     name = drive.source or drive.name or "the drive"
-    fixes = int(np.isfinite(drive.gnss_position).all(axis=1).sum())
+    windows.overlapping(drive)
+    inside = (drive.gnss_time >= drive.time[0]) & (drive.gnss_time <= drive.time[-1])
+    fixes = int((np.isfinite(drive.gnss_position).all(axis=1) & inside).sum())
     if gross.velocities_swapped(drive):
         raise InputError(
             f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the third's sign."
@@ -27,12 +29,16 @@ def check(drive):
         )
     if drive.duration < SHORTEST or fixes < FEWEST:
         raise InputError(
-            f"{name}: {drive.duration:.0f} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
+            f"{name}: {drive.duration:.3g} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
         )
     felt = float(np.median(np.linalg.norm(drive.accel, axis=1)))
     if not GRAVITY[0] < felt < GRAVITY[1]:
         raise InputError(
             f"{name}: the accelerometers read {felt:.3g} in the median, where a car feels 9.8 m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`."
+        )
+    if gross.forces_reversed(drive):
+        raise InputError(
+            f"{name}: the accelerometers have all signs turned: they read gravity, and not the specific force, its opposite; multiply `accel` by -1."
         )
     ratio = turn_ratio(drive)
     if ratio is not None and ratio < DEG * ALIKE:

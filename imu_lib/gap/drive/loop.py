@@ -17,12 +17,22 @@ from imu_lib.navigation import gross
 from imu_lib.navigation.held import Held
 from imu_lib.units import DEG
 
-from . import admission, base_model, columns, correct, outage, search, steps, vehicle
+from . import (
+    admission,
+    base_model,
+    columns,
+    correct,
+    evidence,
+    outage,
+    search,
+    select,
+    steps,
+    vehicle,
+)
 from .battery import battery
 from .problem import Noise, turn_on_of, with_constants
 
 SEEN = 0.1  # s: from this offset of the fixes on, the search starts where the turns match best
-UNSURE = 3.0  # gap index above which innovations are far from white, and no name is sure
 
 
 @dataclass(frozen=True)
@@ -124,7 +134,8 @@ def close(
         given_yaw = float(drive.reference_attitude[0, 2])
     if given_yaw is not None:
         apart = vehicle.heading_error(state.problem, given_yaw, mount, state.noise)
-        found += [] if apart is None else steps.heading(*apart, after)
+        whose = "" if heading is not None else " by the reference's first attitude"
+        found += [] if apart is None else steps.heading(*apart, after, whose)
     steps.arm_of_vehicle(found, right, mount)
     fitted = [] if given else _ratios(noise, drive)
     original = original.with_drive(tuple(fitted))
@@ -140,19 +151,16 @@ def close(
     if result is not None and (result.ratio() or {"low": 0.0})["low"] > 1.0:
         # nothing is taken that does not predict what the search has not seen
         whole, unexplained = original, steps.worse(found, result.ratio()["value"], unexplained)
-    elif found and result is not None and (result.ratio() or {"value": 0.0})["value"] > 1.0:
-        ratio = result.ratio()
-        notes.append(
-            "What was found makes the innovations righter, but not the withheld outages better: their errors are "
-            f"{ratio['value']:.2g} times those before [{ratio['low']:.2g}, {ratio['high']:.2g}]."
-        )
+    elif result is not None and result.ratio():
+        notes += evidence.unproven(found, result.ratio())
     strange = state.restarts or any(e.startswith("other: ") for e in state.kept)
     absurd = steps.absurd(found)
     unexplained = "; ".join(t for t in (absurd, unexplained) if t) or None
     strange = strange or absurd is not None
-    if after.index > UNSURE or strange:
-        for step in found:
-            step["confidence"] = min(step["confidence"], 0.8)
+    if after.index > evidence.UNSURE or strange:
+        evidence.sober(found, after.index)
+    notes += evidence.share(found, select.ridges(state.reg, state.kept))
+    notes += evidence.widening(found)
     return DriveReport(
         drive, given, tuple(found), tuple(steps.invisible(state, turned)), whole, before, after, result,
         unexplained, tuple(notes), state, first,

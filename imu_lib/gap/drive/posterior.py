@@ -12,14 +12,15 @@ from .side_by_side import each
 
 STEPS = {1: np.linspace(-3.0, 3.0, 9), 2: np.linspace(-2.5, 3.5, 7)}  # standard deviations
 FINE = 121
+CLIMBS = 8  # grids until the likelihood's maximum lies within one
 LEVELS = (0.025, 0.975)
 
 
 def intervals(state, found):
     """95 % intervals of the parameters of an accepted change, {name: [low, high]}; its values become
-    the medians where they were fitted to a part of the drive.
+    the medians where they were fitted to a part of the drive, or on a path that has moved since.
     """
-    centre = np.log(found.values)
+    centre, moved = np.log(found.values), False
 
     def at(x):
         noise = found.change.enter(state.noise, np.exp(x))
@@ -27,11 +28,14 @@ def intervals(state, found):
         value = state.evaluate(noise).log_likelihood - pull
         return value if np.isfinite(value) else -1e12
 
-    axes = _axes(at, centre)
     steps = STEPS[min(centre.size, 2)]
-    shape = [steps.size] * centre.size
-    points = [centre + axes @ steps[list(p)] for p in np.ndindex(*shape)]
-    grid = np.array(each(at, points)).reshape(shape)
+    for _ in range(CLIMBS):
+        axes, points, grid = _grid(at, centre, steps)
+        best = np.array(np.unravel_index(grid.argmax(), grid.shape))
+        if np.all((best > 0) & (best < steps.size - 1)):
+            break
+        # the path has moved since the values were fitted: the likelihood lies elsewhere
+        centre, moved = points[grid.argmax()], True
     fine = np.linspace(steps[0], steps[-1], FINE)
     if centre.size == 1:
         dense = make_interp_spline(steps, grid)(fine)
@@ -41,10 +45,17 @@ def intervals(state, found):
     mesh = np.stack(np.meshgrid(*[fine] * centre.size, indexing="ij"), -1).reshape(-1, centre.size)
     values = centre + mesh @ axes.T
     bounds = np.array([_quantiles(v, weight.ravel()) for v in values.T])
-    if state.problem.brief() is not state.problem:
+    if moved or state.problem.brief() is not state.problem:
         found.values = np.exp([_quantiles(v, weight.ravel(), (0.5,))[0] for v in values.T])
     low, high = (found.change.describe(np.exp(b)) for b in bounds.T)
     return {k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]}
+
+
+def _grid(at, centre, steps):
+    """Principal axes about a centre, the points of the grid along them, and the likelihood there."""
+    axes, shape = _axes(at, centre), [steps.size] * centre.size
+    points = [centre + axes @ steps[list(p)] for p in np.ndindex(*shape)]
+    return axes, points, np.array(each(at, points)).reshape(shape)
 
 
 def _quantiles(values, weight, levels=LEVELS):

@@ -33,6 +33,33 @@ LIMIT = np.array(
 )
 
 
+#: An error of a reading that is constant and one that grows with it: on a level road the force along
+#: an axis hardly changes, so that the two are one ridge and may each be anything.
+_CONSTANT = {"accel_bias": "accel_scale", "gyro_bias": "gyro_scale"}
+#: (bias, scale) columns of the same axis.
+PAIRS = tuple(pair for b, s in _CONSTANT.items() for pair in zip(GROUPS[b], GROUPS[s], strict=True))
+ALONG = 0.9  # correlation of two values from which on they are one ridge
+#: Standard deviations of their priors beyond which both lie, of sensors as they are, once in 400.
+BOTH = 2.0
+
+
+def cancelling(index, x, cov):
+    """Mask of the values of a set that only make up for another's: of a bias and a scale factor of one
+    axis, both larger than sensors have, that lie apart along their common ridge, the scale factor.
+    """
+    out = np.zeros(len(index), bool)
+    place = {int(i): k for k, i in enumerate(index)}
+    for bias, scale in PAIRS:
+        if bias not in place or scale not in place:
+            continue
+        b, s = place[bias], place[scale]
+        if min(abs(x[b]) / PRIOR[bias], abs(x[s]) / PRIOR[scale]) < BOTH:
+            continue
+        common = cov[b, s] / np.sqrt(cov[b, b] * cov[s, s])
+        out[s] = abs(common) > ALONG and common * x[b] * x[s] > 0.0
+    return out
+
+
 @dataclass(frozen=True)
 class Regression:
     """Information (P, P) and score (P,) of all columns, for total values; temper: by how much
@@ -53,7 +80,7 @@ class Regression:
         x, cov, gain = self._solved(index)
         part = np.ones(index.size, bool)
         for _ in range(4):
-            away = np.abs(x) > LIMIT[index]
+            away = (np.abs(x) > LIMIT[index]) | cancelling(index, x, cov)
             if not away.any():
                 break
             # what asks for such a value is something else: nothing is known of this one
@@ -103,6 +130,24 @@ def regression(problem, result, theta, use) -> Regression:
     ratios = np.sum(sums[:, seen] ** 2, axis=0) / np.diag(information)[seen]
     temper = max(1.0, float(np.mean(left**2)), float(np.median(ratios)))
     return Regression(information, score, temper, e.size)
+
+
+def ridges(reg, kept):
+    """{(effect, rival): axis}: of those held, what a bias and a scale factor of one axis would make up
+    for in each other if they were free.
+    """
+    out = {}
+    for bias, scale in PAIRS:
+        names = columns.ALL[bias].effect, columns.ALL[scale].effect
+        if not set(names) & set(kept):
+            continue
+        index = [i for e in dict.fromkeys((*kept, *names)) for i in GROUPS[e]]
+        index = np.array([i for i in index if reg.information[i, i] > 0.0])
+        x, cov, _ = reg._solved(index)
+        if cancelling(index, x, cov).any() and scale in index[cancelling(index, x, cov)]:
+            axis = columns.ALL[bias].component[-1]
+            out |= {pair: axis for pair in (names, names[::-1]) if pair[0] in kept}
+    return out
 
 
 #: Effects that are one ridge on many drives: what is said of one is said with the other free.

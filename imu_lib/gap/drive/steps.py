@@ -184,13 +184,15 @@ def mounting(turned, after):
     ]
 
 
-def heading(apart, sd, after):
-    """The step, in a list, where the heading given at the start is wrong beyond doubt."""
+def heading(apart, sd, after, whose=""):
+    """The step, in a list, where the heading given at the start is wrong beyond doubt; whose: words
+    for where it was given.
+    """
     sd = float(np.hypot(sd, 2.0 * DEG))
     if abs(apart) < 5.0 * sd:
         return []
     gain = 0.5 * (apart / sd) ** 2
-    where = f"the path's own heading at the start, carried back by the gyros, is {abs(apart) / DEG:.0f} deg off the one given"
+    where = f"the path's own heading at the start, carried back by the gyros, is {abs(apart) / DEG:.0f} deg off the one given{whose}"
     return [
         _step(
             "heading",

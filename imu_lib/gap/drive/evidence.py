@@ -1,0 +1,60 @@
+"""How sure a name may be where the filter stays wrong, and what is said of steps that do not help."""
+
+import numpy as np
+
+UNSURE = 3.0  # gap index above which innovations are far from white, and no name is sure
+FAR = 0.8  # no name is surer where they are
+EVEN = 0.5  # two names that the drive cannot tell
+WIDER = 0.05  # of the gap index: what its one printed decimal shows
+#: Found on the path or before it, with standard deviations of their own: not by the innovations' sum.
+_ELSEWHERE = ("axes", "mounting", "heading")
+
+
+def sober(found, index):
+    """Lower the confidences where innovations lie `index` times as far from white ones as chance does:
+    a score is then wrong by as many standard deviations, and nats count for their square less.
+    """
+    for step in found:
+        nats = step["log_likelihood_gain"] / max(index, 1.0) ** 2
+        says = FAR if step["effect"] in _ELSEWHERE else 1.0 / (1.0 + np.exp(-min(nats, 700.0)))
+        step["confidence"] = float(min(step["confidence"], FAR, says))
+
+
+def share(found, ridges):
+    """Name the two ends of a ridge in each other's steps; what is said of them."""
+    out = []
+    for step in found:
+        for (effect, rival), axis in ridges.items():
+            if effect != step["effect"]:
+                continue
+            if rival not in step["indistinguishable"]:
+                step["indistinguishable"].append(rival)
+            step["confidence"] = min(step["confidence"], EVEN)
+            said = (
+                f"{' and '.join(sorted((effect, rival)))} {axis} cannot be told apart on this drive: free, the two would take "
+                "values that sensors do not have and that make up for each other; one stands for what they do together."
+            )
+            out += [said] if said not in out else []
+    return out
+
+
+def widening(found):
+    """What is said of steps that are kept although the gap index widens with them, in a list."""
+    wide = [s for s in found if s["gap_after"] > s["gap_before"] + WIDER]
+    if not wide:
+        return []
+    told = ", ".join(f"{s['effect']} ({s['gap_before']:.1f} to {s['gap_after']:.1f})" for s in wide)
+    return [
+        f"The gap index widens with {told}: kept because the likelihood of the innovations grows, which decides; the index also "
+        "counts what such an effect had hidden, and what is left is no better known."
+    ]
+
+
+def unproven(found, ratio):
+    """What is said where withheld outages do not show that the effects found help, in a list."""
+    if not found or not ratio["low"] <= 1.0 <= ratio["high"]:
+        return []
+    return [
+        "What was found makes the innovations righter; that it makes withheld outages better is not proven: their errors are "
+        f"{ratio['value']:.2g} times those before [{ratio['low']:.2g}, {ratio['high']:.2g}]."
+    ]

@@ -1,0 +1,137 @@
+"""How sure a drive's findings are, and what is said of those that do not help or cannot be told apart."""
+
+from types import SimpleNamespace
+
+import drive_generator as generator
+import numpy as np
+import pytest
+
+from imu_lib.cli import gap_drive as told
+from imu_lib.drive import from_arrays
+from imu_lib.errors import InputError
+from imu_lib.gap.drive import admission, columns, evidence, posterior, select
+from imu_lib.health.driven import disagreements
+from imu_lib.navigation import gross, windows
+
+RIGHT = generator.make(21, duration=200.0)
+BIAS, SCALE = columns.of("accel_bias")[2], columns.of("accel_scale")[2]
+KEPT = ("accel_bias", "accel_scale")
+INDEX = [i for e in KEPT for i in select.GROUPS[e]]
+
+
+def level(bias, scale):
+    """Regression of a level road: the force along z is 9.8 m/s^2 and changes by a little."""
+    count = len(columns.ALL)
+    force = np.zeros((2000, count))
+    force[:, BIAS] = 1.0
+    force[:, SCALE] = -9.8 + 0.5 * np.sin(np.arange(2000) / 30.0)
+    y = force @ np.eye(count)[BIAS] * bias + force @ np.eye(count)[SCALE] * scale
+    return select.Regression(200.0 * force.T @ force, 200.0 * force.T @ y, 1.0, 2000)
+
+
+def test_a_bias_and_a_scale_factor_that_cancel_are_one():
+    x, _, _ = (reg := level(1.4, 0.11)).solve(INDEX)
+    assert x[INDEX.index(SCALE)] == 0.0
+    # what they do together stays
+    assert x[INDEX.index(BIAS)] == pytest.approx(1.4 - 9.8 * 0.11, abs=0.02)
+    ridges = select.ridges(reg, KEPT)
+    assert ridges == {KEPT: "z", KEPT[::-1]: "z"}
+    found = [{"effect": "accel_bias", "indistinguishable": [], "confidence": 0.99}]
+    assert "accel_bias and accel_scale z" in evidence.share(found, ridges)[0]
+    assert found[0]["indistinguishable"] == ["accel_scale"] and found[0]["confidence"] <= 0.5
+
+
+@pytest.mark.parametrize(("bias", "scale"), [(0.3, 0.03), (1.4, -0.11), (0.0, 0.11)])
+def test_values_that_sensors_have_or_that_do_not_cancel_stay(bias, scale):
+    reg = level(bias, scale)
+    x, _, _ = reg.solve(INDEX)
+    assert x[INDEX.index(SCALE)] == pytest.approx(scale, abs=0.005)
+    assert not select.ridges(reg, KEPT)
+
+
+def test_confidence_follows_the_evidence_where_the_filter_stays_wrong():
+    found = [
+        {"effect": e, "log_likelihood_gain": g, "confidence": 0.999}
+        for e, g in (("imu_clock", 24.0), ("gnss_correlated", 145136.0), ("mounting", 500.0))
+    ]
+    evidence.sober(found, 43.6)
+    few, many, elsewhere = (s["confidence"] for s in found)
+    assert few < 0.55 and many == elsewhere == evidence.FAR
+
+
+def test_steps_that_do_not_help_are_said():
+    found = [
+        {"effect": "gnss_correlated", "gap_before": 53.9, "gap_after": 73.4},
+        {"effect": "gnss_noise", "gap_before": 73.4, "gap_after": 48.0},
+    ]
+    (said,) = evidence.widening(found)
+    assert "gnss_correlated (53.9 to 73.4)" in said and "gnss_noise" not in said
+    assert not evidence.widening(found[1:])
+    assert "not proven" in evidence.unproven(found, {"value": 0.85, "low": 0.5, "high": 1.4})[0]
+    assert not evidence.unproven(found, {"value": 0.2, "low": 0.1, "high": 0.5})
+
+
+def test_an_interval_goes_where_the_path_has_moved_the_likelihood():
+    # fitted at 0.51 on a path since built anew: the likelihood now lies at 0.486, and narrow
+    def evaluate(x):
+        return SimpleNamespace(log_likelihood=-0.5 * ((np.log(x) - np.log(0.486)) / 0.004) ** 2)
+
+    whole = SimpleNamespace()
+    whole.brief = lambda: whole
+    state = SimpleNamespace(evaluate=evaluate, noise=None, problem=whole)
+    change = SimpleNamespace(
+        start=(0.51,), enter=lambda noise, v: float(v[0]), describe=lambda v: {"ratio": float(v[0])}
+    )
+    found = SimpleNamespace(change=change, values=np.array([0.51]))
+    low, high = posterior.intervals(state, found)["ratio"]
+    assert low < found.values[0] < high
+    assert (low, high) == pytest.approx(
+        (0.486 * np.exp(-0.00784), 0.486 * np.exp(0.00784)), abs=3e-4
+    )
+
+
+@pytest.mark.parametrize("first", [("+y", "-x", "+z"), ("-y", "-x", "+z")])
+def test_no_mirror_image_is_a_rival_of_a_rigid_case(first, monkeypatch):
+    mirror, other = (first[0], "+x", "+z"), ("-x", "-y", "+z")
+    nats = {first: 0.0, mirror: 500.0, other: 800.0}
+
+    def costs(m, tried):
+        return {p: nats.get(p, 5e4) for p in tried}
+
+    monkeypatch.setattr(gross, "motion", lambda d: SimpleNamespace(moving=np.ones(1000, bool)))
+    monkeypatch.setattr(gross, "_costs", costs)
+    monkeypatch.setattr(gross, "MIRRORED", 0.0)
+    found, _, rival, _, _ = gross.axes(None)
+    # a file with a wrong sign has left-handed axes: then every case is a rival
+    assert found == first and rival == (mirror if gross.mirrored(first) else other)
+
+
+def test_accelerometers_with_all_signs_turned_are_refused():
+    drive = from_arrays(RIGHT, "x")
+    admission.check(drive)
+    with pytest.raises(InputError, match="multiply `accel` by -1"):
+        admission.check(drive.with_(accel=-drive.accel))
+
+
+def test_fixes_and_readings_that_do_not_overlap_are_said():
+    away = from_arrays({**RIGHT, "gnss_time": RIGHT["gnss_time"] + 5000.0}, "x")
+    for ask in (admission.check, windows.regular_windows):
+        with pytest.raises(InputError, match="do not overlap"):
+            ask(away)
+
+
+def test_stamps_less_than_half_a_second_late_are_said():
+    late = " ".join(
+        disagreements(from_arrays({**RIGHT, "gnss_time": RIGHT["gnss_time"] + 0.4}, "x"))
+    )
+    assert "s late against the IMU" in late
+    assert not disagreements(from_arrays(RIGHT, "x"))
+
+
+def test_a_finding_says_who_is_late():
+    step = {"effect": "gnss_time_offset", "parameters": {"offset": 0.534}}
+    assert "fixes are stamped 0.534 s late" in told.sentence(step)
+    step["parameters"]["offset"] = -0.2
+    assert "0.2 s early" in told.sentence(step) and "after t" in told.sentence(step)
+    unseen = ({"effect": "accel_scale", "parameter": f"scale {a}"} for a in "yz")
+    assert told._unseen(unseen) == ["accel_scale (y z)"]
