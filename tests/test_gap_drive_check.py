@@ -27,6 +27,7 @@ def test_a_right_drive_says_nothing():
         ("late", {"gnss_time": RIGHT["gnss_time"] + 2.0}),
         ("forward, right, down", {k: RIGHT[k][:, [1, 0, 2]] * [1, -1, 1] for k in ("gyro", "accel")}),
         ("deg/s", {"gyro": RIGHT["gyro"] * 180 / np.pi}),
+        ("all signs turned", {"accel": -RIGHT["accel"]}),
         ("Gravity", {"accel": RIGHT["accel"] * 0.96}),
         ("east, north, up", {"gnss_velocity": RIGHT["gnss_velocity"][:, [1, 0, 2]] * [1, 1, -1]}),
         ("too small", {"gnss_position_sd": RIGHT["gnss_position_sd"] * 0.1}),

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import drive_generator as generator
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from imu_lib.cli import gap_drive as told
 from imu_lib.drive import from_arrays
@@ -111,6 +112,11 @@ def test_accelerometers_with_all_signs_turned_are_refused():
     admission.check(drive)
     with pytest.raises(InputError, match="multiply `accel` by -1"):
         admission.check(drive.with_(accel=-drive.accel))
+    # in a case that leans by 10 degrees
+    leaning = Rotation.from_euler("YX", [0.18, -0.14]).as_matrix()
+    leant = drive.with_(gyro=drive.gyro @ leaning, accel=drive.accel @ leaning)
+    assert not gross.forces_reversed(leant)
+    assert gross.forces_reversed(leant.with_(accel=-leant.accel))
 
 
 def test_fixes_and_readings_that_do_not_overlap_are_said():

@@ -25,6 +25,11 @@ def disagreements(drive: Drive) -> list[str]:
             "The fixes' velocities are east, north, up; a drive holds north, east, down: swap the first two and turn the third's sign."
         ]
     out = []
+    if gross.forces_reversed(drive):
+        drive = drive.with_(accel=-drive.accel)
+        out.append(
+            "The accelerometers have all signs turned: they read gravity, and not the specific force, its opposite; multiply `accel` by -1."
+        )
     permutation, _, _, gain, _ = gross.axes(drive)
     right = drive
     if permutation != gross.IDENTITY:

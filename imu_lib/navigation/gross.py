@@ -22,6 +22,7 @@ FORCE_SD, RATE_SD = 0.5, 0.05  # m/s^2 and rad/s by which a real vehicle departs
 LATEST, FURTHEST = 12.0, 90.0  # s: where a match is looked for, and where else if there is none
 MATCHED = 2.0  # nats: chance alone, of one shift, exceeds them once in twenty
 SURE_MATCH = 0.7  # correlation that a match further away needs
+LEANING = 2.5  # m/s^2: a case tilted by 15 degrees
 FAR_OFF = 12.0  # times the median distance of a fix from the middle of its neighbours
 ROLLING, OPPOSED = 1.0, -0.7  # m of heights that tell, and a correlation that no road has
 IDENTITY = ("+x", "+y", "+z")
@@ -178,13 +179,16 @@ def forces_reversed(drive: Drive) -> bool:
     if m is None or m.moving.sum() < 50:
         return False
     turned = replace(m, readings=m.readings * np.repeat([1.0, -1.0], 3))
-    there = min(_costs(turned, (p for p in everything() if not mirrored(p))).values())
-    here = min(_costs(m, everything()).values())
+    rigid = (p for p in everything() if not mirrored(p))
+    there = min(_costs(turned, rigid, LEANING).values())
+    here = min(_costs(m, everything(), LEANING).values())
     return (here - there) / _temper(m, there) > CLEAR
 
 
-def _costs(m, tried):
-    """{permutation: misfit, nats as if samples were independent, at the best of a few seconds}."""
+def _costs(m, tried, leaning=0.0):
+    """{permutation: misfit, nats as if samples were independent, at the best of a few seconds};
+    leaning: m/s^2 by which a tilted case or a bias may move each force.
+    """
     shifts = sorted((int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)), key=abs)
     readings = m.readings.copy()
     if (~m.moving).sum() > 50:
@@ -193,7 +197,7 @@ def _costs(m, tried):
     for permutation in tried:
         c = to_body(permutation)
         body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
-        out[permutation] = min(_cost(m, body, k) for k in shifts)
+        out[permutation] = min(_cost(m, body, k, leaning) for k in shifts)
     return out
 
 
@@ -242,12 +246,14 @@ def everything():
             yield tuple(s + a for s, a in zip(signs, order))
 
 
-def _cost(m, body, shift):
+def _cost(m, body, shift, leaning=0.0):
     n = m.time.size
     a = slice(max(shift, 0), n + min(shift, 0))
     b = slice(max(-shift, 0), n - max(shift, 0))
     keep = m.moving[a]
     apart = (m.expected[a] - body[b])[keep]
+    if leaning and len(apart):
+        apart[:, 3:] -= np.clip(np.median(apart[:, 3:], axis=0), -leaning, leaning)
     z = apart / np.repeat([RATE_SD, FORCE_SD], 3)
     z = np.abs(z)
     huber = np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5)
