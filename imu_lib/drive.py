@@ -74,7 +74,11 @@ class Drive:
                 continue
             value = frozen_array(value, key, (-1,))
             if len(value) < 2 or not np.isfinite(value).all() or (np.diff(value) <= 0).any():
-                raise ValueError(f"`{key}` must hold at least two rising times in seconds")
+                what = {"time": "samples", "gnss_time": "fixes"}.get(key, "points of the reference")
+                raise ValueError(
+                    f"`{key}` must hold at least two rising times in seconds and holds {len(value)}; "
+                    f"write the times of all {what} there"
+                )
             put(self, key, value)
         for key, clock in _SHAPES.items():
             value = getattr(self, key)

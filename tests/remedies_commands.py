@@ -2,6 +2,9 @@
 
 # fmt: off
 CASES = [
+    ("is a record without fixes, and this is of a drive; leave it out, or add the fixes with --gnss FILE.",
+     "gap {0}/fine.npz --heading 40",
+     "gap {0}/nothing.npz --gnss {0}/fixes.pos --heading 40"),
     ("is no table of records: give a folder of them, or a .csv with one record a line (file, sensor, date); ",
      "fleet {0}/parked.npz --out {0}/fleet_of_one",
      "characterise {0}/nothing.npz"),

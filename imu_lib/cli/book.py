@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.cli import common, named
+from imu_lib.cli.opening import READING
 from imu_lib.errors import InputError
 
 NAME = "book"
@@ -90,6 +91,11 @@ def _drive(args):
 
     if not args.file or not _has_gnss(args.file):
         return None
+    common.refuse_without_effect(
+        args,
+        ("only", "start", "stop", *READING),
+        f"the book takes the drive {args.file} as it stands; leave it out.",
+    )
     from imu_lib.readers import read_drive
 
     return read_drive(args.file)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from imu_lib.cli import common
+from imu_lib.cli import common, drives
 from imu_lib.errors import InputError
 
 NAME = "check"
@@ -43,7 +43,7 @@ def look(args):
         raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
     options = common.record_options(args)
     if args.file and (args.gnss or _has_gnss(args.file)):
-        options.pop("only", None)
+        common.refuse_without_effect(args, ("only",), drives.BOTH)
         found = health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options))
         return found, readers.read_raw(args.file, columns=args.columns, topic=args.topic).described
     if args.file and not getattr(args, "only", None):

@@ -18,6 +18,7 @@ from imu_lib.cli.opening import (  # noqa: F401 - part of what is shared
     open_record,
     reading_options,
     record_options,
+    refuse_without_effect,
 )
 from imu_lib.cli.outputs import (  # noqa: F401 - part of what is shared
     atomic_folder,
@@ -47,6 +48,14 @@ def positive(text: str) -> float:
     return value
 
 
+def from_zero(text: str) -> float:
+    """An argparse type: s from the first sample, which lies at 0."""
+    value = number(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} is below 0, where the first sample lies")
+    return value
+
+
 def add_record_arguments(
     parser: argparse.ArgumentParser, *, positional: str | None = "FILE", required: bool = True
 ) -> None:
@@ -71,12 +80,12 @@ def add_record_arguments(
     )
     group.add_argument(
         "--start",
-        type=number,
+        type=from_zero,
         metavar="S",
         help="leave out what comes before, s from the first sample",
     )
     group.add_argument(
-        "--stop", type=number, metavar="S", help="leave out what comes from here on, s"
+        "--stop", type=from_zero, metavar="S", help="leave out what comes from here on, s"
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from imu_lib.cli import common
+from imu_lib.cli.opening import READING
 from imu_lib.errors import InputError
 
 NAME = "compare"
@@ -26,6 +27,9 @@ def run(args):
     common.check_writable(args.json)
     if args.gyro or args.accel:
         raise InputError("compare takes two files, A and B; --gyro and --accel do not apply to it.")
+    if _is_model(args.a) and _is_model(args.b):
+        keys = [k for k in (*READING, "only", "start", "stop") if k != "rate"]
+        common.refuse_without_effect(args, keys, "A and B are models, not records; leave it out.")
     a, b = (_open(args, path) for path in (args.a, args.b))
     try:
         result = compare(
@@ -41,10 +45,14 @@ def run(args):
         print(report(result, args.a, args.b))
 
 
+def _is_model(path) -> bool:
+    return path.startswith("preset:") or Path(path).suffix.lower() == ".json"
+
+
 def _open(args, path):
     from imu_lib.model import Model
 
-    if path.startswith("preset:") or Path(path).suffix.lower() == ".json":
+    if _is_model(path):
         return Model.load(path)
     args.file = path
     return common.open_either(args)

@@ -8,6 +8,9 @@ import sys
 
 from imu_lib.cli import common
 
+#: Why a flag that takes one sensor is refused.
+BOTH = "a drive needs gyro and accelerometer; leave it out."
+
 
 def opened(path: str | os.PathLike[str], args: argparse.Namespace):
     """The `Drive` at `path` by the parsed flags; what reading did to it is told on standard error."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from imu_lib.cli import common, named
 from imu_lib.errors import InputError
+from imu_lib.fleet.manifest import TABLE
 
 NAME = "fleet"
 #: Names of the files in --out DIR.
@@ -62,6 +63,7 @@ def run(args):
     reading = ("rate", "time_unit", "gyro_unit", "accel_unit", "columns")
     entries = fleet.entries(args.records, **{key: getattr(args, key) for key in reading})
     named.refuse_overwriting(args, [e.path for e in entries])
+    _some_there(entries)
     out.mkdir(exist_ok=True)
     left = len(fleet.Ledger(out, entries, gap=args.gap).open())
     done = len(entries) - left
@@ -71,8 +73,34 @@ def run(args):
         file=sys.stderr,
     )
     _characterised(args, fleet, entries, out, left)
-    _told(args, fleet, out)
+    _told(args, fleet, out, entries)
     return 0
+
+
+def _some_there(entries):
+    """InputError, before anything is written, where no file of the fleet exists."""
+    if not any(Path(e.path).exists() for e in entries):
+        first = entries[0]
+        raise InputError(
+            f"{first.where + ': ' if first.where else ''}{first.path} does not exist{_nor(entries)}; "
+            "correct the path (it counts from the manifest's folder)."
+        )
+
+
+def _some_read(entries, table):
+    """InputError where no record of the fleet could be read: a table of nothing is no result."""
+    wrong = dict(zip(table["file"], table["error"]))
+    if not all(isinstance(wrong.get(e.file), str) for e in entries):
+        return
+    first = entries[0]
+    raise InputError(
+        f"No record of the fleet could be used; {first.where + ': ' if first.where else ''}{wrong[first.file]}"
+    )
+
+
+def _nor(entries) -> str:
+    others = len(entries) - 1
+    return f", nor does any of the other {others:,}" if others else ""
 
 
 def _characterised(args, fleet, entries, out, left):
@@ -82,7 +110,7 @@ def _characterised(args, fleet, entries, out, left):
         bar.update(1)
         wrong = next((row["error"] for row in rows if row["error"]), None)
         if wrong:
-            print(f"left out: {wrong}", file=sys.stderr)
+            print(f"left out: {entry.where + ': ' if entry.where else ''}{wrong}", file=sys.stderr)
 
     try:
         fleet.characterise(
@@ -97,8 +125,13 @@ def _characterised(args, fleet, entries, out, left):
         bar.close()
 
 
-def _told(args, fleet, out):
+def _told(args, fleet, out, entries):
     table = fleet.load(out)
+    try:
+        _some_read(entries, table)
+    except InputError:
+        (out / TABLE).unlink(missing_ok=True)
+        raise
     summary = fleet.summary(table)
     common.write_json(summary, out / "fleet.json")
     if summary.model is not None:

@@ -80,6 +80,12 @@ def run(args) -> int:
 
     if gap_drive.asked(args):
         return gap_drive.run(args, model)
+    common.refuse_without_effect(
+        args,
+        ("heading", "gnss_offset"),
+        f"{args.file or args.gyro or args.accel} is a record without fixes, and this is of a drive; leave it out, or add "
+        "the fixes with --gnss FILE.",
+    )
     record = common.open_either(args)
     if model is not None:
         absent = [c for c in record.channel_names if c not in model]

@@ -27,6 +27,10 @@ def run(args, model) -> int:
     from imu_lib.cli import common, drives
     from imu_lib.gap import drive as gap_drive
 
+    common.refuse_without_effect(args, ("only",), drives.BOTH)
+    for flag, given in (("--simulations", args.simulations != 100), ("--jobs", args.jobs)):
+        if given:
+            print(f"note: {flag} has no effect on a drive.", file=sys.stderr)
     drive = drives.opened(args.file, args)
     heading = None if args.heading is None else args.heading * DEG
     found = gap_drive.close(drive, model, seed=args.seed, heading=heading, say=_say)

@@ -25,6 +25,14 @@ def record_options(args: argparse.Namespace) -> dict:
     return {k: getattr(args, k) for k in keys if getattr(args, k, None) not in (None, False)}
 
 
+def refuse_without_effect(args: argparse.Namespace, keys, why: str) -> None:
+    """InputError where a flag of `keys` is given that the call cannot heed; `why` says so of it."""
+    given = [k for k in keys if getattr(args, k, None) not in (None, False)]
+    if given:
+        flags = " and ".join(f"--{k.replace('_', '-')}" for k in given)
+        raise InputError(f"{flags}: {why}")
+
+
 def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool = True, **more):
     """The record of parsed flags; what reading did to it is told on standard error.
 

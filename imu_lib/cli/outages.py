@@ -39,7 +39,10 @@ def add_arguments(parser):
     )
     for flag, what in (("--start", "what comes before"), ("--stop", "what comes from here on")):
         group.add_argument(
-            flag, type=common.number, metavar="S", help=f"leave out {what}, s from the first sample"
+            flag,
+            type=common.from_zero,
+            metavar="S",
+            help=f"leave out {what}, s from the first sample",
         )
     common.add_json_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="write result.json and figures here")

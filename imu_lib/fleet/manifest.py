@@ -40,6 +40,7 @@ class Entry:
     sensor: str
     date: str
     options: tuple
+    where: str = ""  # the manifest's line, for messages
 
     @property
     def reading(self) -> dict:
@@ -141,7 +142,8 @@ def _of_table(path, options):
                 f"{path}, line {line}: the date {date!r} is not of the form 2024-05-01."
             )
         place = Path(name) if Path(name).is_absolute() else path.parent / name
-        out.append(Entry(name, str(place), sensor, date, _pairs({**options, **own})))
+        where = f"{path}, line {line}"
+        out.append(Entry(name, str(place), sensor, date, _pairs({**options, **own}), where))
     return out
 
 

@@ -207,7 +207,8 @@ class Model:
             ) from None
         except json.JSONDecodeError as error:
             raise InputError(
-                f"{path}, line {error.lineno}, column {error.colno}: not valid JSON ({error.msg})"
+                f"{path}, line {error.lineno}, column {error.colno}: not valid JSON ({error.msg}); the file is damaged or cut off: "
+                "write it anew, or give preset:NAME"
             ) from None
         return cls.from_json(content, where=str(path))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -192,10 +193,41 @@ def by_position(
             or told.quantity == "part"
         ):
             raise InputError(
-                f"--columns: {name!r} is no column name; use time, date, clock, temperature, counter, gyro_x .. gyro_z, accel_x .. accel_z, "
+                f"--columns: {name!r} is no column name{_nearest(name)}; use time, date, clock, temperature, counter, gyro_x .. gyro_z, accel_x .. accel_z, "
                 "dtheta_x .. dtheta_z, dv_x .. dv_z or -."
+            )
+        if _is_slip(name, told):
+            raise InputError(
+                f"--columns: {name!r} looks like a slip for {told.canonical}; write {told.canonical}, or - to skip it."
             )
         out.append(replace(told, why=f"--columns names it {name}"))
     if not any(m.quantity in SIGNALS for m in out):
         raise InputError("--columns names no signal; at least one of gyro_x .. accel_z is needed.")
     return out
+
+
+#: Words that --columns takes; what merely resembles one is a slip, not a name.
+_WORDS = ("time", "date", "clock", "temperature", "counter", "gyro", "accel", "dtheta", "dv")
+_SHORT = ("acc", "gyr")
+
+
+def _word(name: str) -> str:
+    return re.sub(r"[_ .-]?[xyz0-3]$", "", re.sub(r"[\[(].*$", "", name).strip().lower())
+
+
+def _is_slip(name: str, told: Meaning) -> bool:
+    """Whether a name that the call gives is a misspelled one, which a file's heading may be."""
+    word = _word(name)
+    if word in (*_WORDS, *_SHORT):
+        return False
+    return "misspelled" in told.why or bool(difflib.get_close_matches(word, _WORDS, 1, 0.75))
+
+
+def _nearest(name: str) -> str:
+    """The name that was likely meant, ready to be put into the sentence; empty where none is near."""
+    word, axis = _word(name), re.search(r"[xyz]$", re.sub(r"[\[(].*$", "", name).strip().lower())
+    near = difflib.get_close_matches(word, _WORDS, 1, 0.6)
+    if not near:
+        return ""
+    signal = near[0] in (*SIGNALS, "dtheta", "dv")
+    return f" ({near[0]}{f'_{axis[0]}' if axis and signal else ''} is near)"

@@ -79,7 +79,7 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
         )
     values = np.asarray(rows, dtype=np.float64)
     own = np.asarray(stamp, dtype=np.int64)
-    raw = Raw(str(path), received=True)
+    raw = Raw(str(path), received=True, has_topics=True)
     # a driver that does not stamp leaves zeros; a simulated clock that begins at 0 goes on
     if (own == own[0]).all() or (own == 0).mean() > 0.5:
         raw.add(

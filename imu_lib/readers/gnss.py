@@ -89,7 +89,9 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
         time.append(t - (LEAP_SECONDS if gpst else 0))
         values.append(row)
     if len(values) < 2:
-        raise InputError(f"{path} has {len(values)} positions; at least two are needed.")
+        raise InputError(
+            f"{path} has {len(values)} positions; at least two are needed: give the solution of the whole drive (RTKLIB .pos or NMEA)."
+        )
     v = np.asarray(values)
     out = {
         "gnss_time": np.asarray(time),
@@ -168,7 +170,7 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
     rows = sorted((t, f) for t, f in fixes.items() if "position" in f)
     if len(rows) < 2:
         raise InputError(
-            f"{path} has {len(rows)} GGA positions with a fix ({bad} damaged sentences); at least two are needed."
+            f"{path} has {len(rows)} GGA positions with a fix ({bad} damaged sentences); at least two are needed: give a log with GGA sentences of the whole drive."
         )
     p = np.asarray([f["position"] for _, f in rows])
     out = {

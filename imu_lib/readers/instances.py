@@ -85,10 +85,6 @@ def rows(found: Instances | None, topic: str | None, source: str) -> np.ndarray 
     holds several sensors and the call does not say which, or says one that is not there.
     """
     if found is None:
-        if topic and "=" in topic:
-            raise InputError(
-                f"{source} has no column that tells several sensors apart; leave --topic {topic} out."
-            )
         return None
     column, _, value = (topic or "").rpartition("=")
     if column == found.heading and value == "*":

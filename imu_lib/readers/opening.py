@@ -32,6 +32,10 @@ def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
     InputError or OSError where it cannot be read, or the call does not say which sensor.
     """
     raw = _read(path, columns, signal, topic)
+    if topic and raw.instances is None and not raw.has_topics:
+        raise InputError(
+            f"{raw.source} has no topics and no column that tells several sensors apart; leave --topic {topic} out."
+        )
     keep = instances.rows(raw.instances, topic, raw.source)
     if keep is not None:
         fewer = raw.rows() - len(keep)

@@ -69,6 +69,7 @@ class Raw:
     unnamed_time: str | None = None  # what to say of a column that may be the time
     subseconds: np.ndarray | None = None  # fraction of the clock's whole seconds, s
     instances: Any = None  # the column that tells several sensors apart, as `instances.find` has it
+    has_topics: bool = False  # a topic chooses what is read
     set_back: tuple[tuple[int, float], ...] = ()  # rows at which the clock fell, and by how much
 
     def add(

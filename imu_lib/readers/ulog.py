@@ -32,7 +32,7 @@ def read_ulog(path, *, topic: str | None = None) -> Raw:
             f"{path} is damaged ({type(error).__name__}: {str(error)[:70]}); copy it again."
         ) from None
     found = {d.name: d.data for d in reversed(log.data_list)}  # the first instance of each
-    raw = Raw(str(path))
+    raw = Raw(str(path), has_topics=True)
     if topic is not None and topic not in found:
         raise InputError(f"{path} has no message {topic}; it has {', '.join(sorted(found)[:12])}.")
     chosen = topic or next((m for m in MESSAGES if m in found), None)
