@@ -120,7 +120,7 @@ CASES = [
      "check {0}/g.csv --columns time,-,-,-",
      "check {0}/g.csv --columns time,gyro_x,gyro_y,gyro_z --gyro-unit rad/s"),
     ("looks like a slip for {}; write {}, or - to skip it.",
-     "check {0}/g.csv --columns time,gyro_x,gyro_y,gryo_z --gyro-unit rad/s",
+     "check {0}/g.csv --columns time,acel_x,acel_y,acel_z --accel-unit g",
      "check {0}/g.csv --columns time,gyro_x,gyro_y,gyro_z --gyro-unit rad/s"),
     ("is no column name{}; use time, date, clock,",
      "check {0}/g.csv --columns time,up,down,left",
