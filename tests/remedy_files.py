@@ -141,6 +141,8 @@ def files(folder):
     text["ms_as_s.csv"] = table(f"time [s],{THREE}", I * 10, GYRO)
     text["no_time.csv"] = table(THREE, GYRO)
     text["unnamed.csv"] = table("a,b,c,d", T, GYRO)
+    angles = np.cumsum(GYRO, axis=0) * 0.573
+    text["angles.csv"] = table("t [s],GyroAngleX (deg),GyroAngleY (deg),GyroAngleZ (deg),ax [m/s^2],ay [m/s^2],az [m/s^2]", T, angles, ACCEL)  # fmt: skip
     text["two.csv"] = table(f"t,I,{THREE}", T, I % 2, GYRO)
     text["fall.csv"] = table(f"time,{THREE}", np.where(I % 50 == 30, T - 0.2, T), GYRO)
     text["fall_clock.csv"] = table(

@@ -122,3 +122,37 @@ def test_of_real_records(data_dir, name, step):
         step, rel=1e-3
     )
     assert found.clock.bursts == (name == "mpu6050_10min")
+
+
+def test_the_ends_of_a_coarse_grid_are_not_clipped():
+    rng = np.random.default_rng(3)
+    for step in (0.01, 0.02, 0.2):  # thirty levels to two
+        x = np.rint(rng.standard_t(4, 20_000) * 0.03 / step) * step
+        assert health.channels.of_channel("gyro_x", x, 100.0, ()).saturated == 0
+    cut = np.clip(np.rint(rng.normal(0, 0.1, 20_000) / 0.01) * 0.01, -0.2, 0.2)
+    assert health.channels.of_channel("gyro_x", cut, 100.0, ()).saturated > 500
+
+
+def test_a_clipped_channel_is_told_in_its_unit():
+    record = sound()
+    x = np.clip(record.channels["gyro_x"], None, np.quantile(record.channels["gyro_x"], 0.95))
+    told = health.of_record(Record({**record.channels, "gyro_x": x}, record.rate)).findings
+    assert any(s.startswith("gyro_x piles up") and "deg/s): clipped" in s for s in told)
+
+
+def test_too_few_samples_are_said_and_no_channel_is_called_stuck():
+    from imu_lib.errors import InputError
+    from imu_lib.gap.faulty import ready
+
+    record = Record({c: x[:3] for c, x in sound().channels.items()}, 100.0)
+    assert any("at least 100 are needed" in s for s in health.of_record(record).findings)
+    with pytest.raises(InputError, match="3 samples are too few"):
+        ready(record)
+
+
+def test_a_copy_with_the_sign_reversed_is_said_so():
+    from imu_lib.gap.faulty import ready
+
+    x = dict(sound().channels)
+    x["accel_y"] = -x["accel_x"] + 0.1
+    assert "sign reversed" in ready(Record(x, 100.0)).left_out["accel_y"]

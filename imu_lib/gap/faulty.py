@@ -67,9 +67,15 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     InputError
         If no channel says anything of its noise, or too few samples are left.
     """
+    if record.n < LEAST_BURSTS:
+        raise InputError(
+            f"{_name(record)}: {record.n:,} samples are too few; the gap workflow needs {LEAST} or more."
+        )
     findings = faults.find(record)
     left_out = _silent(record) | {
-        f.channels[0]: f"is {f.parameters['of']} again, one measurement in two columns"
+        f.channels[0]: f"is {f.parameters['of']} again"
+        + (" with the sign reversed" if f.parameters["sign"] < 0 else "")
+        + ", one measurement in two columns"
         for f in findings
         if f.kind == "copied"
     }

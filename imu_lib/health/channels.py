@@ -8,6 +8,9 @@ from imu_lib.faults import Finding
 from imu_lib.health.result import Channel
 from imu_lib.readers import plausibility
 
+#: Levels of a grid from which its ends can be told from the tails of the noise.
+LEAST_LEVELS = 10
+
 
 def resolution(x: np.ndarray) -> float | None:
     """Step of the grid that the values of `x` (n,) lie on, None where they lie on none."""
@@ -69,8 +72,11 @@ def _saturated(good: np.ndarray) -> int:
         tiny = 1e-9 * max(abs(low), abs(high))
         for end, inner in ((high, good[good < high - tiny]), (low, good[good > low + tiny])):
             count = int((np.abs(good - end) <= tiny).sum())
-            next_one = (inner.max() if end == high else inner.min()) if inner.size else end
-            beside = int((np.abs(good - next_one) <= tiny).sum())
-            if inner.size and count >= 5 and count > 2 * beside:
+            level, times = np.unique(inner, return_counts=True)
+            if len(level) < LEAST_LEVELS:
+                continue
+            # on a grid the neighbours tell what the tail holds, to its own scatter
+            beside = 2 * int((times[-3:] if end == high else times[:3]).max())
+            if count >= 5 and count > beside + 4 * np.sqrt(beside):
                 saturated += count
     return saturated

@@ -11,6 +11,8 @@ from imu_lib.faults.finding import seconds
 
 #: Faults of one kind told one by one; more are summed up.
 MOST = 5
+#: Samples below which no noise is characterised.
+FEW = 100
 #: Share by which the specific force at rest may be off gravity.
 GRAVITY = 0.03
 
@@ -21,13 +23,13 @@ def sentences(record, clock, channels, motion, temperature, faults):
     if clock.repeats:
         yield f"{clock.repeats:,} time stamps repeat the one before."
     for name, c in channels.items():
+        factor, unit = (units.DEG_PER_S, "deg/s") if name.startswith("gyro") else (units.G, "g")
         if c.saturated:
             yield (
-                f"{name} piles up at an end of its range ({c.saturated:,} samples at {c.low:.4g} or "
-                f"{c.high:.4g}): clipped."
+                f"{name} piles up at an end of its range ({c.saturated:,} samples at "
+                f"{c.low / factor:.4g} or {c.high / factor:.4g} {unit}): clipped."
             )
         if c.resolution and 0 < c.sd < c.resolution:
-            factor, unit = (units.DEG_PER_S, "deg/s") if name.startswith("gyro") else (units.G, "g")
             yield (
                 f"{name} has output steps of {c.resolution / factor:.3g} {unit}, coarser than its "
                 f"scatter of {c.sd / factor:.3g} {unit}: rounding hides the noise."
@@ -39,6 +41,10 @@ def sentences(record, clock, channels, motion, temperature, faults):
         yield (
             f"The temperature moves by {temperature['high'] - temperature['low']:.3g} degC: part "
             "of the drift may follow it."
+        )
+    if record.n < FEW:
+        yield (
+            f"The record has {record.n} samples; at least {FEW} are needed to characterise its noise."
         )
     if clock.duration < 600:
         yield (

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import gravity, names, plausibility, spelling, stamps
+from imu_lib.readers import gravity, names, plausibility, spelling, stamps, treated
 from imu_lib.readers.raw import Raw
 from imu_lib.record import Record
 
@@ -36,6 +36,8 @@ def assemble(
     """
     n = raw.rows()
     # what is missing is asked for all at once, before anything is computed
+    if not trust:
+        treated.refuse_angles(raw)
     scale = _scales(raw, gyro_unit, accel_unit)
     found = stamps.settle(raw, rate, time_unit=time_unit, lenient=lenient, trust=trust)
     time, rate, keep = found.time, found.rate, found.keep
@@ -100,7 +102,7 @@ def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, st
     """
     out = {}
     asked: list[str] = []
-    _ask_for_both(raw, gyro_unit, accel_unit)
+    ask_for_both(raw, gyro_unit, accel_unit)
     for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
         if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds():
             try:
@@ -128,7 +130,7 @@ def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, st
     return out
 
 
-def _ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
+def ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
     """InputError where both units are missing: asked for at once."""
     for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
         family = kind if kind in raw.kinds() else _INCREMENT[kind]
@@ -262,6 +264,8 @@ def check_units(
             np.column_stack(axes), whole, record.rate, unit["gyro"], factor["gyro"], strict=strict
         )
         record = _told(record, told, "gyro")
+        said = treated.bias_note(np.column_stack(axes), record.rate) if strict else None
+        record = record.with_note(said) if said else record
     return record
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from pathlib import Path
@@ -10,7 +11,7 @@ import numpy as np
 
 from imu_lib.archive import load_arrays
 from imu_lib.errors import InputError
-from imu_lib.readers import names
+from imu_lib.readers import formats, names
 from imu_lib.readers.arrays import from_arrays
 from imu_lib.readers.raw import Raw
 
@@ -57,21 +58,27 @@ def read_mat(path, *, columns=None, signal=None) -> Raw:
                 f"{path} is not a whole MATLAB file ({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); save it again with save -v7."
             ) from None
         flat: dict[str, np.ndarray] = {}
+        texts: dict[str, str] = {}
         for key, value in arrays.items():
             if not key.startswith("__"):
-                _flatten(key, value, flat, 0)
-        arrays = flat
+                _flatten(key, value, flat, texts, 0)
+        raw = from_arrays(str(path), flat, columns, signal, contract=False)
+        formats.beside(raw, texts)
+        return raw
     return from_arrays(str(path), arrays, columns, signal, contract=False)
 
 
-def _flatten(key, value, out, depth):
+def _flatten(key, value, out, texts, depth):
+    """Numbers of structs into `out`, texts that are called units into `texts`."""
     if isinstance(value, np.ndarray) and value.dtype == object and value.size == 1:
         value = value.ravel()[0]
     if hasattr(value, "_fieldnames") and depth < 4:
         for name in value._fieldnames:
-            _flatten(f"{key}.{name}", getattr(value, name), out, depth + 1)
+            _flatten(f"{key}.{name}", getattr(value, name), out, texts, depth + 1)
     elif isinstance(value, np.ndarray) and value.dtype.kind in "fiubc":
         out[key] = value
+    elif isinstance(value, np.ndarray) and re.search(r"(^|[._])units?([._]|$)", key, re.IGNORECASE):
+        texts[key] = ",".join(str(v) for x in value.ravel() for v in np.ravel(x))
 
 
 def _hdf5(path) -> dict[str, np.ndarray]:

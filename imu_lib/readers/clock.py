@@ -30,6 +30,7 @@ USUAL = np.array(
 ODDS = 15.0  # the best reading must be this much likelier than the next one
 EPOCH = (9.0e8, 2.3e9)  # s since 1970: 1998 to 2042
 IMPOSSIBLE = 1e-6
+SLOW = 21.0  # Hz; below, even stamps that would be in ms are as often ticks of a shorter clock
 UPTIME = 3.2e8  # s, ten years: no device is on for longer, and no record is from before 1980
 #: Clocks of a tenth of a microsecond: seconds from their zero to 1970.
 TENTHS = {"Windows (since 1601)": 11_644_473_600.0, ".NET (since the year 1)": 62_135_596_800.0}
@@ -121,10 +122,12 @@ def weights(
         rate = 1.0 / (60.0 * step)
         if np.abs(USUAL / rate - 1.0).min() < 1e-3:
             out["min"] *= 20.0
+    best = max(out, key=out.get)
     if whole and is_count(stamp):
         out["counter"] = 0.5 if first in (0.0, 1.0) else 0.01
-    elif whole and regular and max(out, key=out.get) != "s":
-        best = max(out, key=out.get)
+    elif whole and regular and best == "ms" and 1e3 / step < SLOW:
+        out["ticks"] = 0.05  # of 0.1 ms, with which a sensor's 100 Hz is 100 too
+    elif whole and regular and best != "s":
         rate = 1.0 / (step * spelling.TIME_UNITS[best])
         if np.abs(USUAL / rate - 1.0).min() > 0.015 and step > 20:
             out["ticks"] = 0.05
@@ -271,7 +274,10 @@ def _question(where, stamp, order, likely, hz, step) -> str:
         if u == "counter":
             readings.append("as a count of samples it has no rate (--rate HZ)")
         elif u == "ticks":
-            readings.append("as ticks of a clock it has the ticks' rate (--time-unit ticks:HZ)")
+            tenth = f", {1e4 / step:.4g} Hz with ticks:10000" if usual_rate(1e4 / step) == 1 else ""
+            readings.append(
+                f"as ticks of a clock it has the ticks' rate (--time-unit ticks:HZ{tenth})"
+            )
         else:
             readings.append(f"in {u} it would be {hz(u):.4g} Hz (--time-unit {u})")
     if not readings:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, families, instances, names, twins, unused
+from imu_lib.readers import by_rows, families, formats, instances, names, twins, unused
 from imu_lib.readers.asking import (
     STAMPS,
     Heading,
@@ -68,6 +68,8 @@ def decide(
             for h in headings
         ]
     )
+    if columns and named:
+        said = [_unit_of_heading(m, h) for m, h in zip(said, headings)]
     told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
     told = numbered(raw, told, headings)
     if named and not columns:
@@ -103,7 +105,17 @@ def decide(
             raw.skip(heading.name, "its name holds no axis")
         else:
             raw.add(m.canonical, values[i], m.unit, heading.name, m.why + by_call)
+    formats.fix(raw, [h.name for h in headings] if named else [])
     return raw
+
+
+def _unit_of_heading(told: Meaning, heading: Heading) -> Meaning:
+    """A column that --columns names without a unit keeps the one that its heading states."""
+    if told.quantity not in names.UNITS or told.unit:
+        return told
+    unit = names.unit_of(heading.unit or names.spelled_unit(heading.name) or "")
+    unit = unit or names.meaning(heading.name).unit
+    return replace(told, unit=unit) if unit in names.UNITS[told.quantity] else told
 
 
 def _by_name(heading: Heading, signal: str | None) -> Meaning:

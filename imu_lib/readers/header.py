@@ -87,6 +87,12 @@ def header_of(lines, first, delimiter, width):
             if found and _all_units(found[0]):
                 unit_row = tuple(found[0])
                 continue
+        lab = re.match(r"^Y_Unit_Label[\t,;](.*)$", line)
+        if lab:  # LabVIEW: a unit for each channel, none for the abscissa before them
+            found = fields(lab[1], lab[0][12])
+            if unit_row is None and len(found) in (width - 1, width - 2):
+                unit_row = ("", *found, *[""] * (width - 1 - len(found)))
+            continue
         names_ = _fit(line, delimiter, width)
         if names_ and sum(f != "" for f in names_) > 2 and len(set(names_) - {""}) == 1:
             continue  # how each column was sampled

@@ -13,7 +13,7 @@ from imu_lib.readers import (
     unsigned,
 )
 from imu_lib.readers.asking import Unnamed
-from imu_lib.readers.assemble import assemble, check_units
+from imu_lib.readers.assemble import ask_for_both, assemble, check_units
 from imu_lib.readers.opening import pair, read_raw
 from imu_lib.readers.raw import Column, Raw
 from imu_lib.record import Record
@@ -178,6 +178,7 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
         unsigned.signed(raw, units)
     if not raw.simulated:
         streams.drop_copies(raw)
+    ask_for_both(raw, units.get("gyro"), units.get("accel"))
     parts = streams.separate(raw)
     if parts is None:
         held = getattr(raw, "held_rows", 1.0)

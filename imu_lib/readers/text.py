@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, fields, headerless, names
+from imu_lib.readers import calendar, fields, formats, headerless, names
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
@@ -79,6 +79,8 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
 
     decide(raw, headings, load, columns=columns, signal=signal, named=layout.header is not None)
     _by_the_lines_above(raw, layout)
+    if lines.places is None and layout.header:
+        formats.fix(raw, layout.header, head.decode("latin-1").splitlines()[: layout.first])
     return raw
 
 
