@@ -6,7 +6,7 @@ import os
 import time
 from dataclasses import replace
 
-from imu_lib.gap import ensemble, gauge
+from imu_lib.gap import ensemble, gauge, once
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.moved import as_tilts
@@ -61,7 +61,7 @@ def close(
     told.one("coherence")
     results = _named(about, seed, jobs, told)
     base, grown = _models(about, results)
-    results, moved = as_tilts(results, about)
+    results, moved = as_tilts(once.doubted(results, about), about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:
         reports = gauge.measured(
