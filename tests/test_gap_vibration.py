@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from imu_lib.gap import shaken
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.gap.quieten import quietened
+from imu_lib.processes import Vibration
 
 NAMES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 
@@ -120,3 +122,20 @@ def test_a_band_drawn_anew_has_the_level_beside_it():
     assert np.mean(power[inside]) == pytest.approx(2 / fs, rel=0.05)
     part = quietened(x, fs, [(29.3, 30.7)], rng, start=300.0, stop=600.0)
     assert np.array_equal(part[: int(290 * fs)], x[: int(290 * fs)])
+
+
+def test_the_skirt_of_a_strong_line_is_no_second_vibration():
+    fs, n, rng = 100.0, 20_000, np.random.default_rng(0)
+    names, sizes = ("gyro_x", "accel_y", "accel_z"), (1.5, 2.0, 4.0)
+    line = Vibration(frequency=23.4, amplitude=sizes, bandwidth=0.07, channels=names)
+    on = line.on(n, fs, rng)
+    raw = {c: rng.standard_normal(n) + on[c] for c in names}
+    (found,), _ = shaken.vibrations(None, raw, fs, None, None)
+    assert found.process.frequency == pytest.approx(23.4, abs=0.07)
+    ((low, high),) = found.bands
+    assert low < 23.3 and high > 23.5
+    # a band of its own stays beside a line
+    band = Vibration(frequency=23.8, amplitude=(1.0, 1.5, 2.0), bandwidth=3.0, channels=names)
+    more = band.on(n, fs, rng)
+    found, _ = shaken.vibrations(None, {c: raw[c] + more[c] for c in names}, fs, None, None)
+    assert any(f.process.bandwidth > 1.0 for f in found)

@@ -25,13 +25,14 @@ NO_NOISE = {"spikes": "spikes", "step": "steps", "vibration": "vibrations"}
 
 
 def sentences(found) -> list[str]:
-    """Three to seven sentences about a `gap.Report`."""
+    """Three to six sentences about a `gap.Report`."""
     out = [
         _good_for(found),
         sentence(found.steps, SURE, _left_out(found), named=bool(told.relevant(found.steps))),
         _sensor(found),
-        told.sentence(found.steps, SURE, _of_sensor(found)),
-        _environment(found),
+        " ".join(
+            filter(None, (told.sentence(found.steps, SURE, _of_sensor(found)), _environment(found)))
+        ),
     ]
     out += [_left(found), _next(found)]
     return [s for s in out if s]

@@ -34,7 +34,7 @@ class Quantization(Spectral):
             self,
             process,
             None,
-            f"power spectral density rising as the square of the frequency, and {levels} distinct samples on a grid of step {step:.4g}: "
+            f"power spectral density rising as the square of the frequency, and {levels} distinct samples on one grid: "
             "increments of a rounded integral",
             {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]},
             doubt=doubt,

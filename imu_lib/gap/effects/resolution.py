@@ -135,7 +135,7 @@ class Resolution(Effect):
             self,
             Stage(lsb=step),
             None,
-            f"distribution of the samples: {levels} distinct values, all on a grid of step {step:.4g}",
+            f"distribution of the samples: {levels} distinct values, all on one grid",
             {"lsb": [step * (1 - 1e-6), step * (1 + 1e-6)]},
             doubt=missing_codes(x, step),
         )

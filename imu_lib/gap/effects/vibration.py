@@ -39,6 +39,8 @@ WINDOWS = 100.0
 SLOW, SLOWER = 128, 32
 #: Slowest line that is looked for, in cycles a block.
 LOWEST = 2.0
+#: Amplitude over that of a line in it below which a band is the skirt of the line.
+SKIRT = 0.3
 #: Deviations at which samples are clipped before the search, in robust standard deviations.
 CLIP = 12.0
 
@@ -139,8 +141,27 @@ def _with_bands(shakes, quick, fs: float) -> list[Shake]:
         s.process for s in shakes if s.bands and s.process.bandwidth < NARROW * s.process.frequency
     ]
     bands = [of_band(band) for band in shared_band.bands(quick, fs, lines)]
+    bands = [b for b in bands if not any(_skirt(b, s) for s in shakes if s.process in lines)]
     out = [s for s in shakes if s.process in lines or not any(_within(s, b) for b in bands)]
     return out + bands
+
+
+def _skirt(band: Shake, line: Shake) -> bool:
+    """Whether a band is what is left around a line that the same channels have: faint beside it on
+    all of them. The line's own bands then reach as far.
+    """
+    ((low, high),) = band.bands
+    own = dict(zip(line.process.channels, line.process.amplitude))
+    faint = all(
+        a < SKIRT * own.get(c, 0.0) for c, a in zip(band.process.channels, band.process.amplitude)
+    )
+    if not faint or not any(low <= f <= high for f in line.process.frequencies):
+        return False
+    if line.process.harmonics == 1:  # as far as the band has half of its power
+        half = band.process.bandwidth / 2
+        low, high = band.process.frequency - half, band.process.frequency + half
+        line.bands = [(min(low, line.bands[0][0]), max(high, line.bands[-1][1]))]
+    return True
 
 
 def _within(shake: Shake, band: Shake) -> bool:
