@@ -128,7 +128,7 @@ def _levels(good, fs: float, base, held, integral: bool) -> Levels:
     of_integral, findings = OfIntegral.of_grid(step, fs), []
     if integral_of(base, step, fs) is None:
         doubt = None if rounded is None else rounded.doubt
-        findings = [Quantization().on_grid(of_integral, step, len(np.unique(good)), doubt)]
+        findings = [Quantization().on_grid(of_integral, len(np.unique(good)), doubt)]
     return Levels(step, grid, of_integral, findings)
 
 

@@ -26,10 +26,8 @@ class Quantization(Spectral):
     def most_sure(self, parameters, beside, shared):
         return SLOPE_BESIDE_FILTER if any(e.rolls_off for e in beside) else 1.0
 
-    def on_grid(
-        self, process: Process, step: float, levels: int, doubt: str | None = None
-    ) -> Finding:
-        """What is found where the grid of the output, of a `step`, is that of a rounded integral."""
+    def on_grid(self, process: Process, levels: int, doubt: str | None = None) -> Finding:
+        """What is found where the grid of the output is that of a rounded integral."""
         return Finding(
             self,
             process,
