@@ -2,6 +2,15 @@
 
 # fmt: off
 CASES = [
+    ("where a car feels 9.8 m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`.",
+     "gap {0}/drive.npz --accel-unit mg --trust-units",
+     "gap {0}/nothing.npz --accel-unit g"),
+    ("times as fast as the course of the fixes: give their unit (--gyro-unit deg/s), or multiply `gyro` by pi/180.",
+     "gap {0}/degrees.npz --trust-units",
+     "gap {0}/nothing.npz --gyro-unit deg/s"),
+    ("do not overlap: they lie {} s apart; bring both to one clock (--gnss-offset S for two files).",
+     "gap {0}/drive.npz --gnss-offset 9000",
+     "gap {0}/nothing.npz --gnss {0}/fixes.pos --gnss-offset 0"),
     ("is a record without fixes, and this is of a drive; leave it out, or add the fixes with --gnss FILE.",
      "gap {0}/fine.npz --heading 40",
      "gap {0}/nothing.npz --gnss {0}/fixes.pos --heading 40"),
