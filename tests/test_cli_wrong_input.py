@@ -124,5 +124,8 @@ def test_gap_leaves_out_dead_channels_and_long_holes(tmp_path, capsys):
         "The longest stretch without a tilt, a restart or a long hole is taken: 624 to 648",
     ):
         assert note in told.err
-    assert "accel_x" in told.out and "gyro" not in told.out and "sinusoid" not in told.out
+    verdict, table = told.out.split("channel   gap before")
+    said = " ".join(verdict.split())
+    assert "on all channels that are left" in said and "yro_x never changes" in said
+    assert "accel_x" in table and "gyro" not in table and "sinusoid" not in told.out
     assert "[#" not in told.err, "no progress bar where standard error is no terminal"

@@ -75,7 +75,7 @@ def _good_for(found) -> str:
     held = [c.held_out["after"] for c in found.channels.values() if c.held_out]
     clean = [n for n, c in found.channels.items() if c.result.unexplained is None]
     good = (
-        "on all channels"
+        ("on all channels that are left" if _left_out(found) else "on all channels")
         if len(clean) == channels
         else f"on {_names(clean)}"
         if clean
