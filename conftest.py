@@ -18,28 +18,6 @@ matplotlib.use("Agg")
 ROOT = Path(__file__).resolve().parent
 
 
-#: Files of tests that take longest, in this order; a worker that began one of them last would
-#: work on while the other has nothing left.
-LONGEST = (
-    "test_fleet.py",
-    "real_records.ipynb",
-    "test_book_browser.py",
-    "fleet.ipynb",
-    "test_remedies.py",
-    "drive_gap.ipynb",
-)
-
-
-def pytest_collection_modifyitems(items):
-    """The longest first, then the other chapters, then the rest; within a file as it stands."""
-    rank = {name: number for number, name in enumerate(LONGEST)}
-
-    def place(item):
-        return rank.get(item.path.name, len(rank) + (item.path.suffix != ".ipynb"))
-
-    items.sort(key=place)
-
-
 def _execute_cell_input(self, cell_input, allow_stdin=None):
     """nbval executes cells without history; IPython looks there for the semicolon that keeps axes
     from being printed.

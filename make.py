@@ -86,7 +86,6 @@ def test(arguments):
         "2",
         "--dist",
         "loadfile",
-        "--no-loadscope-reorder",  # conftest.py puts what takes longest first
         "--nbval",
         "--nbval-current-env",
         "--nbval-cell-timeout",

@@ -84,7 +84,7 @@ def _report(about: Prepared, reports: dict, steps: list, models: tuple, seconds:
         about.model is not None,
         ready.notes,
         (ready.start, ready.stop),
-        _invisible(about),
+        invisible=_invisible(about),
     )
 
 
