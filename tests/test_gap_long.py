@@ -7,6 +7,7 @@ import pytest
 
 from imu_lib import gap, long_record
 from imu_lib.gap import long
+from imu_lib.gap.summary import sentences
 from imu_lib.model import Model
 from imu_lib.record import Record
 from imu_lib.writers import write_record
@@ -81,6 +82,7 @@ def test_both_views_and_the_windows_unlike_the_rest(small, tmp_path):
     assert abs(hum["frequency"] - 17.3) < 0.05
     assert abs(hum["from"] - 2000) < 200 and abs(hum["to"] - 3800) < 200
     assert abs(steps["record", "disturbance"]["start"] - 6500) < 10
+    assert len(found.views) == 2 and " h at " in " ".join(sentences(found))
     tau = np.array([300.0])
     assert found.model["gyro_x"].avar(tau, FS) > 10 * MODEL["gyro_x"].avar(tau, FS)
     assert found.model["gyro_x"].low_pass == MODEL["gyro_x"].low_pass

@@ -144,8 +144,7 @@ def close(
         time.perf_counter() - began,
         model is not None,
         (*_said(record, fast, slow, start, block), *notes),
-        None,
-        (fast, slow),
+        views=(fast, slow),
     )
 
 
