@@ -59,6 +59,7 @@ def test_table(table):
     assert Model.load(table[1] / "model.json")["gyro_x"].find("white_noise")
 
 
+@pytest.mark.skipif("IMU_LIB_SLOW" not in os.environ, reason="takes minutes: set IMU_LIB_SLOW=1")
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 def test_killed_at_any_moment_nothing_is_lost_and_nothing_twice(folder, table, tmp_path):
     """kill -9 of the command, then of a worker, then to the end: the table of one quiet run."""
