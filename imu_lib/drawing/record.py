@@ -21,6 +21,7 @@ from imu_lib.processes import (
     WanderingLevel,
     WhiteNoise,
 )
+from imu_lib.processes.on_record import clock
 from imu_lib.processes.realisation import ON_NOISE
 from imu_lib.processes.stages import Resolution, Saturation, Spikes, Stuck
 from imu_lib.record import CHANNELS
@@ -117,26 +118,8 @@ def draw(
     for process in model.record:
         if isinstance(process, LOST):
             lost(process, channels, n, generators["record"])
-    time, keep = _clock(model, n, fs, rng)
+    time, keep = clock(model.record, n, fs, rng)
     return Drawn(channels, float(fs), n, time, keep, temperature)
-
-
-def _clock(model, n, fs, rng):
-    """Stamps and samples kept, in the order in which `simulate_record` asks for them."""
-    time = keep = None
-    (clock,) = rng.spawn(1)
-    for process in model.record:
-        if isinstance(process, Jitter):
-            time = process.stamps(np.arange(n) / fs if time is None else time, clock)
-            time = time - time[0]
-    for process in model.record:
-        if isinstance(process, TimeGaps):
-            present = process.keep(n if keep is None else int(keep.sum()), clock)
-            if keep is None:
-                keep = present
-            else:
-                keep[np.flatnonzero(keep)[~present]] = False
-    return time, keep
 
 
 def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=None, common=None):

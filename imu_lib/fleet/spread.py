@@ -116,7 +116,7 @@ def of_units(value, low, high) -> Spread | None:
     typical = np.exp(_quantiles(mu, at_mu, (0.5, 0.025, 0.975)))
     # units of heavier tails than the normal say less of their scatter
     middle = tau[np.searchsorted(np.cumsum(at_tau), 0.5)]
-    wide = widening((y - np.average(y)) / np.sqrt(middle**2 + s**2))
+    wide = widening((y - y.mean()) / np.sqrt(middle**2 + s**2))
     scatter = _quantiles(tau, at_tau ** (1 / wide), (0.5, 0.025, 0.975))
     bound = (mu[:, None] + stats.norm.ppf(CONTENT) * tau[None, :]).ravel()
     order = np.argsort(bound)

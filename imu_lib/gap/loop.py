@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import replace
 
 from imu_lib.gap import ensemble, gauge, once
 from imu_lib.gap.channel import analyse
@@ -68,11 +67,11 @@ def close(
             reports, about, simulations, seed, jobs, lambda _: told.one("simulations")
         )
     seconds = time.perf_counter() - started
-    found = _report(about, reports, [*about.steps, *moved], (base, grown), seconds)
-    return replace(found, whole=record.duration)
+    steps, whole = [*about.steps, *moved], record.duration
+    return _report(about, reports, steps, (base, grown), seconds, whole)
 
 
-def _report(about: Prepared, reports: dict, steps: list, models: tuple, seconds: float) -> Report:
+def _report(about: Prepared, reports, steps, models: tuple, seconds: float, whole: float) -> Report:
     ready = about.ready
     return Report(
         reports,
@@ -84,6 +83,7 @@ def _report(about: Prepared, reports: dict, steps: list, models: tuple, seconds:
         about.model is not None,
         ready.notes,
         (ready.start, ready.stop),
+        whole=whole,
         invisible=_invisible(about),
     )
 

@@ -20,14 +20,13 @@ from imu_lib.processes import (
     CommonMode,
     Disturbance,
     Dropout,
-    Jitter,
     Process,
     RateError,
     Sum,
     Tilt,
-    TimeGaps,
     Vibration,
 )
+from imu_lib.processes.on_record import clock
 from imu_lib.record import CHANNELS, Record
 
 from .entries import TURN_ON, entries, turn_on
@@ -280,18 +279,11 @@ class Model:
         pace = next((p for p in self.record if isinstance(p, RateError)), RateError(1.0))
         true = self.with_channels({c: pace.paced(s) for c, s in self.channels.items()})
         signals = true.simulate(n, fs * pace.ratio, rng, temperature=temperature, channels=channels)
-        time = None
-        (clock,) = rng.spawn(1)
-        for process in self.record:
-            if isinstance(process, Jitter):
-                time = process.stamps(np.arange(n) / fs if time is None else time, clock)
-                time = time - time[0]
-        for process in self.record:
-            if isinstance(process, TimeGaps):
-                keep = process.keep(n, clock)
-                time = (np.arange(n) / fs if time is None else time)[keep]
-                signals = {channel: x[keep] for channel, x in signals.items()}
-                temperature = None if temperature is None else np.asarray(temperature)[keep]
+        time, keep = clock(self.record, n, fs, rng)
+        if keep is not None:
+            time = (np.arange(n) / fs if time is None else time)[keep]
+            signals = {channel: x[keep] for channel, x in signals.items()}
+            temperature = None if temperature is None else np.asarray(temperature)[keep]
         return Record(
             signals,
             fs,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -115,3 +116,25 @@ class Jitter(Process):
         """The stamps of the record, shape (n,), from the true times; kept in order."""
         self._require()
         return np.sort(time + self.sd * rng.standard_normal(len(time)))
+
+
+def clock(
+    processes: Iterable[Process], n: int, fs: float, rng: np.random.Generator
+) -> tuple[Array | None, Array | None]:
+    """Stamps, s, of `n` samples and which of them are kept, each None where no process of the
+    record's has a say: jitter first, then gaps, one within what another left.
+    """
+    time = keep = None
+    (own,) = rng.spawn(1)
+    for process in processes:
+        if isinstance(process, Jitter):
+            time = process.stamps(np.arange(n) / fs if time is None else time, own)
+            time = time - time[0]
+    for process in processes:
+        if isinstance(process, TimeGaps):
+            present = process.keep(n if keep is None else int(keep.sum()), own)
+            if keep is None:
+                keep = present
+            else:
+                keep[np.flatnonzero(keep)[~present]] = False
+    return time, keep

@@ -9,12 +9,11 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers.arrays import from_arrays
+from imu_lib.readers.binary import MOST_VALUES
 from imu_lib.readers.raw import Raw
 
 #: What names a folder a store, in its root: format 3, and format 2's group and array.
 MARKS = ("zarr.json", ".zgroup", ".zarray", ".zmetadata")
-#: Values of a store that are read whole: no record of an IMU has more (16 GB of float64).
-MOST_VALUES = 2_000_000_000
 
 
 def is_store(path) -> bool:
