@@ -23,8 +23,8 @@ model and searched for what the model misses (`gap`, an ensemble of a hundred si
 
 {lengths}
 
-Up to 5.8 hours (4.2 million samples) a record is held in memory; beyond, it stays on disk, and memory
-does not grow with its length:
+Up to a million samples (1.5 hours) `characterise` and `compare` hold a record in memory, `gap` up to
+four million (5.8 hours); beyond, it stays on disk, and memory does not grow with its length:
 
 | command | what it does with a long record |
 |---|---|

@@ -34,7 +34,7 @@ MODEL = Model.from_json(
 def short(monkeypatch):
     """Records of 65,536 samples count as long."""
     monkeypatch.setattr(sys.modules["imu_lib.long_record.record"], "LONG", LEAST)
-    monkeypatch.setattr(sys.modules["imu_lib.characterise.channel"], "LONG", LEAST)
+    monkeypatch.setattr(sys.modules["imu_lib.characterise.channel"], "SUMMED", LEAST)
     monkeypatch.setattr(sys.modules["imu_lib.characterise.channel"], "SHORTEST", LEAST // 4)
 
 

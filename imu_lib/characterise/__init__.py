@@ -7,11 +7,9 @@ saved. What the
 record cannot support is said in the notes of the result instead of being left out in silence.
 """
 
-import os
 from dataclasses import dataclass
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from imu_lib import scheduler, units
 from imu_lib.characterise import causes
@@ -105,13 +103,18 @@ def characterise(
     notes = tuple(note for note in gap_free.notes if note not in record.notes)
     filled = record.uniform() if notes else gap_free
     tasks = [
-        (name, gap_free[name], stretches(filled[name]), record.rate, candidates) for name in names
+        (name, *_arrays(gap_free[name], filled[name]), record.rate, candidates) for name in names
     ]
-    cores = workers or (min(len(tasks), os.cpu_count() or 1) if record.n > PARALLEL else 1)
-    with Parallel(n_jobs=cores, return_as="generator_unordered", max_nbytes=None) as pool:
-        results = pool(delayed(channel)(*task) for task in tasks)
-        notes += _of_record(record, flat) + causes.notes(gap_free, names)
-        return _gathered(record, results, progress, notes)
+    cores = workers or (min(len(tasks), scheduler.cores()) if record.n > PARALLEL else 1)
+    results = scheduler.shared(channel, tasks, cores)
+    notes += _of_record(record, flat) + causes.notes(gap_free, names)
+    return _gathered(record, results, progress, notes)
+
+
+def _arrays(x, filled):
+    """(x, stretches) of a channel; where there is one, both are the same array, sent once."""
+    parts = stretches(filled)
+    return x, [x] if [part.size for part in parts] == [x.size] else parts
 
 
 def _of_long(record, channels, candidates, workers, progress):
@@ -122,7 +125,7 @@ def _of_long(record, channels, candidates, workers, progress):
             f"{record.source}: no channel ever changes, so there is no noise to describe; check the logger."
         )
     tasks = [(record, name, candidates) for name in names]
-    cores = workers or min(len(tasks), os.cpu_count() or 1)
+    cores = workers or min(len(tasks), scheduler.cores())
     notes = _of_record(record, record.flat)
     return _gathered(record, scheduler.shared(of_long, tasks, cores), progress, notes)
 

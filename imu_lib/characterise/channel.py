@@ -8,7 +8,7 @@ from imu_lib import allan, autocorrelation, autoregressive, likelihood, passes, 
 from imu_lib.estimate import Estimate
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, Sum
 from imu_lib.spectrum import one_pass as averaged
-from imu_lib.stream import LONG
+from imu_lib.stream import SUMMED
 
 #: What each method reports, in the order of the tables.
 SYMBOLS = {
@@ -106,7 +106,7 @@ def channel(name, x, parts, fs, candidates=None) -> Channel:
     """All methods on one channel: `x` (n,) without gaps for the curves, `parts` (all stretches)
     for the likelihood. A long channel goes through one pass.
     """
-    if x.size > LONG:
+    if x.size > SUMMED:
         whole = passes.over_array(x, fs)
         return of_passes(name, whole, _passes_over(parts, x, whole, fs), fs, candidates)
     notes = []

@@ -36,6 +36,7 @@ def add_arguments(parser):
 
 def run(args):
     from imu_lib import export, units
+    from imu_lib.stream import SUMMED
 
     formats = [form for entry in args.export for form in entry.split(",")]
     for form in formats:
@@ -48,7 +49,7 @@ def run(args):
     common.check_out(out)
     for form in formats if out is None else ():
         common.check_writable(export.FORMATS[form][0])
-    record = common.open_either(args, one_rate=False)
+    record = common.open_either(args, one_rate=False, least=SUMMED)
 
     from imu_lib import report
     from imu_lib.characterise import characterise

@@ -51,11 +51,12 @@ def _is_model(path) -> bool:
 
 def _open(args, path):
     from imu_lib.model import Model
+    from imu_lib.stream import SUMMED
 
     if _is_model(path):
         return Model.load(path)
     args.file = path
-    return common.open_either(args)
+    return common.open_either(args, least=SUMMED)
 
 
 def report(result, a: str, b: str) -> str:

@@ -82,19 +82,20 @@ def open_on_disk(args: argparse.Namespace, *, least: int | None = None):
     return None if record is None else cut(record, start, stop)
 
 
-def open_either(args: argparse.Namespace, *, one_rate: bool = True):
+def open_either(args: argparse.Namespace, *, one_rate: bool = True, least: int | None = None):
     """As `open_record`; a record that is long and can be read by pieces stays on disk. What is read
-    into memory all the same is said.
+    into memory all the same is said. `least` is the number of rows above which a file that need not
+    be converted first counts as long, `stream.LONG` where it is None.
     """
     from imu_lib.long_record.record import SHORTEST
     from imu_lib.stream import LONG
 
     if args.file and not (args.gyro or args.accel or getattr(args, "only", None)):
-        record = open_on_disk(args)
+        record = open_on_disk(args, least=least)
         if record is not None:
             for note in record.notes:
                 print(f"note: {note}", file=sys.stderr)
-            if record.rows - record.begin <= LONG:
+            if record.rows - record.begin <= (least or LONG):
                 return record.in_memory()
             if record.longest >= SHORTEST:
                 return record

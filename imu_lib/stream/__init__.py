@@ -6,13 +6,14 @@ two halves, merged, equals a pass over the whole.
 
 from imu_lib.stream.decimation import PASSED, Halved, original
 from imu_lib.stream.fourier import inverse
-from imu_lib.stream.scratch import CHUNK, LONG, Scratch, bounds
+from imu_lib.stream.scratch import CHUNK, LONG, SUMMED, Scratch, bounds
 from imu_lib.stream.windowed import Keep, LagSums, Means, Products, Segments, Windowed
 
 __all__ = [
     "CHUNK",
     "LONG",
     "PASSED",
+    "SUMMED",
     "Halved",
     "Keep",
     "LagSums",

@@ -11,8 +11,11 @@ import numpy as np
 
 #: Samples that are in memory at a time.
 CHUNK = 1 << 18
-#: Series of more samples than this are drawn, written and summed up by pieces.
+#: Series of more samples than this are drawn and written by pieces, and searched in two views.
 LONG = 1 << 22
+#: Series of more samples than this are summed up in one pass: at once, six channels of this length
+#: take as much memory as a pass over any (benchmarks/scaling.py).
+SUMMED = 1 << 20
 
 
 class Scratch:
