@@ -139,3 +139,29 @@ def test_the_skirt_of_a_strong_line_is_no_second_vibration():
     more = band.on(n, fs, rng)
     found, _ = shaken.vibrations(None, {c: raw[c] + more[c] for c in names}, fs, None, None)
     assert any(f.process.bandwidth > 1.0 for f in found)
+
+
+def test_a_tone_that_fades_on_one_channel_has_no_name_and_is_taken_out():
+    rng = np.random.default_rng(9)
+    n, fs = 30_000, 50.0
+    t = np.arange(n) / fs
+    raw = still(n, rng)
+    raw["gyro_y"] = raw["gyro_y"] + 2e-3 * np.exp(-t / 150) * np.sin(2 * np.pi * 8.3 * t)
+    named, left = shaken.parted(found_in(raw, fs))
+    assert named == [] and list(left) == ["gyro_y"]
+    assert "tone at 8.3 Hz" in left["gyro_y"] and "rises and falls" in left["gyro_y"]
+
+
+def test_the_hum_of_the_mains_on_one_channel_is_one_cause():
+    rng = np.random.default_rng(10)
+    n, fs = 60_000, 500.0
+    t = np.arange(n) / fs
+    raw = still(n, rng)
+    mains, other = raw["gyro_z"], raw["gyro_x"]
+    for k in (1, 2, 3):
+        mains = mains + 3e-4 * np.sin(2 * np.pi * 50 * k * t + k)
+        other = other + 3e-4 * np.sin(2 * np.pi * 37 * k * t + k)
+    (item,) = found_in({**raw, "gyro_z": mains}, fs)
+    assert item.process.channels == ("gyro_z",) and item.process.harmonics == 3
+    # of any other frequency it is a periodic signal that has no name
+    assert found_in({**raw, "gyro_x": other}, fs) == []

@@ -194,7 +194,7 @@ def _finding(names, rows, expected, channels, time) -> Finding:
         float(time[min(rows[-1] + 1, n - 1)]),
         {"fraction": fraction, "value": value, "period": period, "channels": list(names)},
         {"rows": len(rows), "runs": len(starts), "expected_by_chance": expected},
-        f"{count} ({100 * fraction:.2g} %{how}) stand at {said} on {named(tuple(names))}, {place}: "
+        f"{count} ({100 * fraction:.2g} %{how}) stand{'s' * (len(rows) == 1)} at {said} on {named(tuple(names))}, {place}: "
         "drop-outs of the transport or the driver.",
         MEANS,
         rows,

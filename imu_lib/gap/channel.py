@@ -35,6 +35,8 @@ DOUBTED = 0.5
 MOST_AMONG_MANY = 0.8
 #: log10 p of the stationarity tests below which only one round is run for the noises.
 VETO = -9.0
+#: Domains of which the doubts about a finding say more than the test does.
+SAID_BETTER = ("stationarity", "distribution", verdict.SKEW)
 NO_DRIFT = tuple(e.name for e in effects.COMPETITORS if e not in effects.DRIFTS)
 
 
@@ -138,7 +140,11 @@ def _analyse(channel: Channel, given: Sum | None, seed: int, *, integral: bool =
     state, rivals, tests = _tested(left, state, rivals, wild)
     unexplained, small = _unexplained(left, state, tests)
     steps = steps_of_findings(left.findings, channel.fs) + steps_of_items(state, rivals)
-    steps = _doubtful(_capped(steps, state, unexplained), channel.of_record.shared)
+    plain = [
+        f.process.name for f in left.findings if f.effect.name == Resolution.name and not f.doubt
+    ]
+    steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record.shared)
+    unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
     held, n_base = left.held_terms, len(start.base)
     base = given if given is not None else Sum(tuple(state.base[held:n_base]))
     parts = base, state, left.findings, n_base - held, held
@@ -216,22 +222,26 @@ def _unexplained(left: Undone, state: State, tests) -> tuple[str | None, list[st
         # the edges of two levels are loud, too, until these are taken out
         rest, y, smooth = left.bared(state)
         doubts = noise_level.settled(replace(left.view, x=rest, y=y, smooth=smooth))[2]
-    doubts = [*doubts, *(f.doubt for f in left.findings if f.doubt)]
+    doubts = [*(f.doubt for f in left.findings if f.doubt), *doubts]
     known = () if left.given is None else (*left.given.terms, *left.given.stages)
     named = [f.effect.name for f in left.findings] + [t.name for t in known]
     worst, small = verdict.weighed(tests, named)
-    if worst.log_p < verdict.LIMIT and not (doubts and worst.domain == "stationarity"):
+    if worst.log_p < verdict.LIMIT and not (doubts and worst.domain in SAID_BETTER):
         return worst.where, small
-    # what was seen of the level says more than that it changes
+    # what was seen of the level and of the sizes says more than that they are not the model's
     return (doubts[0] if doubts else None), small
 
 
-def _capped(steps, state: State, unexplained: str | None) -> list[Step]:
+def _capped(steps, state: State, unexplained: str | None, plain) -> list[Step]:
     """The steps with no more confidence than they deserve beside what is unexplained, or among so
-    many noises that they draw any smooth spectrum.
+    many noises that they draw any smooth spectrum. What is unexplained says nothing against the
+    effects `plain`: that all samples lie on one grid is counted, not inferred.
     """
     if unexplained is not None:
-        return [s.capped(measured.beside_unexplained(s.effect)) for s in steps]
+        return [
+            s if s.effect in plain else s.capped(measured.beside_unexplained(s.effect))
+            for s in steps
+        ]
     if len(state.fit.slots) - len(state.base_slots) > 2:
         return [s.capped(MOST_AMONG_MANY) for s in steps]
     return steps

@@ -28,6 +28,11 @@ def value(symbol: str, x, channel: str) -> str:
     if symbol in OF_SAMPLES and not (gyro and symbol == "amplitude"):
         if channel.split("_")[0] in ("gyro", "accel"):
             return _of_samples(x, channel)
+    if symbol == "curvature":  # as the slope, a degree more
+        factor, unit = units.datasheet("slope", channel)
+        return f"{x / factor:.4g} {unit}^2"
+    if symbol == "lag":
+        return f"{x:.4g} s"
     try:
         factor, unit = units.datasheet(symbol, channel)
         return f"{x / factor:.4g} {unit}"

@@ -27,6 +27,8 @@ MOST_LOST, LONGEST_STUCK, MOST_ALIKE, LONGEST_HOLES = 0.5, 0.1, 0.95, 0.2
 #: Samples that the workflow needs; means of bursts that it needs (24 of 830 normal samples raised no
 #: alarm, with a model and without).
 LEAST, LEAST_BURSTS = 2000, 800
+#: Evidence of samples that are missing because the sensor sends them in bursts.
+BURSTS = "bursts of the sensor's own"
 #: Findings of each kind in the records of benchmarks/fault_score.py, and those of them that were put
 #: in; tests/test_faults.py counts again.
 DETECTED = {"dropout": (54, 54), "disturbance": (32, 28), "tilt": (30, 28)}
@@ -197,9 +199,11 @@ def _clock(record, sound, model, findings):
     """Steps of the time stamps, of the stretch as it was recorded."""
     part = record.slice(sound.start, sound.stop) if sound.start > 0 or sound.cut else record
     steps, doubt = record_level.timing(part, model)
-    if any(f.kind == "burst" for f in findings):
+    bursts = next((f for f in findings if f.kind == "burst"), None)
+    if bursts is not None:
         # the sensor's own bursts: the stamps do what they should
-        return [s for s in steps if s.effect == "time_gaps"], None
+        told = {"where": bursts.sentence, "evidence": BURSTS}
+        return [replace(s, **told) for s in steps if s.effect == "time_gaps"], None
     return steps, doubt
 
 

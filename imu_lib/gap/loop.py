@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 
-from imu_lib.gap import ensemble, gauge, once
+from imu_lib.gap import axes, ensemble, gauge, once
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.moved import as_tilts
@@ -60,14 +60,15 @@ def close(
     told.one("coherence")
     results = _named(about, seed, jobs, told)
     base, grown = _models(about, results)
-    results, moved = as_tilts(once.doubted(results, about), about)
+    results, moved = as_tilts(once.doubted(axes.agreed(results), about), about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:
         reports = gauge.measured(
             reports, about, simulations, seed, jobs, lambda _: told.one("simulations")
         )
     seconds = time.perf_counter() - started
-    steps, whole = [*about.steps, *moved], record.duration
+    # at the rate that the clock really has
+    steps, whole = [*about.steps, *moved], about.pace.record.duration
     return _report(about, reports, steps, (base, grown), seconds, whole)
 
 
@@ -127,7 +128,12 @@ def _channel(about: Prepared, name: str, seed: int):
         about.base(name),
         temperature=about.temperature,
         seed=seed,
-        of_record=OfRecord(about.noise[name], about.filtered, about.known.get(name)),
+        of_record=OfRecord(
+            about.noise[name],
+            about.filtered,
+            about.known.get(name),
+            about.nameless.get(name, ""),
+        ),
     )
 
 

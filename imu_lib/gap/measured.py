@@ -38,6 +38,16 @@ def calibrated(weight: float) -> float:
     return float(expit(OFFSET + SLOPE * logit(weight)))
 
 
+def weight(sure: float) -> float:
+    """The weight among its rivals of a winner of that confidence."""
+    sure = min(max(sure, 1e-9), 1.0 - 1e-9)
+    return float(expit((logit(sure) - OFFSET) / SLOPE))
+
+
+#: Confidence from which on no rival is listed.
+PLAIN = 0.95
+
+
 #: Findings beside something that was left unexplained: how many, and how many of them right (same
 #: benchmark).
 BESIDE: dict[str, tuple[int, int]] = {

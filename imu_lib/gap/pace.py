@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from imu_lib.gap.families import MAINS
 from imu_lib.gap.forest import level_of
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.steps import Step
@@ -18,8 +19,8 @@ from imu_lib.record import Record
 #: Share by which a clock may be off, and by which the mains are (EN 50160: 1 % in 99.5 % of a year,
 #: in minutes a tenth of that).
 MOST, MAINS_OFF = 0.05, 2e-3
-#: Frequencies of the mains, Hz, multiples that are looked for and how many have to be there.
-MAINS, MULTIPLES, LEAST = (50.0, 60.0), 6, 3
+#: Multiples of the mains that are looked for, and how many have to be there.
+MULTIPLES, LEAST = 6, 3
 #: Power over the surroundings, and that of the known amplitude, from which on a line is there.
 STANDS, SHARE = 25.0, 0.3
 #: Confidence in a rate on which several lines agree.

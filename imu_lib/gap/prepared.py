@@ -33,6 +33,8 @@ class Prepared:
         Findings of what shakes the record, those of the given model too.
     known : dict
         Channel -> what that puts into it, shape (n,).
+    nameless : dict
+        Channel -> sentence about what of that is no vibration and has no name.
     shared : processes.CommonMode or None
         Noise in common that the model does not have.
     note : dict
@@ -52,6 +54,7 @@ class Prepared:
     temperature: np.ndarray | None
     shaking: list = field(default_factory=list)
     known: dict = field(default_factory=dict)
+    nameless: dict = field(default_factory=dict)
     shared: object = None
     note: dict = field(default_factory=dict)
     left: str | None = None
@@ -150,9 +153,10 @@ def prepared(record: Record, model: Model | None, channels) -> Prepared:
 
 def _in_common(about: Prepared) -> Prepared:
     """With what shakes the record, then with noise that channels share."""
-    shaking, known = shaken.vibrations(
+    found, known = shaken.vibrations(
         about.ready.record, about.raw, about.fs, about.temperature, about.model
     )
+    shaking, nameless = shaken.parted(found)
     calm = {name: x - known.get(name, 0.0) for name, x in about.raw.items()}
     bases = None if about.model is None else about.model.channels
     shared, note, left = shared_noise(calm, about.fs, about.held, bases)
@@ -161,7 +165,14 @@ def _in_common(about: Prepared) -> Prepared:
         for name in about.raw
     }
     return replace(
-        about, shaking=shaking, known=known, shared=shared, note=note, left=left, noise=noise
+        about,
+        shaking=shaking,
+        known=known,
+        nameless=nameless,
+        shared=shared,
+        note=note,
+        left=left,
+        noise=noise,
     )
 
 

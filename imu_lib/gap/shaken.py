@@ -11,6 +11,10 @@ from imu_lib.gap.effects.resolution import grid_of, ladder
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.gap.steps import Step
 
+#: Confidence at the most in a vibration of one channel that begins or ends: a faint tone whose
+#: amplitude rises looks the same (three of nine such tones 18 dB above the noise).
+ALONE = 0.8
+
 
 @dataclass(frozen=True)
 class RecordView:
@@ -36,15 +40,30 @@ def vibrations(record, raw, fs, temperature, model) -> tuple[list, dict]:
     return found, known
 
 
+def parted(found) -> tuple[list, dict]:
+    """Findings that are vibrations, and channel -> sentences about those that are none."""
+    nameless: dict = {}
+    for item in found:
+        if item.doubt:
+            for name in item.signal:
+                nameless.setdefault(name, []).append(item.doubt)
+    return [item for item in found if not item.doubt], {
+        name: "; ".join(told) for name, told in nameless.items()
+    }
+
+
 def vibration_step(found) -> Step:
     """A vibration as a step of the record."""
     parameters = {k: v for k, v in found.process.to_json().items() if k != "process"}
+    sure = measured.odds(found.gain, found.places)
+    if len(found.process.channels) == 1 and found.process.start is not None:
+        sure = min(sure, ALONE)
     return Step(
         "vibration",
         parameters,
         found.intervals,
         found.where,
-        measured.odds(found.gain, found.places),
+        sure,
         {"effect": "sinusoid", "confidence": 0.0},
         [],
         gain=found.gain,

@@ -4,11 +4,13 @@ with its gain, its bands and a sentence of where it shows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from imu_lib.gap.families import weak_lines
+from imu_lib.gap.sources import Source
+from imu_lib.gap.transforms import Transforms
 from imu_lib.processes import Vibration as Process
 
 #: Lines beyond which a sentence says how many there are.
@@ -20,7 +22,7 @@ class Shake:
     """A vibration that was found.
 
     `bands` are (low, high) in Hz, which hold all of it; `signal` what it puts into each channel,
-    where that is known already.
+    where that is known already; `doubt` why it is no vibration, in a sentence.
     """
 
     process: Process
@@ -29,6 +31,7 @@ class Shake:
     intervals: dict
     bands: list = field(default_factory=list)
     signal: dict = field(default_factory=dict)
+    doubt: str = ""
 
 
 def of_family(f0: float, family, transforms, shortest: float) -> list[Shake]:
@@ -107,6 +110,29 @@ def of_band(band) -> Shake:
         {"frequency": [band.low, band.high]},
         [band.reach],
     )
+
+
+def of_tone(source: Source, transforms: Transforms) -> Shake:
+    """A tone of one channel that behaves as no vibration does: what it is, without a name."""
+    alone = replace(source, spans=())
+    (shake,) = of_family(0.0, [alone], transforms, 0.0)
+    (name,) = source.channels
+    when = loudest(transforms, name, shake.bands[0])
+    shake.doubt = (
+        f"a tone at {source.frequency:.4g} Hz, {10 * np.log10(1 + source.strength):.0f} dB above the "
+        f"noise: {source.strange}, most of it is there from {when[0]:.0f} to {when[1]:.0f} s; no "
+        "effect of the catalogue does that"
+    )
+    return shake
+
+
+def loudest(transforms: Transforms, name: str, band) -> tuple[float, float]:
+    """From when to when (s) the middle two thirds of the power of a band on a channel came."""
+    z = transforms.zoom(name, *transforms.ordinates(*band))
+    power = np.maximum(np.abs(z) ** 2 - 1.0, 0.0)
+    share = np.cumsum(power) / max(power.sum(), 1e-300)
+    low, high = np.interp([1 / 6, 5 / 6], share, (np.arange(len(z)) + 0.5) / len(z))
+    return float(low * transforms.duration), float(high * transforms.duration)
 
 
 def of_forest(found, signal: dict, duration: float) -> Shake:

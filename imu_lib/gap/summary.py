@@ -9,9 +9,11 @@ import numpy as np
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
 from imu_lib.gap import told
+from imu_lib.gap.families import of_mains
+from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.shakes import FOREST
 from imu_lib.gap.verdict import TAIL
-from imu_lib.gap.wrong import sentence
+from imu_lib.gap.wrong import LOST, sentence
 from imu_lib.processes import Sum
 
 #: Confidence from which on a finding is told as one.
@@ -20,6 +22,8 @@ SURE = 0.9
 REACHED = 0.1
 #: Share of the record from which on the stretch that was looked at is all of it.
 WHOLE = 0.99
+#: Rows that are lost at the most without a cause that is worth looking for.
+FEW = 2.5
 #: Effects that the figures of noise are without, in words.
 NO_NOISE = {"spikes": "spikes", "step": "steps", "vibration": "vibrations"}
 
@@ -185,9 +189,16 @@ def _shook(episodes) -> str:
         what += f" ({p['harmonics']} lines)"
     elif p["bandwidth"] > 0.1 * p["frequency"]:
         what = f"at {p['frequency'] - half:.3g} to {p['frequency'] + half:.3g} Hz"
+    if _hums(p):
+        return f"the hum of the mains, {what}, is on {_channels(p['channels'])}"
     times = sorted((e["from"], e["to"]) for e in episodes if e.get("from") is not None)
     when = _listed([f"from {a:.0f} to {b:.0f} s" for a, b in times]) if times else ""
     return f"it shook {what}{' ' + when if when else ''} on {_channels(p['channels'])}"
+
+
+def _hums(p) -> bool:
+    """Whether a vibration is the hum of the mains."""
+    return not p.get("lines") and of_mains(p["frequency"], p["harmonics"])
 
 
 def _left(found) -> str:
@@ -217,11 +228,14 @@ def _without_name(found) -> str:
 def _next(found) -> str:
     names = {s.effect for _, s in found.steps}
     advice = []
-    if {"dropout", "time_gaps"} & names:
+    if any(_lost(s, found.record) for _, s in found.steps):
         advice.append("find out where samples are lost")
     if {"disturbance", "tilt"} & names:
         advice.append("record where nobody touches the sensor")
-    if "vibration" in names:
+    shook = [s.parameters for _, s in found.steps if s.effect == "vibration"]
+    if shook and all(_hums(p) for p in shook):
+        advice.append("keep cables and supply away from the mains")
+    elif shook:
         advice.append("record again away from what shakes it, on a heavy base")
     absorbed = any("temperature" in c.result.absorbed for c in found.channels.values())
     slow = {"random_walk", "ramp", "warm_up", "flicker", "gauss_markov"} & names
@@ -232,6 +246,13 @@ def _next(found) -> str:
     if not advice:
         return "Next: a second record of another day tells what of this is the sensor's."
     return f"Next: {_listed(advice[:3])}."
+
+
+def _lost(step, record) -> bool:
+    """Whether a step is samples that are lost all the time, not a first row or bursts."""
+    if step.effect not in LOST or step.evidence == BURSTS:
+        return False
+    return step.parameters["fraction"] * record.n > FEW
 
 
 # -- words ---------------------------------------------------------------------------------------

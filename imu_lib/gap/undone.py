@@ -31,11 +31,14 @@ class OfRecord:
         Whether that enters before the channel's low-pass filter.
     known : ndarray, shape (n,), or None
         What else the record puts into it (vibration).
+    left : str
+        What of that has no name, in a sentence.
     """
 
     shared: float = 0.0
     filtered: bool = False
     known: np.ndarray | None = None
+    left: str = ""
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.faults.tilt import angle_in_words
+from imu_lib.gap.faulty import BURSTS
 
 #: Effects that are the data's faults, and those of something that happened.
 FAULTS = ("dropout", "held", "time_gaps", "jitter", "rate_error", "stuck", "spikes", "saturation")
+LOST = ("dropout", "time_gaps")
 TOUCHED = ("disturbance", "tilt")
 JUMPS = ("step", "telegraph")
 #: m/s^2.
@@ -32,8 +34,6 @@ def _or_tilted(found) -> str:
 
 #: Effect -> words from its parameters and " on CHANNEL".
 WORDS = {
-    "time_gaps": lambda p, on: f"{_amount(p, 'fraction')} of the samples are missing",
-    "dropout": lambda p, on: f"{_amount(p, 'fraction')} of the rows are drop-outs",
     "jitter": lambda p, on: f"the time stamps scatter by {1e3 * p['sd']:.2g} ms",
     "rate_error": lambda p, on: (
         f"the clock is off: the true rate is {p['ratio']:.5g} of the stated"
@@ -47,6 +47,16 @@ WORDS = {
 }
 
 
+def _lost(s) -> str:
+    """Rows that are missing or drop-outs: the first clause of where they are."""
+    if s.evidence == BURSTS or s.effect == "dropout" and ": drop-outs" in s.where:
+        text = s.where.partition(". ")[0].partition(": drop-outs")[0]
+        text = text[:1].lower() + text[1:]
+        return text.rstrip(".") if s.evidence == BURSTS else f"drop-outs: {text}"
+    what = "samples are missing" if s.effect == "time_gaps" else "rows are drop-outs"
+    return f"{_amount(s.parameters, 'fraction')} of the {what}"
+
+
 def sentence(steps, sure: float, left_out=(), *, named: bool = False) -> str:
     """The sentence about `steps`, (channel or "record", step) of everything found; what is less
     than `sure` is in doubt; `left_out` are sentences on channels that tell nothing. `named`: other
@@ -58,7 +68,9 @@ def sentence(steps, sure: float, left_out=(), *, named: bool = False) -> str:
     for where, s in rest:
         on = "" if where == "record" else f" on {where}"
         text = WORDS.get(s.effect, lambda p, on, s=s: f"{s.effect.replace('_', ' ')}{on}")
-        if s.confidence >= sure or where == "record":
+        if s.effect in LOST:
+            parts.append(_lost(s))
+        elif s.confidence >= sure or where == "record":
             parts.append(text(s.parameters, on))
         else:
             doubtful.append(f"{s.effect.replace('_', ' ')}{on}")

@@ -27,6 +27,8 @@ class Effect:
     rolls_off: ClassVar[bool] = False
     #: Whether it comes of the levels of a converter.
     rounds: ClassVar[bool] = False
+    #: The parameter that all axes of a sensor have in common, where it is of the sensor's design.
+    of_design: ClassVar[str] = ""
     #: Log evidence by which what is too small of it to be found may mislead a comparison.
     unseen: ClassVar[float] = 0.0
 

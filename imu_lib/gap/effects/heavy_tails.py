@@ -7,6 +7,7 @@ from scipy.optimize import minimize
 from scipy.special import gammaln, ndtri
 from scipy.stats import t as student
 
+from imu_lib.gap import turns
 from imu_lib.gap.innovations import whitened
 from imu_lib.processes import HeavyTails as Stage
 
@@ -91,7 +92,7 @@ class HeavyTails(ChannelEffect):
             {"freedom": [freedom * np.exp(-1.96 * sd), freedom * np.exp(1.96 * sd)]},
         )
         if freedom < LEAST:
-            found.doubt = (
+            found.doubt = turns.sentence(y, view.fs) or (
                 "distribution of the innovations: a few large deviations among many small ones, "
                 f"excess kurtosis {np.mean(u**4) - 3:.3g}: two noises that take turns"
             )

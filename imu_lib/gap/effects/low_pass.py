@@ -27,6 +27,7 @@ VANISHED, BARE = 0.02, 3.0
 
 class LowPass(Competitor):
     name = "low_pass"
+    of_design = "cutoff"
     cause = "The sensor filters its output, with a moving average or an analogue or digital filter of some order."
     domain = "psd"
     simple = False

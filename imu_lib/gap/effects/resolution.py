@@ -112,6 +112,7 @@ def _levels(x, step: float):
 class Resolution(Effect):
     name = "resolution"
     rounds = True
+    of_design = "lsb"
     cause = (
         "The analogue-to-digital converter, or the number format of the output, rounds to a step."
     )

@@ -7,6 +7,7 @@ from scipy.optimize import minimize, minimize_scalar
 from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, kstest
 
+from imu_lib.gap import turns
 from imu_lib.gap.outliers import loudest
 from imu_lib.gap.tailed import beyond
 from imu_lib.gap.tailed import odds as odds_beyond
@@ -22,6 +23,8 @@ OUTLIER = 5.0
 TRACES = 3.0
 #: Gain and height, in standard deviations, of spikes beside heavy tails at the least.
 BESIDE, FAR = 20.0, 8.0
+#: Share of the samples from which on outliers that are no spikes are looked at as a second noise.
+FEW = 0.005
 #: Share of the samples beyond which what is thrown off is no longer single samples.
 MANY = 0.1
 #: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two
@@ -170,7 +173,10 @@ class Spikes(Effect):
         z2 = (y / s) ** 2
         odds = np.log(p / (1 - p)) - 0.5 * np.log1p(scale**2) + 0.5 * z2 * scale**2 / (1 + scale**2)
         found.mask = (odds_beyond(y, p, scale) if tailed else odds) > 0
-        found.doubt = None if tailed else self.doubt(y / s, p, scale, shoulders=not traces)
+        if not tailed:
+            found.doubt = self.doubt(y / s, p, scale, shoulders=not traces)
+        if found.doubt and p > FEW:
+            found.doubt = turns.sentence(y, smooth.fs) or found.doubt
         return found
 
     @staticmethod

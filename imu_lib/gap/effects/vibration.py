@@ -7,12 +7,12 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.gap import forest, narrow_band, shared_band
-from imu_lib.gap.behaviour import SWEEPS
-from imu_lib.gap.families import grouped
+from imu_lib.gap.behaviour import BREATHES, SWEEPS
+from imu_lib.gap.families import grouped, of_mains
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
 from imu_lib.gap.quieten import quietened
-from imu_lib.gap.shakes import Shake, of_band, of_family, of_forest
+from imu_lib.gap.shakes import Shake, of_band, of_family, of_forest, of_tone
 from imu_lib.gap.skirts import widened
 from imu_lib.gap.sources import NARROW, Source, sources
 from imu_lib.gap.transforms import Transforms
@@ -81,6 +81,7 @@ class Vibration(Effect):
             _taken_out(shake, filled, fs, rng)
             item = Finding(self, shake.process, shake.gain, shake.where, shake.intervals)
             item.places, item.signal, item.bands = looked_at, shake.signal, shake.bands
+            item.doubt = shake.doubt or None
             item.held = any(_alike(item.process, p) for p in _held(given))
             out.append(item)
         return out
@@ -92,12 +93,13 @@ class Vibration(Effect):
         }
         found = [s for s in sources(places, transforms) if self._is_one(s, given, transforms)]
         swept = {c for s in found if s.strange == SWEEPS for c in s.channels}
-        return [
-            shake
-            for f0, family in grouped(found, transforms)
-            if self._is_vibration(family, swept)
-            for shake in of_family(f0, family, transforms, SHORTEST)
-        ]
+        out: list[Shake] = []
+        for f0, family in grouped(found, transforms):
+            if self._is_vibration(family, swept) or self._hums(f0, family):
+                out += of_family(f0, family, transforms, SHORTEST)
+            elif self._is_tone(family, swept):
+                out.append(of_tone(family[0], transforms))
+        return out
 
     @staticmethod
     def _is_one(s: Source, given, transforms) -> bool:
@@ -129,6 +131,18 @@ class Vibration(Effect):
         if len(family) > 1 or s.strange or not s.whole and swept & set(s.channels):
             return False
         return not s.whole or 0 < s.bandwidth < 0.1 * s.frequency and s.fading < STEADY
+
+    @staticmethod
+    def _hums(f0, family) -> bool:
+        """Whether steady lines of one channel are multiples of the mains, which couple into it."""
+        return of_mains(f0, len(family)) and all(s.whole and not s.strange for s in family)
+
+    @staticmethod
+    def _is_tone(family, swept) -> bool:
+        """Whether it is a tone of one channel whose amplitude rises and falls."""
+        s = family[0]
+        alone = len(family) == 1 == len(s.channels) and not swept & set(s.channels)
+        return alone and s.strange == BREATHES and s.bandwidth < NARROW * s.frequency
 
 
 VIBRATION = Vibration()
