@@ -49,3 +49,16 @@ def test_a_straight_characteristic_stays_straight():
     (step,) = analyse("gyro_x", x, FS, WHITE, temperature=room).steps
     assert step.effect == "temperature"
     assert "curvature" not in step.parameters and "lag" not in step.parameters
+
+
+def test_a_transient_beside_a_straight_characteristic_is_no_curvature():
+    """Both bend as the room warms; noises that follow the sum are likelier than either alone."""
+    rng = np.random.default_rng(3)
+    room, t = warming(), np.arange(N) / FS
+    x = 2e-4 * np.sqrt(FS) * rng.standard_normal(N) - 6e-5 * (room - 25) + 6e-4 * np.exp(-t / 250)
+    found = analyse("gyro_x", x, FS, WHITE, temperature=room)
+    steps = {s.effect: s for s in found.steps}
+    assert set(steps) == {"temperature", "warm_up"}
+    assert "curvature" not in steps["temperature"].parameters
+    low, high = steps["warm_up"].intervals["time_constant"]
+    assert low < 250 < high

@@ -111,6 +111,18 @@ def test_what_is_no_vibration_is_not_named():
     assert found_in(raw, fs) == []
 
 
+@pytest.mark.parametrize("n", [60_000, 120_000])
+def test_what_a_window_leaks_into_a_stop_band_is_no_vibration(n):
+    """A hundred decibels below the noise nothing is left but the sidelobes of the window."""
+    fs, cutoff = 50.0, 3.2
+    f = np.pi * np.arange(n // 2 + 1) / n
+    gain = 1 / np.sqrt(1 + (np.tan(f) / np.tan(np.pi * cutoff / fs)) ** 8)  # fourth order
+    for seed in (1, 2):
+        x = np.random.default_rng(seed).standard_normal(n)
+        x = np.fft.irfft(np.fft.rfft(x) * gain, n)
+        assert found_in({"accel_x": x}, fs) == []
+
+
 def test_a_band_drawn_anew_has_the_level_beside_it():
     fs, n = 100.0, 120_000
     rng = np.random.default_rng(6)

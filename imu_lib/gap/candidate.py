@@ -61,6 +61,17 @@ class Candidate:
             return str(self.effect.key)
         return f"{self.name}:{self.at}:{self.slot.names[0]}"
 
+    @property
+    def form(self) -> tuple[str, ...]:
+        """Its key, and which optional parameters it has: a temperature with a curvature is of another
+        form than one without.
+        """
+        parameters = () if self.process is None else self.process.parameters
+        given = (
+            p.name for p in parameters if p.optional and getattr(self.process, p.name) is not None
+        )
+        return (self.key, *given)
+
 
 class Assembly:
     """Terms, free parameters, filter and regression columns of a model, into which each candidate

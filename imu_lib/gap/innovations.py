@@ -12,7 +12,8 @@ from imu_lib.gap.data import block_length, statistics
 #: Degrees of freedom of a spectrum at the least: the reciprocal of what has one or two is now and
 #: then a hundred times too large, and whitening amplifies what little there is.
 FREEDOM = 24.0
-#: Share of the mean spectrum below which a stop band is not followed where samples are drawn.
+#: Share of the mean spectrum below which a stop band is not followed where samples are drawn or
+#: lines are looked for.
 STOP_BAND_DEPTH = 1e-5
 
 

@@ -14,6 +14,8 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.stats import gamma
 
+from imu_lib.gap.innovations import STOP_BAND_DEPTH
+
 #: Lengths of the segments, and the stretches that a record is divided into at the most.
 LENGTHS, STRETCHES = (128, 512, 2048, 8192, 32768, 131072), 32
 #: Ordinates over which the running median goes, and gain in log-likelihood from which on a place
@@ -144,6 +146,7 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
     power, count = segments.power, segments.count
     whole = power.mean(axis=0, dtype=float)
     around = surroundings(whole)
+    around = np.maximum(around, STOP_BAND_DEPTH * around.mean())  # below is what the window leaks
     first = max(5, int(np.ceil(least / segments.f[1])))  # slower is a drift
     total = np.vstack([np.zeros(power.shape[1]), np.cumsum(power, axis=0, dtype=float)])
     rows, spans, dofs, usual = [], [], [], 1.0

@@ -120,7 +120,7 @@ def swap(
         rivals = []
         for i, item in enumerate(state.items):
             without = retuned(state.with_items(state.items[:i] + state.items[i + 1 :]))
-            weighed = [w for w in weigh(without, exclude=exclude) if w.item.key != item.key]
+            weighed = [w for w in weigh(without, exclude=exclude) if w.item.form != item.form]
             own = state.evidence - without.evidence
             weighed = [replace(w, evidence=w.evidence - item.effect.against(w)) for w in weighed]
             weighed.sort(key=lambda w: -w.evidence)
@@ -128,6 +128,7 @@ def swap(
                 state, changed = retuned(weighed[0].state).settled(), True
                 break
             others: dict[str, float] = {}
+            weighed = [w for w in weighed if w.item.key != item.key]
             for w in weighed:
                 others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
             two = _by_two(weighed, own, item, exclude, reach)
@@ -149,10 +150,12 @@ def _by_two(
     """The best two other effects in the place of `item`: (log evidence relative to it, second of
     the two, key of the first), or None.
 
-    A sum of two noises looks like a third: a slow and a fast one like flicker.
+    A sum of two noises looks like a third: a slow and a fast one like flicker. A drift is two drifts
+    sooner than noises, however well these follow it.
     """
     best = None
-    for w in weighed[:MOST_REPLACED]:
+    drifts = [w for w in weighed[MOST_REPLACED:] if w.item.column is not None]
+    for w in weighed[:MOST_REPLACED] + (drifts[:1] if item.column is not None else []):
         if w.evidence < max(own - reach, MIN_EVIDENCE) or (
             w.item.slot is None and w.item.column is None
         ):
@@ -169,7 +172,7 @@ def _by_two(
             ),
             None,
         )
-        if more is None or more.item.key == item.key:
+        if more is None or more.item.form == item.form:
             continue
         total = w.evidence + more.evidence - own
         if best is None or total > best[0]:
