@@ -24,9 +24,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import numpy as np  # noqa: E402
-from joblib import Parallel, delayed  # noqa: E402
 
-from imu_lib import autocorrelation  # noqa: E402
+from imu_lib import autocorrelation, scheduler  # noqa: E402
 from imu_lib.processes import GaussMarkov, RandomWalk, WhiteNoise  # noqa: E402
 
 #: name -> (process and company, rate Hz, duration s)
@@ -77,12 +76,12 @@ def main(argv=None):
     )
     parser.add_argument("--reps", type=int, default=300)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--scheduler", help="address of a Dask cluster, instead of --jobs")
     args = parser.parse_args(argv)
     table = {}
     for k, (name, case) in enumerate(CASES.items()):
-        rows = Parallel(n_jobs=args.jobs)(
-            delayed(one)(*case, [20_131, k, i]) for i in range(args.reps)
-        )
+        tasks = [(*case, [20_131, k, i]) for i in range(args.reps)]
+        rows = scheduler.every(one, tasks, workers=args.jobs, address=args.scheduler)
         table[name] = summary(case[0], rows)
         print(name, json.dumps(table[name]), flush=True)
     result = {

@@ -23,9 +23,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import numpy as np  # noqa: E402
-from joblib import Parallel, delayed  # noqa: E402
 
-from imu_lib import calibration  # noqa: E402
+from imu_lib import calibration, scheduler  # noqa: E402
 from imu_lib.calibration import simulated  # noqa: E402
 from imu_lib.errors import InputError  # noqa: E402
 
@@ -81,10 +80,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--records", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--scheduler", help="address of a Dask cluster, instead of --jobs")
     args = parser.parse_args()
     table, refused = {}, {}
     for poses in (12, 24, 48):
-        rows = Parallel(args.jobs)(delayed(one)(poses, seed) for seed in range(args.records))
+        tasks = [(poses, seed) for seed in range(args.records)]
+        rows = scheduler.every(one, tasks, workers=args.jobs, address=args.scheduler)
         refused[f"{poses} poses"] = sum(row is None for row in rows)
         rows = [row for row in rows if row is not None]
         for name in rows[0]:

@@ -25,9 +25,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 import numpy as np  # noqa: E402
-from joblib import Parallel, delayed  # noqa: E402
 
 import imu_lib as imu  # noqa: E402
+from imu_lib import scheduler  # noqa: E402
 from imu_lib.navigation import update_interval as study  # noqa: E402
 from imu_lib.units import DEG  # noqa: E402
 
@@ -48,6 +48,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--scheduler", help="address of a Dask cluster, instead of --jobs")
     args = parser.parse_args()
     model, drive = imu.preset("rga300ca"), study.parking_lot()
     fitted = study.fit_static(model, np.random.default_rng(2008))
@@ -63,9 +64,8 @@ def main():
     per_epoch = (time.perf_counter() - begin) / (2 * len(drive.inputs))
     table = {}
     for ground in GROUNDS:
-        rows = Parallel(args.jobs)(
-            delayed(batch)(ground, k, 10, models, drive, model) for k in range(args.runs // 10)
-        )
+        tasks = [(ground, k, 10, models, drive, model) for k in range(args.runs // 10)]
+        rows = scheduler.every(batch, tasks, workers=args.jobs, address=args.scheduler)
         for t in study.INTERVALS:
             errors = {name: np.concatenate([r[t][name] for r in rows]) for name in models}
             ratio = study.paired(errors["AR(4)"], errors["GM(1)"])

@@ -22,9 +22,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-from joblib import Parallel, delayed
 
-from imu_lib import allan, preset
+from imu_lib import allan, preset, scheduler
 from imu_lib.estimate import Estimate
 from imu_lib.processes import Sum
 
@@ -169,6 +168,7 @@ def main(arguments=None):
     )
     parser.add_argument("--seeds", default="1-200")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--scheduler", help="address of a Dask cluster, instead of --jobs")
     parser.add_argument("--twin", default="3dm-gx3-25")
     parser.add_argument(
         "--methods", default="allan.fit,allan.read_off,spectrum.read_off,likelihood.fit,gmwm.fit"
@@ -184,11 +184,10 @@ def main(arguments=None):
     lines = options.log.read_text().splitlines() if options.log and options.log.exists() else []
     finished = {entry["seed"]: entry["rows"] for entry in map(json.loads, lines)}
     todo = [seed for seed in range(first, last + 1) if seed not in finished]
-    work = Parallel(n_jobs=options.jobs, return_as="generator")(
-        delayed(one_seed)(options.twin, seed, methods) for seed in todo
-    )
-    for seed, part in zip(todo, work, strict=True):
-        finished[seed] = part
+    tasks = [(options.twin, seed, methods) for seed in todo]
+    work = scheduler.run(one_seed, tasks, workers=options.jobs, address=options.scheduler)
+    for number, part in work:
+        finished[seed := todo[number]] = part
         if options.log:
             with options.log.open("a") as file:
                 file.write(json.dumps({"seed": seed, "rows": part}) + "\n")

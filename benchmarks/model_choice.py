@@ -21,10 +21,9 @@ import time
 from pathlib import Path
 
 import numpy as np
-from joblib import Parallel, delayed
 from scipy.stats import beta
 
-from imu_lib import likelihood
+from imu_lib import likelihood, scheduler
 from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, Sum, WhiteNoise
 from imu_lib.units import DEG_PER_HOUR, DEG_PER_HOUR_1_5, DEG_PER_SQRT_HOUR
 
@@ -102,13 +101,14 @@ def main(arguments=None):
     )
     parser.add_argument("--draws", type=int, default=60)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--scheduler", help="address of a Dask cluster, instead of --jobs")
     parser.add_argument("--out", type=Path, default=RESULT)
     options = parser.parse_args(arguments)
     start = time.time()
     table = {}
     for hours in (2.0, 7.0):
         tasks = [(name, hours, seed) for name in TRUTHS for seed in range(1, options.draws + 1)]
-        rows = Parallel(n_jobs=options.jobs)(delayed(one)(*task) for task in tasks)
+        rows = scheduler.every(one, tasks, workers=options.jobs, address=options.scheduler)
         table[f"{hours:g} h"] = {
             name: summary([r for r, t in zip(rows, tasks) if t[0] == name], name) for name in TRUTHS
         }

@@ -71,6 +71,31 @@ def run(
         yield from _Here(function, tasks, workers)
 
 
+def every(function: Callable, tasks: Iterable[tuple], *, progress=None, **options) -> list:
+    """What `function(*task)` gives of every task, in the tasks' order.
+
+    Parameters
+    ----------
+    function, tasks, options
+        As for `run`.
+    progress : callable, optional
+        Called with the number of each task as it ends.
+
+    Raises
+    ------
+    RuntimeError
+        Where a task has ended every process that took it up.
+    """
+    found = {}
+    for number, result in run(function, tasks, **options):
+        if isinstance(result, Lost):
+            raise RuntimeError(f"task {number} has ended every process that took it up")
+        found[number] = result
+        if progress is not None:
+            progress(number)
+    return [found[number] for number in sorted(found)]
+
+
 class _Here:
     """Tasks over processes of this machine. A worker that dies takes the pool with it: what was
     running is taken up again, and what was running twice when that happened goes alone.

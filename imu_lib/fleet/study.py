@@ -33,14 +33,7 @@ def monte_carlo(task, runs, *arguments, seed=0, workers=None, address=None, prog
     """
     seeds = np.random.SeedSequence(seed).spawn(runs)
     tasks = [(task, one, arguments) for one in seeds]
-    out = [None] * runs
-    for number, result in scheduler.run(_seeded, tasks, workers=workers, address=address):
-        if isinstance(result, scheduler.Lost):
-            raise RuntimeError(f"run {number} of {runs} has ended every process that took it up")
-        out[number] = result
-        if progress is not None:
-            progress(number)
-    return out
+    return scheduler.every(_seeded, tasks, workers=workers, address=address, progress=progress)
 
 
 def _seeded(task, seed, arguments):
