@@ -207,3 +207,19 @@ def test_noise_in_common_of_channels_that_a_model_lacks_is_drawn_for_none():
         rate=FS,
     )
     assert set(model.simulate(10, FS, np.random.default_rng(13))) == {"accel_x"}
+
+
+def test_a_slow_change_of_the_level_is_one_step_with_its_duration():
+    rng = np.random.default_rng(11)
+    n, fs = 40_000, 50.0
+    t = np.arange(n) / fs
+    x = 1e-3 * rng.standard_normal(n)
+    slow = analyse("gyro_x", x + 3e-4 * np.clip((t - 350) / 60, 0, 1), fs, None)
+    (step,) = slow.steps
+    assert step.effect == "step" and step.confidence > 0.9 and slow.unexplained is None
+    assert step.parameters["time"] == pytest.approx(350, abs=20)
+    assert step.parameters["duration"] == pytest.approx(60, rel=0.5)
+    assert step.parameters["amplitude"] == pytest.approx(3e-4, rel=0.15)
+    # a sudden one has none
+    (sudden,) = analyse("gyro_x", x + 3e-4 * (t > 350), fs, None).steps
+    assert sudden.effect == "step" and "duration" not in sudden.parameters

@@ -108,6 +108,9 @@ def steps_of_items(state, rivals) -> list[Step]:
         by_name: dict = {}
         for key, w in weights.items():
             name = key.split(":")[0] or "none"
+            if name == item.name and item.at is None:  # of another kind, but of the same name
+                sure += w
+                continue
             by_name[name] = max(by_name.get(name, 0.0), w)
         for name, share in item.effect.alike(state, item).items():
             by_name[name] = max(by_name.get(name, 0.0), share)

@@ -41,6 +41,14 @@ WORDS = {
     "saturation": lambda p, on: f"samples are clipped{on}",
     "stuck": lambda p, on: f"{_amount(p, 'fraction')} of the samples are frozen{on}",
     "spikes": lambda p, on: f"single samples are thrown off{on}, {60 * p['rate']:.2g} a minute",
+    "step": lambda p, on: (
+        f"the level changed{on}"
+        + (
+            f" from {p['time']:.0f} to {p['time'] + p['duration']:.0f} s"
+            if p.get("duration")
+            else f" at {p['time']:.0f} s"
+        )
+    ),
     "telegraph": lambda p, on: (
         f"the level jumps to and fro between two values{on}, {60 * p['rate']:.2g} times a minute"
     ),
@@ -100,7 +108,7 @@ def _jumps(steps, sure: float) -> tuple[list[str], list]:
     named = [(w, s) for w, s in steps if s.effect in (*FAULTS, *JUMPS)]
     at: dict = {}
     for where, s in named:
-        if s.effect == "step" and s.confidence >= sure:
+        if s.effect == "step" and s.confidence >= sure and not s.parameters.get("duration"):
             moment = next((t for t in at if abs(t - s.parameters["time"]) < APART), None)
             at.setdefault(s.parameters["time"] if moment is None else moment, []).append((where, s))
     parts = []

@@ -273,21 +273,25 @@ def delayed(x: Array, t: Array, lag: float) -> Array:
 
 @dataclass(frozen=True)
 class Step(Deterministic):
-    """A jump of the bias by `amplitude` at `time` (the first sample at or after it has it whole).
+    """A jump of the bias by `amplitude` at `time` (the first sample at or after it has it whole), or
+    a straight change from there on that lasts for a `duration`.
 
     Parameters
     ----------
     amplitude : float, signal unit
     time : float, s from the first sample
+    duration : float, optional, s
     """
 
     amplitude: float = FREE
     time: float = FREE
+    duration: float | None = None
     name: ClassVar[str] = "step"
     searched: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "signed", "signal unit"),
         Parameter("time", "other", "s from the first sample"),
+        Parameter("duration", "time", "s of a change that is not sudden", optional=True),
     )
 
     @property
@@ -296,4 +300,7 @@ class Step(Deterministic):
 
     def mean(self, t: ArrayLike, temperature: Array | None = None) -> Array:
         self._require()
-        return np.where(np.asarray(t, dtype=float) >= self.time - 1e-9, self.amplitude, 0.0)
+        since = np.asarray(t, dtype=float) - self.time
+        if self.duration:
+            return self.amplitude * np.clip(since / self.duration, 0.0, 1.0)
+        return np.where(since >= -1e-9, self.amplitude, 0.0)
