@@ -33,7 +33,7 @@ MODEL = Model.from_json(
 @pytest.fixture
 def short(monkeypatch):
     """Records of 65,536 samples count as long."""
-    monkeypatch.setattr(sys.modules["imu_lib.long_record.record"], "LONG", LEAST)
+    monkeypatch.setattr(sys.modules["imu_lib.long_record.opening"], "LONG", LEAST)
     monkeypatch.setattr(sys.modules["imu_lib.characterise.channel"], "SUMMED", LEAST)
     monkeypatch.setattr(sys.modules["imu_lib.characterise.channel"], "SHORTEST", LEAST // 4)
 

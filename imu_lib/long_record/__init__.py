@@ -6,6 +6,7 @@ a folder of logs.
 from imu_lib.long_record.converted import open_converted
 from imu_lib.long_record.cut import cut
 from imu_lib.long_record.folder import open_folder
-from imu_lib.long_record.record import LongRecord, open_long
+from imu_lib.long_record.opening import open_long
+from imu_lib.long_record.record import LongRecord
 
 __all__ = ["LongRecord", "cut", "open_converted", "open_folder", "open_long"]
