@@ -91,7 +91,7 @@ def test_milliseconds_that_can_be_nothing_else_are_read(tmp_path):
 
 def test_angles_are_no_rates(tmp_path):
     angles = np.cumsum(DPS, axis=0) * 0.01
-    head = "t [s],GyroAngleX (deg),GyroAngleY (deg),GyroAngleZ (deg),ax [g],ay [g],az [g]"
+    head = "t [s],GyroX (deg),GyroY (deg),GyroZ (deg),ax [g],ay [g],az [g]"
     for flags in ("", "--gyro-unit deg/s"):
         with pytest.raises(InputError, match="an angle that was integrated") as error:
             opened(tmp_path / "a.csv", table(head, T, angles, IN_G), flags)

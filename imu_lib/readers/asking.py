@@ -46,7 +46,7 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
     rising = None
     if values:
         numbers = [i for i in numbers if i in values and _moves(values[i])] or numbers
-        rising = next((i for i in numbers if _rises(values[i])), None)
+        rising = next((i for i in numbers if i in values and _rises(values[i])), None)
         if rising is not None and len(numbers) != 6:
             numbers = [rising, *(i for i in numbers if i != rising)]
     order = ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]

@@ -16,7 +16,7 @@ from imu_lib.record import Record
 _INCREMENT = {"gyro": "dtheta", "accel": "dv"}
 _RATE_OF = {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2", "g*s": "g"}
 _OTHER = {
-    "gyro": "rad/s, deg/s, deg/h or counts:C (C counts per deg/s)",
+    "gyro": "rad/s, deg/s, deg/h, mdps or counts:C (C counts per deg/s)",
     "accel": "m/s^2, g, mg or counts:C (C counts per g)",
 }
 
@@ -132,7 +132,12 @@ def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, st
 
 def ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
     """InputError where both units are missing: asked for at once."""
-    for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
+    ask_of_two(raw, gyro_unit, raw, accel_unit)
+
+
+def ask_of_two(gyro: Raw, gyro_unit, accel: Raw, accel_unit) -> None:
+    """The same of a gyro's and an accelerometer's file."""
+    for kind, raw, flag in (("gyro", gyro, gyro_unit), ("accel", accel, accel_unit)):
         family = kind if kind in raw.kinds() else _INCREMENT[kind]
         try:
             known = family not in raw.kinds() or flag or raw.unit(family) is not None
@@ -140,8 +145,9 @@ def ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
             return  # asked about with the other one
         if known:
             return
+    whose = "its" if accel is gyro else f"{accel.source}'s"
     raise InputError(
-        f"{raw.source} does not state the unit of its gyro columns; give --gyro-unit {_OTHER['gyro']}; nor that of its accelerometer columns;"
+        f"{gyro.source} does not state the unit of its gyro columns; give --gyro-unit {_OTHER['gyro']}; nor that of {whose} accelerometer columns;"
         f" give --accel-unit {_OTHER['accel']}."
     )
 

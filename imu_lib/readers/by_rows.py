@@ -80,6 +80,7 @@ def pivoted(
     values = load([long.label, *long.xyz, *stamps])
     labels = np.asarray(values[long.label]).astype(str)
     rows: dict[str, np.ndarray] = {}
+    stated: dict[str, str | None] = {}
     letters = {x.strip().lower() for x in np.unique(labels) if len(x.strip()) == 1}
     for label in np.unique(labels):
         if len(label.strip()) == 1 and not ("a" in letters and letters & {"g", "w"}):
@@ -94,7 +95,7 @@ def pivoted(
             raise InputError(
                 f"{raw.source}, `{headings[long.label].name}`: more than one label names a {found.quantity}; keep the rows of one."
             )
-        rows[found.quantity] = labels == label
+        rows[found.quantity], stated[found.quantity] = labels == label, found.unit
     if not rows:
         raise InputError(
             f"{raw.source}: `{headings[long.label].name}` names no gyro or accelerometer ({', '.join(np.unique(labels)[:6])}); "
@@ -123,7 +124,7 @@ def pivoted(
             raw.add(
                 f"{kind}_{axis}",
                 x,
-                names.spelled_unit(headings[i].name),
+                names.spelled_unit(headings[i].name) or stated[kind],
                 f"{headings[i].name} ({kind})",
                 f"rows of the {kind}",
             )

@@ -26,7 +26,7 @@ from imu_lib.readers.asking import (
 from imu_lib.readers.habits import alpha, habits, letter_g, numbered
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
-from imu_lib.readers.time_columns import add_up, intervals, letter_t, one_time
+from imu_lib.readers.time_columns import add_up, intervals, letter_t, one_time, still
 
 
 def decide(
@@ -80,7 +80,7 @@ def decide(
     if not columns:
         if by_rows.sensors(told, headings) is None or signal:
             told = _bare(raw, told, headings, signal, named, load)
-        told = _preferred(raw, twins.with_gravity(told, headings, load), headings)
+        told = _preferred(raw, twins.with_gravity(told, headings, load), headings, load)
         long = by_rows.sensors(told, headings)
         if long is not None and not signal:
             return by_rows.pivoted(raw, long, told, headings, load)
@@ -90,6 +90,7 @@ def decide(
     wanted = [i for i, m in enumerate(told) if m.quantity]
     values = load(wanted)
     if named and not columns:
+        twins.add_gravity(raw, told, headings, values, load)
         letter_g(raw, told, headings, values)
         raw.unnamed_time = unused.unnamed_time(raw, told, headings, load)
     if interval is not None:
@@ -195,18 +196,27 @@ def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
         if len(free) in (3, 4) and not signal
         else ""
     )
+    timed = any(m.quantity in ("time", "date", "clock") for m in told)
+    damage = ""
     try:
         values = load([i for i, h in enumerate(headings) if h.kind == "number"])
-    except InputError:
-        values = None  # a damaged line is told when the columns are known
+    except InputError as error:
+        values, damage = None, f" ({str(error).removeprefix(str(raw.source)).strip(' ,:.')})"
+    if not named and (turns := instances.numbered(headings, values)):
+        raise Unnamed(
+            f"{raw.source}: {turns}, as the number of a sensor does: its rows are of several sensors; write those of each into a file of its own and give "
+            "--gyro FILE --accel FILE."
+        )
     named_so = example(told, headings, values)
     if not any(f"{s}_" in named_so for s in SIGNALS):
         raise Unnamed(
             f"{raw.source} has {width} column{'s' * (width > 1)} and {header}, and none of them holds numbers that could be one; give the file with the readings."
         )
+    stamps = {n.partition("[")[0] for n in named_so.split(",")} & {"time", "date", "clock"}
+    rate = "" if stamps or timed or raw.rate else ", and the rate with --rate HZ"
     raise Unnamed(
-        f"{raw.source} has {width} column{'s' * (width > 1)} and {header}{_commas(headings, values)}; name them by position with --columns, as in "
-        f"{named_so}{one}."
+        f"{raw.source} has {width} column{'s' * (width > 1)} and {header}{_commas(headings, values)}{damage}; name them by position with --columns, as in "
+        f"{named_so}{one}{rate}."
     )
 
 
@@ -221,7 +231,7 @@ def _commas(headings, values) -> str:
     return " (if its commas are decimal marks too, write the file with points, or with semicolons between the fields)"
 
 
-def _preferred(raw: Raw, told, headings) -> list[Meaning]:
+def _preferred(raw: Raw, told, headings, load) -> list[Meaning]:
     """Of several columns for one axis the one that such a name usually heads; asked for where two
     are equal. Increments give way to rates.
     """
@@ -244,6 +254,7 @@ def _preferred(raw: Raw, told, headings) -> list[Meaning]:
                 second.setdefault(canonical.rpartition("_")[0], (first[0], i))
     if equal:  # one sensor's three axes in the example, not a mixture
         canonical, one, other = equal[0]
+        skip += still(told, headings, load)
         raise InputError(
             f"{raw.source}: both `{headings[one].name}` and `{headings[other].name}` would be {canonical}; "
             f"{suggestion(told, headings, skip)}."

@@ -9,7 +9,7 @@ import re
 from imu_lib.readers import lexicon
 
 FORCE = {
-    "longitudinal": "x", "long": "x", "longi": "x", "surge": "x",
+    "longitudinal": "x", "long": "x", "longi": "x", "surge": "x", "inline": "x", "lon": "x",
     "lateral": "y", "lat": "y", "sway": "y", "transverse": "y",
     "vertical": "z", "vert": "z", "heave": "z",
 }  # fmt: skip
@@ -31,13 +31,14 @@ _PLACES = "left|right|l|r|a|b|c|front|rear|upper|lower|top|bottom|wrist|thigh|sh
 _LETTERS = {"g", "w", "a", "f", "t"}
 _WHOLE = {
     **{f"{w}rate": ("rate", a) for w, a in {**TURN, "gier": "z", "nick": "y", "wank": "x"}.items()},
+    **{f"{w}speed": ("rate", a) for w, a in TURN.items()},
     **{
         f"{w}beschleunigung": ("acceleration", a)
         for w, a in {"langs": "x", "laengs": "x", "quer": "y", "vertikal": "z"}.items()
     },
     **{
         f"{w}{kind}": ("acceleration", FORCE[w])
-        for w in ("long", "lat", "vert")
+        for w in ("long", "lon", "lat", "vert", "inline", "lateral", "longitudinal", "vertical")
         for kind in ("acc", "accel", "g")
     },
 }
@@ -56,6 +57,8 @@ def axis_of(words: list[str]) -> tuple[list[str], str] | None:
     if len(said) != 1 or not rest:
         return None
     have = set(rest)
+    if have == {"g"} and said[0] in FORCE:
+        return ["gforce"], FORCE[said[0]]  # G_Lon
     force = bool(have & (lexicon.ACCEL - _LETTERS)) or have == {"a"}
     turn = bool(have & (lexicon.GYRO - _LETTERS))
     for is_there, axes in ((force, FORCE), (turn, TURN), (force or turn, _BODY)):

@@ -21,6 +21,7 @@ def families(told: list[Meaning], headings) -> list[Meaning]:
         for i, found in enumerate(places):
             if found and told[i].quantity is None and told[i].why == names.UNKNOWN:
                 out[i] = names.meaning(found[1])
+    out = _by_unit(out, headings)
     for kind in ("gyro", "accel"):
         said = {
             i: m
@@ -31,6 +32,28 @@ def families(told: list[Meaning], headings) -> list[Meaning]:
             for i in said:
                 if not directions.turn(headings[i].name):
                     out[i] = Meaning(why=names.UNKNOWN)
+    return out
+
+
+def _by_unit(told: list[Meaning], headings) -> list[Meaning]:
+    """Three axes of one abbreviation (AsX, AsY, AsZ) that state a unit of rate or force, where no
+    other column is that sensor: they are. A word that is not known may be anything's.
+    """
+    out = list(told)
+    for kind in ("gyro", "accel"):
+        if any(m.quantity == kind and m.axis for m in out):
+            continue
+        found: dict[str, dict[str, int]] = {}
+        for i, (m, h) in enumerate(zip(out, headings)):
+            unit = names.unit_of(h.unit or names.spelled_unit(h.name) or "")
+            head, axis = names.stem(h.name)
+            short = len(head) <= 2 and m.why == names.UNKNOWN and h.kind == "number"
+            if short and axis and unit in names.UNITS[kind]:
+                found.setdefault(head, {})[axis] = i
+        whole = [three for three in found.values() if set(three) == set("xyz")]
+        for axis, i in whole[0].items() if len(whole) == 1 else ():
+            unit = names.unit_of(headings[i].unit or names.spelled_unit(headings[i].name) or "")
+            out[i] = Meaning(kind, axis, unit, 2, why=f"one of three axes in {unit}")
     return out
 
 

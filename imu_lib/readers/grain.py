@@ -26,10 +26,13 @@ def _single(some: np.ndarray) -> float:
 
 def coarser(time: np.ndarray, tick: float) -> float:
     """Grain of the last stamps, s, where they were printed with fewer decimals as they grew (six
-    digits of 999.99 and of 1000.1); `tick` where they were not.
+    digits of 999.99 and of 1000.1); `tick` where they were not. `time` begins at 0, which takes the
+    decimals of the first stamp from all of them alike.
     """
-    late = _grain(time[-min(max(100, len(time) // 4), 5000) :], 1.0)
-    return late if late > 5.0 * max(tick, 1e-9) and late < 10.0 else tick
+    some = min(max(100, len(time) // 4), 5000)
+    late, early = _grain(time[-some:], 1.0), _grain(time[:some], 1.0)
+    lost = late > 5.0 * max(tick, early, 1e-9) and late < 10.0
+    return late if lost else tick
 
 
 def ticking(time: np.ndarray, tick: float) -> float | None:

@@ -20,6 +20,12 @@ _OTHER_UNIT = re.compile(
 )  # fmt: skip
 
 
+#: How a date or a clock is written, in the place of a unit: yyyy/mm/dd hh:mm:ss.000.
+_FORM = re.compile(
+    r"^(?:[ymd]{1,4}[-/.][ymd]{1,4}[-/.][ymd]{1,4})?[T ]*(?:h{1,2}:m{1,2}:s{1,2}(?:[.,:]\w+)?)?$", re.IGNORECASE
+)  # fmt: skip
+
+
 _STEP = re.compile(
     r"^(?:dt|ts|delta_?[tx]|sampl(?:e|ing)[ _]?(?:time|period|interval))\s*[:=,;\t ]\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*\[?\(?(s|ms|us)?\)?\]?$",
     re.IGNORECASE,
@@ -27,7 +33,7 @@ _STEP = re.compile(
 
 
 _AT = re.compile(
-    r"\b(?:at|rate|frequency|sampled|sampling)\b[^\d,;]{0,12}?(\d+(?:\.\d+)?)\s*(?:Hz|S/s|samples/s)\b",
+    r"(?<![^\W_])(?:at|rate|frequency|sampled|sampling|odr)\b[^\d,;]{0,12}?(\d+(?:\.\d+)?)\s*(?:Hz|S/s|samples/s)\b",
     re.IGNORECASE,
 )
 _SENSORS = {
@@ -163,7 +169,9 @@ def _all_units(found: list[str]) -> bool:
     reading.
     """
     said = [f for f in found if f.strip() not in ("", "-")]
-    known = [f for f in said if names.unit_of(f) is not None or _OTHER_UNIT.match(f)]
+    known = [
+        f for f in said if names.unit_of(f) is not None or _OTHER_UNIT.match(f) or _FORM.match(f)
+    ]
     others = [f for f in said if f not in known]
     return (
         len(known) >= max(2, 0.5 * len(said))

@@ -80,6 +80,24 @@ def _text(x) -> np.ndarray:
     return np.char.strip(x.astype(str))
 
 
+def numbered(headings: Sequence[Heading], values) -> str | None:
+    """A clause on a column whose few whole numbers take turns from row to row; None where none does.
+
+    values : column number -> values, None where they could not be loaded.
+    """
+    for i, x in (values or {}).items():
+        x = np.asarray(x)
+        if x.dtype.kind not in "iu" or len(x) < 40:
+            continue
+        found = np.unique(x[:4000])
+        if 2 <= len(found) <= MOST and np.ptp(found) >= 1 and (np.diff(x) != 0).mean() > 0.5:
+            last = np.diff(x[x == found[0]])
+            if not last.any() and 0 <= found[0] and found[-1] < 100_000:
+                some = ", ".join(str(v) for v in found[:5])
+                return f"`{headings[i].name}` holds {some} by turns"
+    return None
+
+
 def rows(found: Instances | None, topic: str | None, source: str) -> np.ndarray | None:
     """The rows to keep by `--topic COLUMN=VALUE`, None where all are. InputError where the file
     holds several sensors and the call does not say which, or says one that is not there.

@@ -96,13 +96,25 @@ def _columns(rows: list) -> dict:
         some = next(v for v in values if v is not None)
         blank = [float("nan")] * len(some) if isinstance(some, list) else float("nan")
         if isinstance(some, str):
-            out[key] = [str(v) for v in values]
+            out[key] = _numbers(values) or [str(v) for v in values]
         elif isinstance(some, list | int | float) and all(
             isinstance(v, type(some) if isinstance(some, list) else int | float) or v is None
             for v in values
         ):
             out[key] = [blank if v is None else v for v in values]
     return out
+
+
+def _numbers(values: list) -> list | None:
+    """Numbers that stand in quotes, None where one of the texts is no number."""
+    try:
+        return [int(v) for v in values]
+    except (TypeError, ValueError):
+        pass
+    try:
+        return [float("nan") if v is None else float(v) for v in values]
+    except (TypeError, ValueError):
+        return None
 
 
 def _unpacked(row: dict) -> list[dict]:

@@ -38,7 +38,10 @@ SPEED = words(
 )
 #: Letters that name a sensor where they stand nearly alone, and what may stand beside them.
 LETTERS = words("g w a f ac gy")
-BESIDE_LETTERS = words("rs s b ib imu raw data cal field meas body sensor msg kf r i lsm mpu out")
+BESIDE_LETTERS = words(
+    "rs s b ib imu raw data cal field meas body sensor msg kf r i lsm mpu out filt filtered lpf corr corrected calib"
+    " calibrated comp compensated smooth smoothed avg average"
+)
 DELTA = words("delta d del increment inc dang dvel dtheta dv velinc deltav deltatheta")
 DELTA_ANGLE = words("theta angle ang angles dtheta dang rot deltatheta gyro gyr")
 DELTA_VELOCITY = words("v vel velocity dv dvel velinc deltav acc accel")
@@ -46,6 +49,7 @@ TIME = words(
     "time times timestamp timestamps stamp t zeit zeitstempel temps tiempo tempo tijd czas cas zaman"
     " время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos datetime datenum serialdate filetime"
     " seconds secs sec second nsecs nsec nanosec nanosecs nanoseconds usec usecs microseconds"
+    " frac fraction fractional subsec subsecs subsecond subseconds"
     " milliseconds msec msecs ms us ns s minutes unix jd mjd julian juliandate timestampstart ticks tick sampletimefine"
 )
 TEMPERATURE = words(
@@ -81,12 +85,20 @@ NOT = {
     "flag": "a flag", "flags": "a flag", "tflags": "a flag", "status": "a status", "accuracy": "an accuracy",
     "speed": "a speed", "distance": "a distance", "checksum": "a checksum", "crc": "a checksum",
     "dq": "an attitude increment", "oriinc": "an attitude increment", "jerk": "a jerk",
-    "age": "the age of a value", "cmd": "a command", "command": "a command", "setpoint": "a command",
+    "age": "the age of a value", "err": "an error", "error": "an error", "residual": "a residual",
+    "residuals": "a residual", "innov": "a residual", "innovation": "a residual", "noise": "a noise level",
+    "factor": "a scale factor", "valid": "a flag", "saturated": "a flag", "clipped": "a flag",
+    "peak": "a statistic", "rms": "a statistic", "var": "a variance", "iqr": "a statistic", "mad": "a statistic",
+    "kurtosis": "a statistic", "skewness": "a statistic", "entropy": "a statistic", "energy": "a statistic",
+    "fft": "a spectrum", "psd": "a spectrum", "diff": "a difference", "tilt": "an angle", "inclination": "an angle",
+    "cmd": "a command", "command": "a command", "setpoint": "a command",
     "sp": "a command", "target": "a command", "desired": "a command", "demand": "a command",
 }  # fmt: skip
 FREE = words(
     "linear lineare lineaire linearen user free lin freeacc useracceleration linearacceleration lineal"
 )
+#: Words of angles, unless one of speed or of an increment stands beside them.
+ANGLE = words("angle angles winkel angolo angulo kat uhel vinkel hoek")
 #: Words of readings that a device has worked on: gravity or the bias taken out, sensors put together.
 WORKED_ON = FREE | words(
     "motion fused fusion fusedrotation rotationrate calibrated calib cal corrected compensated unbiased est estimated virtual filtered filt"
@@ -112,6 +124,8 @@ FINE = {
     "sec": "s", "secs": "s", "seconds": "s", "second": "s", "s": "s", "tow": "s", "sod": "s", "sow": "s",
     "minutes": "min", "datenum": "day", "serialdate": "day", "jd": "day", "mjd": "day", "julian": "day",
     "juliandate": "day",
+    "frac": "fraction", "fraction": "fraction", "fractional": "fraction", "subsec": "fraction", "subsecs": "fraction",
+    "subsecond": "fraction", "subseconds": "fraction",
     "centiseconds": "cs", "centisecond": "cs", "hundredths": "cs", "csec": "cs",
 }  # fmt: skip
 COMPACT = re.compile(
@@ -128,12 +142,12 @@ KIND_OF = {
     "dt": "dtheta", "da": "dtheta", "dang": "dtheta", "dv": "dv", "dvel": "dv",
 }  # fmt: skip
 SUFFIX = re.compile(
-    r"_(rad_per_sec|rad_per_s|rad_s|rads|radps|rad_sec|deg_per_sec|deg_per_s|degs|deg_s|degps|deg_sec|dps|mdps|cdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
+    r"_(meters?_pers2|m_pers2|meters?_per_s2|meters?_per_second_squared|rad_per_sec|rad_per_s|rad_s|rads|radps|rad_sec|deg_per_sec|deg_per_s|degs|deg_s|degps|deg_sec|dps|mdps|cdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
     r"|mss|mg|ug|g|counts?|lsb|raw|adc|sec|secs|msec|usec|nsec|ms|us|ns|s|min|degc|degf|deg_c|deg_f|celsius|fahrenheit|kelvin|c|f|k)$"
 )
 SUFFIX_UNIT = {
     "rad_sec": "rad/s", "deg_sec": "deg/s", "rad_per_sec": "rad/s", "deg_per_sec": "deg/s", "degs": "deg/s", "m_s_2": "m/s^2", "m_s^2": "m/s^2", "ms_2": "m/s^2",
-    "mss": "m/s^2", "m_per_s2": "m/s^2", "rad_per_s": "rad/s", "deg_per_s": "deg/s",
+    "mss": "m/s^2", "meters_pers2": "m/s^2", "meters_per_s2": "m/s^2", "m_pers2": "m/s^2", "m_per_s2": "m/s^2", "rad_per_s": "rad/s", "deg_per_s": "deg/s",
 }  # fmt: skip
 REMARKS = words(
     "raw calibrated uncalibrated cal uncal imu utc local gps relative boot body sensor device filtered lp hp axis"

@@ -138,39 +138,71 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
         if kind is None:
             return replace(found, quantity=None, why="not an inertial reading")
         found = replace(found, quantity=kind, why=f"field descriptor 0x{descriptor[1]}")
+    tail = None
     if unit is None and found.unit is None and not descriptor:
-        tail = lexicon.SUFFIX.search(key)
-        if tail:
-            shorter = read(key[: tail.start()], axis, signal, str(name))
-            spelled = lexicon.SUFFIX_UNIT.get(tail[1]) or unit_of(tail[1].replace("_per_", "/"))
-            fits = shorter.quantity and (
-                shorter.quantity not in UNITS
-                or spelled in UNITS[shorter.quantity]
-                or spelled == "counts"
-            )
-            if fits and (found.quantity is None or found.quantity == shorter.quantity):
-                found, unit = shorter, spelled
-        else:
-            # the unit may stand before the axis: accelerometer_m_s2_0, gyro_rad_0, acc_g_x
-            middle = (
-                re.match(r"^(.*?)_([xyz0-3])$", key) if axis is None else re.match(r"^(.*)$", key)
-            )
-            inner = middle and lexicon.SUFFIX.search(middle[1])
-            pointed = axis or (middle[2] if middle and axis is None else None)
-            if inner or (middle and re.search(r"(gyro|gyr|omega)_(rad|deg)$", middle[1])):
-                head = middle[1][: inner.start()] if inner else middle[1].rpartition("_")[0]
-                word = inner[1] if inner else middle[1].rpartition("_")[2] + "_s"
-                spelled = lexicon.SUFFIX_UNIT.get(word) or unit_of(word)
-                shorter = read(head, pointed, signal, str(name))
-                if shorter.quantity in SIGNALS and spelled in (*UNITS[shorter.quantity], "counts"):
-                    found, unit = shorter, spelled
+        found, unit, tail = _with_tail(found, key, axis, signal, str(name))
     if found.part == "interval":
         return replace(found, unit=unit or found.unit)
     if found.quantity is None:
-        if unit in GYRO_UNITS and key in directions.TURN:  # Yaw [deg/s]
-            return Meaning("gyro", directions.TURN[key], unit, 2, why=f"a turn in {unit}")
-        return found
-    unit = unit or found.unit
+        head, said = tail or (key, unit)
+        return _by_unit_alone(head, said, found) or found
+    return _in_unit(found, unit or found.unit, key)
+
+
+#: A lone letter or word of a gyro before an axis and [rad] or [deg]: a rate whose second was left out,
+#: or an increment, which is asked.
+_RAD = re.compile(r"^((?:gyro|gyr|omega|w|g)_?[xyz])_(rad|deg)$")
+
+
+def _with_tail(found: Meaning, key: str, axis, signal, name: str):
+    """A meaning and its unit where that stands behind the name without brackets, or before the axis:
+    gx_dps, accelerometer_m_s2_0, wx_rad; and the head and unit of such a name that says no more.
+    """
+    if axis is None and (bare := _RAD.match(key)):
+        return read(bare[1], axis, signal, name), bare[2], None
+    tail = lexicon.SUFFIX.search(key)
+    if tail:
+        head = key[: tail.start()]
+        shorter = read(head, axis, signal, name)
+        spelled = lexicon.SUFFIX_UNIT.get(tail[1]) or unit_of(tail[1].replace("_per_", "/"))
+        fits = shorter.quantity and (
+            shorter.quantity not in UNITS
+            or spelled in UNITS[shorter.quantity]
+            or spelled == "counts"
+        )
+        if fits and (found.quantity is None or found.quantity == shorter.quantity):
+            return shorter, spelled, None
+        return found, None, (head, spelled)
+    # the unit may stand before the axis: accelerometer_m_s2_0, gyro_rad_0, acc_g_x
+    middle = re.match(r"^(.*?)_([xyz0-3])$", key) if axis is None else re.match(r"^(.*)$", key)
+    inner = middle and lexicon.SUFFIX.search(middle[1])
+    if inner or (middle and re.search(r"(gyro|gyr|omega)_(rad|deg)$", middle[1])):
+        head = middle[1][: inner.start()] if inner else middle[1].rpartition("_")[0]
+        word = inner[1] if inner else middle[1].rpartition("_")[2] + "_s"
+        spelled = lexicon.SUFFIX_UNIT.get(word) or unit_of(word)
+        shorter = read(head, axis or middle[2], signal, name)
+        if shorter.quantity in SIGNALS and spelled in (*UNITS[shorter.quantity], "counts"):
+            return shorter, spelled, None
+    return found, None, None
+
+
+def _by_unit_alone(head: str, unit: str | None, found: Meaning) -> Meaning | None:
+    """What a unit says of a name that says nothing: Yaw [deg/s], nx_g, lateral_g, imu_degC."""
+    if unit in GYRO_UNITS and head in directions.TURN:
+        return Meaning("gyro", directions.TURN[head], unit, 2, why=f"a turn in {unit}")
+    if found.why != UNKNOWN:
+        return None
+    if unit in ("degC", "degF") and set(head.split("_")) <= lexicon.OWN | {"die", "chip"}:
+        return Meaning("temperature", unit=unit, rank=2, why=f"in {unit}")
+    if unit in ("g", "mg") and (load := re.fullmatch(r"n_?([xyz])(?:_load_?factor)?", head)):
+        return Meaning("accel", load[1], unit, why="named a load factor")
+    if unit in ("g", "mg") and head in directions.FORCE:
+        return Meaning("accel", directions.FORCE[head], unit, 2, why=f"a direction in {unit}")
+    return None
+
+
+def _in_unit(found: Meaning, unit: str | None, key: str) -> Meaning:
+    """A meaning held against the unit that its heading states."""
     if unit and unit != "counts" and directions.ALONG in found.why:
         if unit not in UNITS.get(found.quantity, (unit,)):
             return Meaning(why=f"in {unit}: no {'rate' if found.quantity == 'gyro' else 'force'}")
@@ -206,6 +238,20 @@ def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | No
 def worked_on(name: str) -> bool:
     """Whether a heading says that a device has taken the bias or gravity out of a reading."""
     return bool(set(_key(_split(name)[0]).split("_")) & lexicon.WORKED_ON)
+
+
+def free(name: str) -> bool:
+    """Whether a heading says that gravity was taken out of an acceleration."""
+    return bool(set(_key(_split(name)[0]).split("_")) & lexicon.FREE)
+
+
+def stem(name: str) -> tuple[str, str | None]:
+    """A heading without its unit and the axis behind it: `AsX(deg/s)` is As, x."""
+    text, _, axis = _split(name)
+    found = re.match(r"^(.*?)[ _.-]?([xyzXYZ])$", text)
+    if axis in ("x", "y", "z") or not found:
+        return text, axis
+    return found[1], found[2].lower()
 
 
 def spelled_unit(name: str) -> str | None:

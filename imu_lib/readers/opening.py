@@ -10,6 +10,7 @@ from pathlib import Path
 from imu_lib.errors import InputError
 from imu_lib.readers import (
     arrays,
+    arrow_tables,
     bags,
     binary,
     instances,
@@ -24,7 +25,9 @@ from imu_lib.readers import (
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.text import read_text
 
-KNOWN = ".npz, .npy, .csv, .txt, .tsv, .parquet, .mat, .zarr, .ulg, .rda or a ROS bag"
+KNOWN = (
+    ".npz, .npy, .csv, .txt, .tsv, .parquet, .feather, .mat, .h5, .zarr, .ulg, .rda or a ROS bag"
+)
 
 
 def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
@@ -84,7 +87,13 @@ def _of_file(path: Path, magic: bytes, options) -> Raw:
     if magic[:6] == b"\x93NUMPY" or magic[:2] == b"PK" or suffix in (".npz", ".npy"):
         return binary.read_numpy(path, **table)
     if magic[:4] == b"PAR1" or suffix in (".parquet", ".pq"):
-        return binary.read_parquet(path, **table)
+        return arrow_tables.read_parquet(path, **table)
+    if magic.startswith((b"ARROW1", b"FEA1")):
+        return arrow_tables.read_feather(path, **table)
+    if magic[:1] == b"\x80" and magic[1:2] in b"\x02\x03\x04\x05" or suffix in (".pkl", ".pickle"):
+        raise InputError(
+            f"{path} is a Python pickle, which runs code when it is opened; write what it holds as .npz, .csv or .parquet."
+        )
     if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or suffix == ".mat":
         return binary.read_mat(path, **table)
     if magic[:8] == b"#ROSBAG " or magic[:15] == b"SQLite format 3" or magic[:5] == b"\x89MCAP":
@@ -123,6 +132,8 @@ def _of_bytes(data: bytes, path: Path, options, name: str | None = None) -> Raw:
         b"SQLite",
         b"\x89MCAP",
         b"ULog",
+        b"ARROW1",
+        b"FEA1",
     )
     suffix = Path(name).suffix.lower()
     if magic.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"[", b"{"):

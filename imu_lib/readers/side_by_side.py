@@ -66,7 +66,7 @@ def merge(
     apart = float(np.median(t["accel"][right] - t["gyro"][left]))
     if one_file and abs(apart) * gyro.rate > 0.02:
         notes += (
-            f"The accelerometer's samples come {apart * 1e3:.4g} ms after the gyro's with which they are paired.",
+            f"The accelerometer's samples come {abs(apart) * 1e3:.4g} ms {'after' if apart > 0 else 'before'} the gyro's with which they are paired.",
         )
     channels = {c: x[left] for c, x in gyro.channels.items()} | {
         c: x[right] for c, x in accel.channels.items()

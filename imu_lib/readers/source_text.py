@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 
-from imu_lib.readers import cells, commas, fields, labelled, tagged
+from imu_lib.readers import cells, commas, fields, folded, labelled, tagged
 
 
 class Lines:
@@ -31,6 +31,8 @@ class Lines:
             data = re.sub(rb"\x1b\[[0-9;]*[A-Za-z]", b"", data)
         if re.search(rb"\d\.\d*[dD][+-]\d\d", data[:4096]):  # Fortran's double precision
             data = re.sub(rb"(\d\.\d*)[dD]([+-]\d\d)", rb"\1E\2", data)
+        if _ended(data):  # a mark behind every row, which sets no fields apart
+            data = re.sub(rb";[ \t]*(?=\r?\n|$)", b"", data)
         if _glued(data):  # %10.5f of Fortran and C, without a blank before a minus
             data = re.sub(rb"(?<=[\d.])(-)(?=[\d.])", rb" \1", data)
         lines = cls(data, source)
@@ -68,6 +70,7 @@ class Lines:
         head, whole = self.head()
         text, encoding = fields.decode(head, self.source, whole)
         for how in (
+            folded.unfold,
             lambda t: tagged.unfold(t, self.source),
             labelled.unfold,
             cells.plain,
@@ -79,6 +82,35 @@ class Lines:
             if table is not None:
                 self.data, self.places, self.notes = table.text.encode(), table.lines, table.notes
                 return
+
+    def without_words(self, layout) -> bool:
+        """Leave out lines of words between the rows, as a logger's complaints are. Whether there were
+        any; how many, and the first, are said.
+        """
+        if self.places is not None or layout.encoding == "utf-16":
+            return False
+        rows = self.data.split(b"\n")
+        lost = [
+            i
+            for i in range(layout.first, len(rows))
+            if rows[i].strip() and _complaint(rows[i], layout)
+        ]
+        if not lost or len(lost) > 0.5 * (len(rows) - layout.first):
+            return False
+        gone = set(lost)
+        comment = tuple(c.encode() for c in fields.COMMENTS)
+        self.places = [
+            i + 1
+            for i in range(layout.first, len(rows))
+            if i not in gone and rows[i].strip() and not rows[i].lstrip().startswith(comment)
+        ]
+        self.data = b"\n".join(r for i, r in enumerate(rows) if i not in gone)
+        first = rows[lost[0]].decode(layout.encoding, errors="replace").strip()[:40]
+        self.notes += (
+            f"{len(lost):,} line{'s' * (len(lost) > 1)} of words between the rows {'were' if len(lost) > 1 else 'was'} left out (line {lost[0] + 1}: {first!r}); "
+            "where each stands for a lost sample and the file has no stamps, the time is short by them.",
+        )
+        return True
 
     def trim(self, layout) -> bool:
         """Leave out what a logger writes between and below the rows: its header again, and words
@@ -118,6 +150,13 @@ class Lines:
         return True
 
 
+def _ended(data: bytes) -> bool:
+    """Whether the rows of a table with commas end with a semicolon each."""
+    rows = [r.strip() for r in data[:8192].split(b"\n")[:-1] if r.strip()][1:40]
+    ended = [r.endswith(b";") and r.count(b";") == 1 and r.count(b",") > 1 for r in rows]
+    return len(rows) > 3 and sum(ended) > 0.9 * len(rows)
+
+
 def _words(line: bytes, layout) -> bool:
     """Whether a line below the rows is words: a remark, or statistics under a name of their own."""
     text = line.decode(layout.encoding, errors="replace").strip()
@@ -135,6 +174,16 @@ def _words(line: bytes, layout) -> bool:
         and fields.kind(found[first], layout.decimal) == "text"
         and re.search(r"[^\W\d_]{3}", found[first]) is not None
     )
+
+
+def _complaint(line: bytes, layout) -> bool:
+    """Whether a line between the rows is words and no part of a row."""
+    text = line.decode(layout.encoding, errors="replace").strip()
+    found = [f for f in layout.split(text) if f]
+    if len(found) >= len(layout.kinds) and layout.delimiter is not None:
+        return False
+    numbers = sum(fields.kind(f, layout.decimal) == "number" for f in found)
+    return numbers < 2 and re.search(r"[^\W\d_]{3}", text) is not None
 
 
 def _glued(data: bytes) -> bool:

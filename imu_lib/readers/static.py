@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from imu_lib.readers import (
     unsigned,
 )
 from imu_lib.readers.asking import Unnamed
-from imu_lib.readers.assemble import ask_for_both, assemble, check_units
+from imu_lib.readers.assemble import ask_for_both, ask_of_two, assemble, check_units
 from imu_lib.readers.opening import pair, read_raw
 from imu_lib.readers.raw import Column, Raw
 from imu_lib.record import Record
@@ -105,7 +105,7 @@ def read(
     }
     if (path is None) == (gyro is None and accel is None):
         raise InputError("Give one file, or --gyro FILE and --accel FILE.")
-    told: list[Column] = []
+    units = {"gyro": gyro_unit, "accel": accel_unit}
     both = pair(path) if path is not None and columns is None else None
     if both:
         path, gyro, accel = (
@@ -113,55 +113,83 @@ def read(
             *(p if only in (None, k) else None for p, k in zip(both, ("gyro", "accel"))),
         )
     if path is not None:
-        one = None if bool(gyro_unit) == bool(accel_unit) else "gyro" if gyro_unit else "accel"
-        raw = _read_bare(path, columns, topic, one)
-        units = {"gyro": gyro_unit, "accel": accel_unit}
-        if only:
-            raw = _only(raw, only)
-            units = {k: u if k == only else None for k, u in units.items()}
-        record, repeats = of_one(raw, units, options)
-        told = raw.described
+        found = _of_one_file(path, columns, topic, only, units, options)
     else:
-        parts, repeats = {}, 0
-        for kind, file, unit in (("gyro", gyro, gyro_unit), ("accel", accel, accel_unit)):
-            if file is not None:
-                raw = _only(read_raw(file, columns=columns, signal=kind, topic=topic), kind)
-                one, more = of_one(raw, {kind: unit}, options)
-                parts[kind] = (one, raw)
-                repeats += more
-                told += raw.described
-        if len(parts) == 1:
-            record = next(iter(parts.values()))[0]
-        else:
-            starts = _starts(
-                parts["gyro"][1], parts["accel"][1], *(p[0].duration for p in parts.values())
-            )
-            record = streams.merge(parts["gyro"][0], starts[0], parts["accel"][0], starts[1])
-        if not trust_units and len(parts) == 2:
-            record = check_units(record, {"gyro": gyro_unit or "rad/s"}, {"gyro": 1.0})
-    if start is not None or stop is not None:
-        try:
-            record = record.slice(start, stop)
-        except ValueError:
-            raise InputError(
-                f"{record.source}: --start {0 if start is None else start:g} and --stop "
-                f"{record.duration if stop is None else stop:g} leave fewer "
-                f"than two samples of a record of {record.duration:.6g} s."
-            ) from None
-    return Reading(record, repeats, tuple(told))
+        found = _of_two_files({"gyro": gyro, "accel": accel}, columns, topic, units, options)
+    return replace(found, record=_cut(found.record, start, stop))
 
 
-def _read_bare(path, columns, topic, one: str | None) -> Raw:
-    """The columns of a file; x, y, z that name no sensor are of the one that a unit was given for."""
+def _of_one_file(path, columns, topic, only, units, options) -> Reading:
+    """What one file holds, or one sensor of it."""
+    raw = _read_bare(path, columns, topic, units)
+    if only:
+        raw = _only(raw, only)
+        units = {k: u if k == only else None for k, u in units.items()}
+    record, repeats = of_one(raw, units, options)
+    return Reading(record, repeats, tuple(raw.described))
+
+
+def _of_two_files(files, columns, topic, units, options) -> Reading:
+    """What a file of the gyro and one of the accelerometer hold, side by side; one of them may be None."""
+    raws = {
+        kind: _only(read_raw(file, columns=columns, signal=kind, topic=topic), kind)
+        for kind, file in files.items()
+        if file is not None
+    }
+    if len(raws) == 2:
+        ask_of_two(raws["gyro"], units["gyro"], raws["accel"], units["accel"])
+    parts, repeats = {}, 0
+    for kind, raw in raws.items():
+        parts[kind], more = of_one(raw, {kind: units[kind]}, options)
+        repeats += more
+    told = tuple(c for raw in raws.values() for c in raw.described)
+    if len(parts) == 1:
+        return Reading(next(iter(parts.values())), repeats, told)
+    starts = _starts(raws["gyro"], raws["accel"], *(r.duration for r in parts.values()))
+    record = streams.merge(parts["gyro"], starts[0], parts["accel"], starts[1])
+    if not options["trust"]:
+        record = check_units(record, {"gyro": units["gyro"] or "rad/s"}, {"gyro": 1.0})
+    return Reading(record, repeats, told)
+
+
+def _cut(record: Record, start, stop) -> Record:
+    """The stretch of a record from `start` to `stop` (s, None for its ends)."""
+    if start is None and stop is None:
+        return record
     try:
-        return read_raw(path, columns=columns, topic=topic)
+        return record.slice(start, stop)
+    except ValueError:
+        raise InputError(
+            f"{record.source}: --start {0 if start is None else start:g} and --stop "
+            f"{record.duration if stop is None else stop:g} leave fewer "
+            f"than two samples of a record of {record.duration:.6g} s."
+        ) from None
+
+
+def _read_bare(path, columns, topic, units) -> Raw:
+    """The columns of a file; x, y, z that name no sensor are of the one that a unit was given for
+    while no other column is.
+    """
+    given = [k for k, u in units.items() if u]
+    try:
+        raw = read_raw(path, columns=columns, topic=topic)
     except Unnamed:
-        if one is None or columns:
+        if len(given) != 1 or columns:
             raise
-    raw = read_raw(path, signal=one, topic=topic)
-    word = "gyro" if one == "gyro" else "accelerometer"
+        return _as_named(path, topic, given[0])
+    unused = {c.name.strip().lower() for c in raw.described if c.read_as is None}
+    missing = [k for k in given if not {k, {"gyro": "dtheta", "accel": "dv"}[k]} & raw.kinds()]
+    if columns or len(missing) != 1 or not {"x", "y", "z"} <= unused:
+        return raw
+    again = _as_named(path, topic, missing[0])
+    return again if missing[0] in again.kinds() and raw.kinds() <= again.kinds() else raw
+
+
+def _as_named(path, topic, kind: str) -> Raw:
+    raw = read_raw(path, signal=kind, topic=topic)
+    word = "gyro" if kind == "gyro" else "accelerometer"
     raw.notes += (
-        f"x, y, z were read as the {word}, the one sensor that a unit was given for (--{one}-unit).",
+        f"x, y, z were read as the {word}, the one sensor that a unit was given for (--{kind}-unit).",
     )
     return raw
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, fields, formats, headerless, names
+from imu_lib.readers import calendar, fields, formats, headerless, names, scales_above
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
@@ -75,10 +75,13 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
     ]
 
     def load(wanted):
-        return _parse(path, lines, layout, wanted)
+        values = _parse(path, lines, layout, wanted)
+        raw.notes += tuple(n for n in lines.notes if n not in raw.notes)
+        return values
 
     decide(raw, headings, load, columns=columns, signal=signal, named=layout.header is not None)
     _by_the_lines_above(raw, layout)
+    scales_above.take(raw, head.decode("latin-1").splitlines()[: layout.first])
     if lines.places is None and layout.header:
         formats.fix(raw, layout.header, head.decode("latin-1").splitlines()[: layout.first])
     return raw
@@ -124,6 +127,8 @@ def _parse(path, lines, layout, wanted) -> dict[int, np.ndarray]:
         table = _arrow(lines, layout, numeric, texts)
     if table is None:
         table = _pandas(lines, layout, numeric, texts)
+    if table is None and lines.without_words(layout):
+        return _parse(path, lines, layout, wanted)
     if table is None:
         _explain(path, lines, layout, wanted)
         raise InputError(

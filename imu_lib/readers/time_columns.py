@@ -9,16 +9,29 @@ from dataclasses import replace
 
 import numpy as np
 
+from imu_lib.errors import InputError
 from imu_lib.readers import names
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.spelling import UNITS
 
+_OF_SENSOR = re.compile(
+    r"^\s*(?:t[ _.](?:imu|gyro|gyr|acc|accel|sensor|chip|mpu|die|board)|(?:imu|sensor)[ _.]t)\s*$",
+    re.IGNORECASE,
+)
+
 
 def letter_t(told, headings, values) -> list[Meaning]:
-    """A column called T: the time where it rises from row to row, a temperature where it does not."""
+    """A column called T: the time where it rises from row to row, a temperature where it does not;
+    T_imu and its likes are one where they do not rise at all.
+    """
     out = list(told)
     for i, m in enumerate(told):
+        if m.quantity == "time" and _OF_SENSOR.match(headings[i].name) and m.unit is None:
+            x = np.asarray(values[i])
+            if x.dtype.kind in "fiu" and (np.diff(x.astype(float)) > 0).mean() < 0.7:
+                out[i] = Meaning("temperature", why="a T that does not rise from row to row")
+            continue
         if (
             m.quantity != "time"
             or re.sub(r"[\[(].*", "", headings[i].name).strip() != "T"
@@ -44,6 +57,7 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     """One time out of several: seconds with their fraction put together, the sensor's own before
     that of arrival, one that states its unit before one that does not, numbers before the calendar.
     """
+    told = _fractions(told, headings, values)
     out = list(told)
     told = _subseconds(raw, told, headings, values)
     together = _put_together(told, headings, values)
@@ -67,6 +81,9 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
                 )  # fmt: skip
                 told = out
                 break
+    times = [i for i, m in enumerate(out) if m.quantity == "time"]
+    for i in [i for i in times if _empty(values[i])]:
+        out[i] = Meaning(why="it holds no stamps")
     times = [i for i, m in enumerate(out) if m.quantity == "time"]
     dead = [i for i in times if not _moves(values[i])]
     if len(dead) < len(times):
@@ -107,6 +124,29 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     return out
 
 
+def _fractions(told, headings, values) -> list[Meaning]:
+    """Fractions of a second, decimal ones or in units of 2^-32 s as network clocks count them, as
+    nanoseconds.
+    """
+    out = list(told)
+    for i, m in enumerate(told):
+        if m.unit != "fraction":
+            continue
+        x = np.asarray(values[i])
+        whole = x.dtype.kind in "iu" or (x.dtype.kind == "f" and (x == np.rint(x)).all())
+        if x.dtype.kind in "iuf" and np.isfinite(x).all() and len(x) and x.min() >= 0:
+            if not whole and x.max() < 1:
+                values[i] = np.rint(x * 1e9).astype(np.int64)
+                out[i] = replace(m, unit="ns", why=f"{m.why}, a fraction of a second")
+                continue
+            if whole and 2**31 < x.max() < 2**32:
+                values[i] = np.rint(x * (1e9 / 2**32)).astype(np.int64)
+                out[i] = replace(m, unit="ns", why=f"{m.why}, in units of 2^-32 s")
+                continue
+        out[i] = Meaning(why="a fraction, of what is not known here")
+    return out
+
+
 def _steadier(raw: Raw, order, told, headings, values) -> list[int]:
     """Of times of one standing the one that moves in even steps, where the first does not: that one is
     of the host. Which was taken is said.
@@ -142,6 +182,22 @@ def _fine(x) -> bool:
     """Whether numbers rise in steps below one."""
     step = np.diff(np.asarray(x, dtype=float)) if x is not None else np.empty(0)
     return bool(step.size and (step >= 0).all() and 0 < step.mean() < 0.1)
+
+
+def still(told, headings, load) -> list[int]:
+    """Columns named a time that do not move, where another one does."""
+    times = [i for i, m in enumerate(told) if m.quantity == "time" and headings[i].kind == "number"]
+    try:
+        values = load(times) if len(times) > 1 else {}
+    except InputError:
+        return []  # a damaged line is told when the columns are known
+    dead = [i for i in values if _empty(values[i]) or not _moves(values[i])]
+    return dead if len(dead) < len(times) else []
+
+
+def _empty(x) -> bool:
+    x = np.asarray(x)
+    return x.dtype.kind == "f" and not np.isfinite(x).any()
 
 
 def _moves(x) -> bool:

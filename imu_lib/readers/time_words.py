@@ -14,11 +14,12 @@ WHOLE = words("ts gpst utc gpstime unixtime systime hosttime ticktime itow xvalu
 #: Words that name a time only where all the others do, too.
 WEAK = words(
     "cpu cycle cycles systick rtc t s ms us ns sec secs second seconds a tick ticks temps min minutes"
+    " frac fraction fractional subsec subsecs subsecond subseconds"
 )
-BESIDE = words("gps utc since boot start header stamp unix in of from the tv ts")
+BESIDE = words("gps utc since boot start begin header stamp unix ntp in of from the tv ts")
 _WITH_UNIT = re.compile(r"(t|time|timestamp|ts|temps)_?(ms|us|ns|s|sec|usec|msec|nsec)")
 _TAIL = re.compile(
-    r"(?:time|stamp|ts)(ms|us|ns|secs?|usec|msec|nsec)$|(?:^t|elapsed)(ms|us|ns|s|secs?|usec|msec|nsec)$"
+    r"(?:time|stamp|ts)(ms|us|ns|secs?|usec|msec|nsec)$|(?:^t|^tv|^begin|^start|^unix|^epoch|elapsed)(ms|us|ns|s|secs?|usec|msec|nsec)$"
 )
 
 
@@ -66,6 +67,9 @@ def _is_time(tokens: list[str], joined: str, have: set[str]) -> bool:
         or _WITH_UNIT.fullmatch(joined)
         or joined.endswith("time")
         and joined not in ("deltatime", "dtime", "exposuretime", "lifetime")
+        or tokens[-1] == "ts"
+        and have - {"ts"} <= lexicon.GYRO | lexicon.ACCEL | lexicon.OWN
+        or _TAIL.fullmatch(joined)
         or tokens[-1] in CYCLES - {"tick", "ticks"}
         and len(tokens) < 3
     )
@@ -80,7 +84,7 @@ def _time(tokens: list[str], joined: str, name: str) -> Meaning:
     unit = _unit(tokens, joined)
     part = None
     if tokens[-1] in lexicon.FINE or joined in lexicon.FINE:
-        part = "sub" if unit in ("ns", "us", "ms", "cs") else "whole"
+        part = "sub" if unit in ("ns", "us", "ms", "cs", "fraction") else "whole"
     rank = 0 if have & lexicon.OWN else 2 if have & lexicon.ARRIVAL else 1
     if joined == "itow":
         unit = "ms"  # u-blox counts the time of week in ms under this name

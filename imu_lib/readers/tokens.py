@@ -9,6 +9,8 @@ from imu_lib.readers import directions, lexicon
 from imu_lib.readers.meaning import SIGNALS, UNKNOWN, Meaning
 from imu_lib.readers.time_words import stamp_of
 
+ROTATION = "named a rotation"
+
 
 def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
     """The meaning of a key, its unit only where a word of the name is one."""
@@ -62,7 +64,7 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
                 found, rank=max(found.rank, 2), why=f"{found.why}, {found.axis} {directions.ALONG}"
             )
     have, joined = set(words), "".join(words)
-    refused = _refused(words, have)
+    refused = _refused(words, have, axis)
     if refused:
         return refused
     if have & lexicon.TEMPERATURE or any(t in joined for t in ("temperature", "temperatur")):
@@ -74,7 +76,9 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
         return Meaning(why="an interval between stamps")
     turn = have & set(directions.TURN)
     if kind is None and turn and have & {"rate", "rates"} and len(have) <= 3:
-        return Meaning("gyro", directions.TURN[turn.pop()], why="named a body rate")
+        return Meaning("gyro", axis or directions.TURN[turn.pop()], why="named a body rate")
+    if kind is None and axis in ("x", "y", "z") and _is_rotation(have):
+        return Meaning("gyro", axis, rank=2, why=ROTATION)
     if kind is None:
         kind = _kind(have, joined, axis)
     if kind == "alpha":
@@ -86,17 +90,32 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     return _reading(kind, axis, words)
 
 
-def _refused(words: list[str], have: set[str]) -> Meaning | None:
+def _is_rotation(have: set[str]) -> bool:
+    """Whether the words name a rotation and no more: a rate in most logs, an angle in some."""
+    return bool(have) and have - lexicon.BESIDE_LETTERS in ({"rotation"}, {"rot"})
+
+
+def _refused(words: list[str], have: set[str], axis: str | None) -> Meaning | None:
     """Why a heading is no inertial reading, None where nothing says so."""
     turning = have & {"rate", "rates", "velocity", "speed", "rot", "geschwindigkeit"}
+    named = have & ((lexicon.GYRO | lexicon.ACCEL) - lexicon.LETTERS)
+    force = have & (lexicon.ACCEL - lexicon.LETTERS)
+    if have & lexicon.ANGLE and not have & (lexicon.SPEED | lexicon.DELTA):
+        return Meaning(why="an angle")
+    if have & {"gps", "gnss"} and named and "imu" not in have:
+        return Meaning(why="a satellite receiver's")
     for word in words:
         if word.startswith("grav") and have & {"including", "includes", "incl", "with"}:
             continue  # accelerationIncludingGravity is the specific force
+        if word == "total" and axis and force and not have & lexicon.NOT.keys() - {"total"}:
+            continue  # total_acc_x: with gravity in it
         if word in lexicon.NOT and not (word in directions.TURN and turning):
             if not (word == "speed" and have & {"angular", "ang", "rotation", "winkel"}):
                 return Meaning(why=lexicon.NOT[word])
-    if have & {"angular", "rotational"} and have & (lexicon.ACCEL - {"a", "f"}):
+    if have & {"angular", "rotational", "ang", "rot"} and have & (lexicon.ACCEL - {"a", "f"}):
         return Meaning(why="an angular acceleration")
+    if have & {"sf", "scale"} and (named - {"sf"} or have & {"g", "w", "a"}):
+        return Meaning(why="a scale factor")
     return None
 
 

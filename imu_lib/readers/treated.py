@@ -2,25 +2,37 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import InputError
+from imu_lib.readers import directions
 from imu_lib.readers.gravity import some
 from imu_lib.readers.raw import Raw
+from imu_lib.readers.tokens import ROTATION
 
 #: Variance of the steps over that of the values up to which a reading grows from row to row, and
 #: correlation of neighbouring steps from which it is no noise on top that does so.
 GROWS, ALIKE = 0.05, -0.2
 LEAST = 50  # samples that tell
+_A_RATE = re.compile(r"rate|speed|vel", re.IGNORECASE)
 PARTS = 20  # of a record whose means are compared
 
 
 def refuse_angles(raw: Raw) -> None:
-    """InputError where a gyro in [deg] or [rad] is an integrated angle, whatever the call says of its
-    unit.
+    """InputError where a gyro in [deg] or [rad], or one whose name may be that of an angle, is an
+    integrated angle, whatever the call says of its unit.
     """
-    there = [c for c in raw.axes("gyro") if raw.units[c] in ("deg", "rad")]
+    doubtful = {
+        c.read_as
+        for c in raw.described
+        if (c.evidence.startswith(ROTATION) or directions.ALONG in c.evidence)
+        and c.unit is None
+        and not _A_RATE.search(c.name)
+    }
+    there = [c for c in raw.axes("gyro") if raw.units[c] in ("deg", "rad") or c in doubtful]
     if not there or not any(_grows(raw.columns[c]) for c in there):
         return
     left = [
@@ -31,9 +43,12 @@ def refuse_angles(raw: Raw) -> None:
     how = (
         f"leave it out with --columns {','.join(left)}" if rest else "give the file with the rates"
     )
+    unit = raw.units[there[0]]
+    said = f" is in [{unit}] and" if unit in ("deg", "rad") else ""
+    rate = f"{unit}/s" if unit in ("deg", "rad") else unit or "deg/s"
     raise InputError(
-        f"{raw.source}: `{raw.headings[there[0]]}` is in [{raw.units[there[0]]}] and grows smoothly from row to row, as an angle that was integrated does: "
-        f"neither a rate nor an increment; {how}, or give --gyro-unit {raw.units[there[0]]}/s --trust-units if it is a rate."
+        f"{raw.source}: `{raw.headings[there[0]]}`{said} grows smoothly from row to row, as an angle that was integrated does: "
+        f"neither a rate nor an increment; {how}, or give --gyro-unit {rate} --trust-units if it is a rate."
     )
 
 

@@ -4,10 +4,12 @@ the accelerometer, and which was taken is said.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import numpy as np
 
+from imu_lib.readers import lexicon, names
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
 
@@ -41,6 +43,33 @@ def with_gravity(told: list[Meaning], headings, load: Callable) -> list[Meaning]
                 out[i] = Meaning(why=f"an acceleration without gravity; `{name}` has it")
             return out
     return told
+
+
+def add_gravity(raw: Raw, told: list[Meaning], headings, values, load: Callable) -> None:
+    """Gravity as a device computed it added to the acceleration from which it took it, where the file
+    has no other accelerometer: the sum is the specific force that was measured.
+    """
+    force = {m.axis: i for i, m in enumerate(told) if m.quantity == "accel" and m.axis}
+    if set(force) != set("xyz") or not all(names.free(headings[i].name) for i in force.values()):
+        return
+    gravity = {}
+    for i, (m, h) in enumerate(zip(told, headings)):
+        if m.why == lexicon.NOT["gravity"] and h.kind == "number":
+            along = names.meaning(re.sub(r"gravit(?:y|ation)|grav", "acc", h.name, flags=re.I))
+            unit = names.unit_of(h.unit or "") or along.unit
+            if along.axis in force and unit == told[force[along.axis]].unit:
+                gravity.setdefault(along.axis, i)
+    if set(gravity) != set("xyz"):
+        return
+    more = load(list(gravity.values()))
+    for axis, i in force.items():
+        values[i] = np.asarray(values[i], dtype=float) + np.asarray(
+            more[gravity[axis]], dtype=float
+        )
+    raw.notes += (
+        f"`{headings[gravity['x']].name}` and its other axes were added to `{headings[force['x']].name}`, from which they had been taken: the sum is the "
+        "specific force.",
+    )
 
 
 def say(raw: Raw, second: dict[str, tuple[int, int]], headings) -> None:

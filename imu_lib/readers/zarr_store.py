@@ -9,7 +9,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers.arrays import from_arrays
-from imu_lib.readers.binary import MOST_VALUES
+from imu_lib.readers.hdf5 import MOST_VALUES
 from imu_lib.readers.raw import Raw
 
 #: What names a folder a store, in its root: format 3, and format 2's group and array.
