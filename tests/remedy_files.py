@@ -142,7 +142,7 @@ def files(folder):
     text["no_time.csv"] = table(THREE, GYRO)
     text["unnamed.csv"] = table("a,b,c,d", T, GYRO)
     angles = np.cumsum(GYRO, axis=0) * 0.573
-    text["angles.csv"] = table("t [s],GyroAngleX (deg),GyroAngleY (deg),GyroAngleZ (deg),ax [m/s^2],ay [m/s^2],az [m/s^2]", T, angles, ACCEL)  # fmt: skip
+    text["angles.csv"] = table("t [s],GyroX (deg),GyroY (deg),GyroZ (deg),ax [m/s^2],ay [m/s^2],az [m/s^2]", T, angles, ACCEL)  # fmt: skip
     text["two.csv"] = table(f"t,I,{THREE}", T, I % 2, GYRO)
     text["fall.csv"] = table(f"time,{THREE}", np.where(I % 50 == 30, T - 0.2, T), GYRO)
     text["fall_clock.csv"] = table(
@@ -165,6 +165,7 @@ def files(folder):
         f"{k / 100},{','.join('%.8f' % v for v in GYRO[k])},{accel[k]}\n" for k in I
     )
     text["g.csv"] = table("time [s],x,y,z", T, GYRO)
+    text["turns.txt"] = "".join(f"{k},{k % 3},0.1,0.2,9.8\n" for k in range(N))
     text["a_later.csv"] = table("time [s],x,y,z", [f"{v:.3f}" for v in 1e9 + 3.99 + T], ACCEL)
     text["g_epoch.csv"] = table("time [s],x,y,z", [f"{v:.3f}" for v in 1e9 + T], GYRO)
     text["a_slow.csv"] = table("time [s],x,y,z", [f"{v:.3f}" for v in 1e9 + 3.9 + T * 4], ACCEL)

@@ -47,6 +47,15 @@ def test_what_stands_between_the_rows_is_said(tmp_path):
     assert any("of words between the rows" in n and "line 7" in n for n in notes)
 
 
+def test_a_hole_between_whole_seconds_and_their_milliseconds(tmp_path):
+    """The clock's seconds are the time beside its milliseconds, which alone would close a hole."""
+    ms = I * 10 + 250 + 3010 * (I >= 200)
+    clocks = [f"2026/03/14,10:21:{33 + m // 1000:02d}" for m in ms]
+    text = table("Date,Time,Millis,gx,gy,gz,ax,ay,az", clocks, ms % 1000, GYRO, ACCEL)
+    (gap,) = opened(tmp_path / "a.csv", text, SI).record.gaps()
+    assert gap.duration == pytest.approx(3.02)
+
+
 def test_a_temperature_called_t_of_the_sensor(tmp_path):
     text = table("time,gx,gy,gz,ax,ay,az,T_imu", T, GYRO, ACCEL, 24.5 + 0.1 * (I % 3))
     record = opened(tmp_path / "a.csv", text, SI).record

@@ -67,6 +67,17 @@ def texts():
     out["complaints.csv"] = ("".join(r + "Failed to read data from Accelerometer\n" * (k % 37 == 5) for k, r in enumerate(body)), SI, 100)
     out["quoted_numbers.json"] = (json.dumps([{"sensor": s, "time": str(1788594189329554400 + k * 10**7), "seconds_elapsed": f"{k / 100}", **{c: f"{v:.9g}" for c, v in zip("zyx", x[k][::-1])}} for k in range(N) for s, x in (("Gyroscope", GYRO), ("TotalAcceleration", ACCEL))]), SI, 100)
     out["offset_stamps.csv"] = (table("time,seconds_elapsed,gz,gy,gx,az,ay,ax", [str(1788594189329554400 + int(k) * 10**7) for k in I], ["%.7f" % (t + 0.0707) for t in T], GYRO[:, ::-1], ACCEL[:, ::-1]), SI, 100)
+    out["scaled_brackets.txt"] = (_lines(lambda k, w, a: f"Scaled. Acc (mg) [ {_three(IN_G[k] * 1000, '%09.4f', ', ')} ], Gyr (DPS) [ {_three(DPS[k], '%09.6f', ', ')} ], Mag (uT) [  00010.05, -00020.10,  00030.00 ], Tmp (C) [  00025.78 ]\n"), "--rate 30", 30)
+    out["world_beside.csv"] = (table("Timestamp,AccelX,AccelY,AccelZ,GyroX,GyroY,GyroZ,WorldAccelX,WorldAccelY,WorldAccelZ", I * 10 + 1760000000123, ACCEL, GYRO, ACCEL * 0), SI, 100)
+    ingestion = {"device_type": "own", "interval_ms": 10, "sensors": [*({"name": f"acc{c}", "units": "m/s2"} for c in "XYZ"), *({"name": f"gyr{c}", "units": "deg/s"} for c in "XYZ")], "values": np.c_[ACCEL, DPS].tolist()}
+    out["names_apart.json"] = (json.dumps({"protected": {"ver": "v1"}, "payload": ingestion}), "", 100)
+    out["milliradians.csv"] = (table("time_boot_ms,xacc,yacc,zacc,xgyro,ygyro,zgyro", I * 10, np.rint(IN_G * 1e6).astype(int), np.rint(GYRO * 1e6).astype(int)), "--accel-unit ug --gyro-unit urad/s", 100)
+    out["two_brackets.csv"] = (table("X[s],IM sensor 1: Acc 1.X (IM) [g],IM sensor 1: Acc 1.Y (IM) [g],IM sensor 1: Acc 1.Z (IM) [g],IM sensor 1: Gyro 1.X (IM) [°/s],IM sensor 1: Gyro 1.Y (IM) [°/s],IM sensor 1: Gyro 1.Z (IM) [°/s]", T, IN_G, DPS), "", 100)
+    out["tags_with_units.csv"] = ("$FLYS,1\n$COL,BARO,time,pressure\n$UNIT,BARO,s,Pa\n$COL,IMU,time,wx,wy,wz,ax,ay,az,temperature\n$UNIT,IMU,s,deg/s,deg/s,deg/s,g,g,g,deg C\n$DATA\n" + _lines(lambda k, w, a: f"$IMU,{59970.376 + k / 100:.3f},{_three(DPS[k])},{_three(IN_G[k])},24.18\n" + f"$BARO,{59970.379 + k / 100:.3f},101325.0\n" * (k % 5 == 0)), "", 100)
+    out["of_the_day.csv"] = (table("ms_today;accX;accY;accZ;gyroX;gyroY;gyroZ", I * 20 + 37293250, IN_G, DPS, sep=";"), DEG_G, 50)
+    out["sources_row.csv"] = (table("timestamp,elapsed_time,lateral_acc,x_acc,y_acc,z_acc,x_rate_of_rotation,y_rate_of_rotation,z_rate_of_rotation\nunix time,s,G,G,G,G,deg/s,deg/s,deg/s\n,,calc,101: acc,101: acc,101: acc,102: gyro,102: gyro,102: gyro", ["%.2f" % (1773483693.25 + t) for t in T], T, T * 0, IN_G, DPS), "", 100)
+    out["turning_speeds.txt"] = (table("% Imu's timestamp   IMU_X_ACC   IMU_Y_ACC   IMU_Z_ACC   IMU_YAW_VEL   IMU_PITCH_VEL   IMU_ROLL_VEL", ["%.6f" % (1261228749.91859 + t) for t in T], ACCEL, GYRO[:, ::-1], sep=" "), SI, 100)
+    out["blanks_over_tabs.txt"] = (table("accX accY accZ gyroX gyroY gyroZ roll gyroXangle", ACCEL, GYRO, T, T, sep="\t"), SI + " --rate 50", 50)
     # fmt: on
     return out
 

@@ -102,6 +102,8 @@ def header_of(lines, first, delimiter, width):
         names_ = _fit(line, delimiter, width)
         if names_ and sum(f != "" for f in names_) > 2 and len(set(names_) - {""}) == 1:
             continue  # how each column was sampled
+        if names_ and header is None and _remarks(names_, lines[max(0, i - 3) : i], delimiter):
+            continue  # whose sensor each column is, under names and units
         if names_ and header is None and i >= first - 4:
             if unit_row is None and _all_units(names_):
                 unit_row = tuple(names_)
@@ -130,6 +132,16 @@ def header_of(lines, first, delimiter, width):
     return header, unit_row, rate
 
 
+def _remarks(row: list[str], above: list[str], delimiter) -> bool:
+    """Whether a row says nothing that is known, and one of those above it names readings."""
+    if any(names.meaning(f).axis for f in row if f) or _all_units(row):
+        return False
+    better = [_fit(line.strip(" \r\n"), delimiter, len(row)) for line in above]
+    return any(
+        sum(names.meaning(f).axis is not None for f in found if f) >= 3 for found in better if found
+    )
+
+
 def _fit(line: str, delimiter: str | None, width: int) -> list[str] | None:
     """The fields of a heading line where they are as many as the columns, else None."""
     found = fields(line, delimiter)
@@ -144,6 +156,8 @@ def _fit(line: str, delimiter: str | None, width: int) -> list[str] | None:
         found = fields(line, ";")
     if len(found) != width and delimiter is None and line.count(",") >= width - 1:
         found = fields(line, ",")
+    if len(found) != width and delimiter == "\t" and "\t" not in line.strip():
+        found = line.split()  # names with blanks between them, over tabs
     if len(found) == width + 1 and (
         not found[-1] or (found[0], found[-1]) == ("X_Value", "Comment")
     ):

@@ -26,7 +26,7 @@ def read_json(data: bytes, source: str, columns, signal) -> Raw | None:
         found = _lines(data)
     if found is None:
         return None
-    found = _split(_samples(found))
+    found, rate = _split(_samples(found)), _interval(found)
     if isinstance(found, list):
         found = _columns(found)
     arrays = {}
@@ -36,7 +36,11 @@ def read_json(data: bytes, source: str, columns, signal) -> Raw | None:
             arrays[key] = x
     if not any(x.ndim and len(x) > 1 for x in arrays.values()):
         return None
-    return from_arrays(source, arrays, columns, signal, contract=False)
+    raw = from_arrays(source, arrays, columns, signal, contract=False)
+    if rate and raw.rate is None and "time" not in raw.columns:
+        raw.rate = rate
+        raw.notes += (f"The document states an interval that makes {rate:g} Hz.",)
+    return raw
 
 
 def _lines(data: bytes) -> list | None:
@@ -73,15 +77,43 @@ def _samples(found):
 
 
 def _split(found):
-    """Names and rows apart (`columns`, `data`) as columns; anything else as it is."""
+    """Names and rows apart (`columns` and `data`, `sensors` and `values`), perhaps under one key, as
+    columns; anything else as it is.
+    """
     if not isinstance(found, dict):
         return found
-    names_, rows = found.get("columns"), found.get("data")
-    if not (isinstance(names_, list) and isinstance(rows, list) and rows):
-        return found
-    if not all(isinstance(r, list) and len(r) == len(names_) for r in rows):
-        return found
-    return [dict(zip(map(str, names_), r)) for r in rows]
+    for inner in [found, *(v for v in found.values() if isinstance(v, dict))]:
+        heads = next((inner[k] for k in _HEADS if isinstance(inner.get(k), list)), None)
+        rows = next((inner[k] for k in _ROWS if isinstance(inner.get(k), list)), None)
+        if not heads or not rows:
+            continue
+        if all(isinstance(r, list) and len(r) == len(heads) for r in rows):
+            return [dict(zip(map(_head, heads), r)) for r in rows]
+    return found
+
+
+_HEADS = ("columns", "sensors", "fields", "channels", "header", "headers")
+_ROWS = ("data", "values", "rows", "samples", "records")
+
+
+def _head(head) -> str:
+    """A name, with its unit where it is described: {"name": "accX", "units": "m/s2"}."""
+    if not isinstance(head, dict):
+        return str(head)
+    unit = head.get("units", head.get("unit"))
+    return f"{head.get('name', '')} [{unit}]" if unit else str(head.get("name", ""))
+
+
+def _interval(found) -> float | None:
+    """The rate, Hz, that an interval in the head of a document makes, None where there is none."""
+    if not isinstance(found, dict):
+        return None
+    for inner in [found, *(v for v in found.values() if isinstance(v, dict))]:
+        for key, factor in (("interval_ms", 1e-3), ("interval_us", 1e-6), ("interval_s", 1.0)):
+            value = inner.get(key)
+            if isinstance(value, int | float) and value > 0:
+                return 1.0 / (value * factor)
+    return None
 
 
 def _columns(rows: list) -> dict:

@@ -23,7 +23,7 @@ GYRO = words(
     " gy гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
 ACCEL = words(
-    "accelerometer accelerometers accelerometre accel accels accele acc accl acce acel acl aceler acceleration"
+    "accelerometer accelerometers accelero accelerometre accel accels accele acc accl acce acel acl aceler acceleration"
     " accelerations xl akzelerometer beschl beschleunigung beschleunigungen beschleunigungssensor"
     " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
     " gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration"

@@ -28,6 +28,8 @@ OPTICAL = (
 )
 REFUSED = 7.0  # log-odds for another unit from which a stated one is refused
 DOUBTED = 2.5  # and from which a word is said
+#: Units in which nobody writes whole numbers of a gyro in small motion; of mrad/s and mdps they are usual.
+COARSE = ("rad/s", "deg/s", "deg/h")
 #: Units that a record may be in whatever its header says.
 READINGS = ("rad/s", "deg/s", "deg/h", "mdps")
 
@@ -53,7 +55,7 @@ def gyro_unit(
     if turned is not None and turned[1]:
         return _by_turning(turned[0], unit, factor)
     still, bias, quiet = _still(gyro, rate)
-    whole = factor is not None and _whole(gyro / factor)
+    whole = factor is not None and unit in COARSE and _whole(gyro / factor)
     if whole and (still > NOISY or bias > 3 * GYRO_BIAS[0]):
         return Told(
             f"the rates stated in {unit} have a {_worst(still, bias)} and are whole numbers; they are likely raw counts (--gyro-unit counts:C, C counts per deg/s)",

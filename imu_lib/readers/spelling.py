@@ -79,7 +79,7 @@ _SPELLED = {
     "mm/s^2": "mm/s^2 mm/s2 mms^-2",
     "mGal": "mgal milligal",
     "ft/s^2": "ft/s^2 ft/s2 ft/sec^2 feet/s^2 fts^-2",
-    "s": "s sec secs second seconds sek sekunde sekunden seconde secondes segundo segundos secondi secondo s. с сек 秒 초",
+    "s": "s sec secs second seconds unix_time unix_seconds epoch_seconds sek sekunde sekunden seconde secondes segundo segundos secondi secondo s. с сек 秒 초",
     "cs": "cs csec centisecond centiseconds",
     "ms": "ms msec msecs millis millisec millisecs millisecond milliseconds millisekunden 毫秒",
     "us": "us usec usecs micros microsec microsecs microsecond microseconds mikrosekunden 微秒",

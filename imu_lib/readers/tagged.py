@@ -66,6 +66,13 @@ def _fields(lines: list[str]) -> dict[str, list[str]]:
     A,B,C`, or in the comments of its head.
     """
     out: dict[str, list[str]] = {}
+    said = [[p.strip() for p in x.lstrip("#% $").split(",")] for x in lines[:400]]
+    heads = {p[1]: p[2:] for p in said if p[0] in ("COL", "COLS", "COLUMNS") and len(p) > 4}
+    for p in said:  # FlySight: $COL,IMU,time,wx and $UNIT,IMU,s,deg/s above $IMU,0.1,0.2
+        if p[0] in ("UNIT", "UNITS") and len(p) > 3 and len(p) - 2 == len(heads.get(p[1], ())):
+            heads[p[1]] = [f"{h} [{u}]" if u else h for h, u in zip(heads[p[1]], p[2:])]
+    if heads:
+        return heads
     tags = {x.split(",")[0].strip() for x in lines[:2000] if not x.startswith(("#", "%"))}
     for line in lines[:2000]:
         parts = [p.strip() for p in line.lstrip("#% ").split(",")]
@@ -90,7 +97,7 @@ def _messages(lines: list[str], fields: dict[str, list[str]]) -> Table | None:
     rows, places, others = [], [], 0
     for number, line in enumerate(lines, 1):
         parts = [p.strip() for p in line.split(",")]
-        names_ = useful.get(parts[0])
+        names_ = useful.get(parts[0].lstrip("$"))
         if names_ is None or len(parts) != len(names_) + 1 or not _NUMBER.match(parts[1]):
             others += bool(line.strip()) and not line.startswith(("#", "%"))
             continue

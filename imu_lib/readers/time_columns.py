@@ -57,9 +57,8 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     """One time out of several: seconds with their fraction put together, the sensor's own before
     that of arrival, one that states its unit before one that does not, numbers before the calendar.
     """
-    told = _fractions(told, headings, values)
+    told = _subseconds(raw, _fractions(told, headings, values), headings, values)
     out = list(told)
-    told = _subseconds(raw, told, headings, values)
     together = _put_together(told, headings, values)
     if together:
         return together

@@ -16,7 +16,9 @@ WEAK = words(
     "cpu cycle cycles systick rtc t s ms us ns sec secs second seconds a tick ticks temps min minutes"
     " frac fraction fractional subsec subsecs subsecond subseconds"
 )
-BESIDE = words("gps utc since boot start begin header stamp unix ntp in of from the tv ts")
+BESIDE = words(
+    "gps utc since boot start begin header stamp unix ntp in of from the tv ts today midnight"
+)
 _WITH_UNIT = re.compile(r"(t|time|timestamp|ts|temps)_?(ms|us|ns|s|sec|usec|msec|nsec)")
 _TAIL = re.compile(
     r"(?:time|stamp|ts)(ms|us|ns|secs?|usec|msec|nsec)$|(?:^t|^tv|^begin|^start|^unix|^epoch|elapsed)(ms|us|ns|s|secs?|usec|msec|nsec)$"

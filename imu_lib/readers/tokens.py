@@ -10,6 +10,8 @@ from imu_lib.readers.meaning import SIGNALS, UNKNOWN, Meaning
 from imu_lib.readers.time_words import stamp_of
 
 ROTATION = "named a rotation"
+#: Frames into which a device turns its readings by its attitude.
+FRAMES = lexicon.words("world earth global ned enu nav navigation wrf")
 
 
 def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
@@ -75,7 +77,12 @@ def _signal(words: list[str], axis: str | None, name: str) -> Meaning:
     if kind == "t":
         return Meaning(why="an interval between stamps")
     turn = have & set(directions.TURN)
-    if kind is None and turn and have & {"rate", "rates"} and len(have) <= 3:
+    if (
+        kind is None
+        and turn
+        and have & {"rate", "rates", "vel", "velocity", "speed"}
+        and len(have) <= 3
+    ):
         return Meaning("gyro", axis or directions.TURN[turn.pop()], why="named a body rate")
     if kind is None and axis in ("x", "y", "z") and _is_rotation(have):
         return Meaning("gyro", axis, rank=2, why=ROTATION)
@@ -97,11 +104,13 @@ def _is_rotation(have: set[str]) -> bool:
 
 def _refused(words: list[str], have: set[str], axis: str | None) -> Meaning | None:
     """Why a heading is no inertial reading, None where nothing says so."""
-    turning = have & {"rate", "rates", "velocity", "speed", "rot", "geschwindigkeit"}
+    turning = have & {"rate", "rates", "velocity", "vel", "speed", "rot", "geschwindigkeit"}
     named = have & ((lexicon.GYRO | lexicon.ACCEL) - lexicon.LETTERS)
     force = have & (lexicon.ACCEL - lexicon.LETTERS)
     if have & lexicon.ANGLE and not have & (lexicon.SPEED | lexicon.DELTA):
         return Meaning(why="an angle")
+    if have & FRAMES and named:
+        return Meaning(why="turned into a frame of the Earth")
     if have & {"gps", "gnss"} and named and "imu" not in have:
         return Meaning(why="a satellite receiver's")
     for word in words:

@@ -8,7 +8,6 @@ import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import InputError
-from imu_lib.readers import directions
 from imu_lib.readers.gravity import some
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.tokens import ROTATION
@@ -18,6 +17,8 @@ from imu_lib.readers.tokens import ROTATION
 GROWS, ALIKE = 0.05, -0.2
 LEAST = 50  # samples that tell
 _A_RATE = re.compile(r"rate|speed|vel", re.IGNORECASE)
+#: An attitude by a gyro: roll_gyro, in sketches that integrate it.
+_TURNED = re.compile(r"^(?:roll|pitch|yaw)[_ .-]?gyro", re.IGNORECASE)
 PARTS = 20  # of a record whose means are compared
 
 
@@ -28,7 +29,7 @@ def refuse_angles(raw: Raw) -> None:
     doubtful = {
         c.read_as
         for c in raw.described
-        if (c.evidence.startswith(ROTATION) or directions.ALONG in c.evidence)
+        if (c.evidence.startswith(ROTATION) or _TURNED.match(c.name.strip()))
         and c.unit is None
         and not _A_RATE.search(c.name)
     }
