@@ -18,6 +18,7 @@ from imu_lib.processes import (
     LowPass,
     Quantization,
     RandomWalk,
+    Spikes,
     Stuck,
     Sum,
     Telegraph,
@@ -159,5 +160,29 @@ def test_nothing_is_found_behind_a_given_slow_filter():
     # the cutoff at which |a / (1 - (1 - a) e^-iw)|^2 is one half
     cutoff = FS / (2 * np.pi) * np.arccos(1 - a * a / (2 * (1 - a)))
     base = Sum((WhiteNoise(1 / np.sqrt(FS)),), (LowPass(smoothing=1, cutoff=cutoff),))
+    found = analyse("gyro_x", x, FS, base, seed=1)
+    assert [s.effect for s in found.steps] == [] and found.unexplained is None
+
+
+@pytest.mark.parametrize("flips", [4, 9])
+def test_the_flips_of_a_given_telegraph_are_no_steps(flips):
+    """Few of them in a record, each plain to see: the spectrum knows less of them than their path."""
+    n, fs = 60_000, 20.0
+    rng, noise = np.random.default_rng(flips), WhiteNoise(N=2e-4)
+    levels = Telegraph(amplitude=4.4e-4, rate=flips * fs / n)
+    for _ in range(2):
+        x = noise.N * np.sqrt(fs) * rng.standard_normal(n)
+        x += levels.amplitude * (np.cumsum(rng.random(n) < levels.rate / fs) % 2)
+        found = analyse("gyro_x", x, fs, Sum((noise, levels)), seed=1)
+        assert [s.effect for s in found.steps] == [] and found.unexplained is None
+        assert levels in found.model.terms
+
+
+def test_the_small_ones_of_given_spikes_are_no_heavy_tails():
+    """Half of the heights lie where noise is seen, too."""
+    rng, n = np.random.default_rng(13), 200_000
+    x = rng.standard_normal(n) * 2e-3
+    x += (rng.random(n) < 0.007) * rng.standard_normal(n) * 1.5e-2
+    base = Sum((WhiteNoise(N=2e-3 / np.sqrt(FS)),), (Spikes(rate=0.007 * FS, scale=1.5e-2),))
     found = analyse("gyro_x", x, FS, base, seed=1)
     assert [s.effect for s in found.steps] == [] and found.unexplained is None

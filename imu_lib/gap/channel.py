@@ -134,7 +134,7 @@ def _analyse(channel: Channel, given: Sum | None, seed: int, *, integral: bool =
     if given is None:
         start, families = free_base(left.data, left.terms)
     else:
-        start, families = State(left.data, left.terms, low_pass=given.low_pass), []
+        start, families = State(left.data, left.terms, low_pass=left.given.low_pass), []
     wild = _wild(left)
     state, rivals = _named(start, wild)
     state, rivals, tests = _tested(left, state, rivals, wild)
@@ -146,24 +146,25 @@ def _analyse(channel: Channel, given: Sum | None, seed: int, *, integral: bool =
     steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record.shared)
     unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
     held, n_base = left.held_terms, len(start.base)
-    base = given if given is not None else Sum(tuple(state.base[held:n_base]))
+    base = left.given if given is not None else Sum(tuple(state.base[held:n_base]))
     parts = base, state, left.findings, n_base - held, held
     states = [(state, 1.0)] if given is not None else alternatives(state, families)
     model, refit = grown(*parts), refits(*parts, rng) if steps else []
+    path = left.with_paths
     return ChannelResult(
         channel.name,
-        base,
-        model,
+        base if given is None else given,
+        path(model),
         steps,
         [] if given is not None else absorbed(state),
         unexplained,
         tests,
         float(np.nanmean(channel.raw)),
-        between(base, left.findings, state),
-        refit,
+        [path(m) for m in between(base, left.findings, state)],
+        [path(m) for m in refit],
         state.evidence,
         left.clean.filled,
-        likely(states, given, left.findings, held, rng),
+        [path(m) for m in likely(states, left.given, left.findings, held, rng)],
         small,
     )
 

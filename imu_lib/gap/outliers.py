@@ -19,6 +19,14 @@ CLOSE = 6
 ALIKE = 0.36
 
 
+def spike_odds(y, p: float, scale: float) -> np.ndarray:
+    """Log odds of each sample, in standard deviations (n,), for being a spike: of probability `p`
+    and normal height of standard deviation `scale` on normal noise.
+    """
+    own = np.log(p / (1 - p)) - 0.5 * np.log1p(scale**2)
+    return own + 0.5 * y**2 * scale**2 / (1 + scale**2)
+
+
 def deconvolved(
     y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, rounds: int = 10
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -12,15 +12,15 @@ import numpy as np
 from imu_lib.gap.effects.spikes import Spikes
 from imu_lib.gap.imputation import impute
 from imu_lib.gap.innovations import Smooth, surprises
-from imu_lib.gap.outliers import deconvolved
+from imu_lib.gap.outliers import deconvolved, spike_odds
 
 #: Steps of the grid, in standard deviations of what the other samples leave open, from which on
 #: the levels show in the innovations.
 DITHER = 0.3
+#: Share of the samples that the spikes of a given model may be.
+MOST = 0.5
 #: Rounds of finding samples that are thrown off, and of filling in between two of them.
 ROUNDS = 5
-#: Surprise from which on a sample is thrown off where the given model has spikes.
-SPIKE = 5.0
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
             spiked[np.flatnonzero(~hidden.mask)[new.mask]] = True
             spikes = new
         else:
-            spiked[np.abs(y) > SPIKE] = True
+            spiked[_of_model(y, even, held)] = True
         spiked |= instead & ~hidden.mask
         if abs(int(spiked.sum()) - int(count)) <= 0.01 * count:
             break
@@ -84,6 +84,13 @@ def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
         clean = hidden.filled(spiked, smooth, rng)
         smooth = Smooth(clean, smooth.fs)
     return spikes, spiked, clean, smooth
+
+
+def _of_model(y, smooth: Smooth, held) -> np.ndarray:
+    """Samples that are spikes of the given model (`held`) with more than even odds, mask (n,)."""
+    sd = 1.4826 * float(np.median(np.abs(y)))
+    scale = held.scale / (sd * np.sqrt(smooth.conditional_variance))
+    return spike_odds(y / sd, min(held.rate / smooth.fs, MOST), scale) > 0
 
 
 def _settled(hidden: Hidden, spiked, smooth: Smooth, rng) -> tuple:

@@ -128,6 +128,17 @@ class TwoLevels:
     step: float
     variance: float
 
+    @property
+    def unknown(self) -> float:
+        """Share of the levels' variance that the noise leaves unknown."""
+        return float(1.0 - np.mean(self.signal**2) / (0.25 * self.process.amplitude**2))
+
+    def differs(self, given: Telegraph, duration: float) -> float:
+        """Log-likelihood by which their distance or their flips speak against a `given` telegraph."""
+        distance = np.log(self.process.amplitude / given.amplitude) / self.spread()[0]
+        expected, flips = given.rate * duration, max(self.flips, 1e-3)
+        return float(max(0.5 * distance**2, flips * np.log(flips / expected) - flips + expected))
+
     def spread(self) -> tuple[float, float]:
         """Standard deviations of the logarithms of distance and rate, from the bend of the
         likelihood of the chain: counted flips say how often, but where the noise is loud not

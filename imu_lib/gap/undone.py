@@ -4,7 +4,7 @@ changes of the noise level, lines.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from imu_lib.gap import effects, electronics, held_out, noise_level
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.base import ChannelView
 from imu_lib.gap.innovations import Smooth, whitened
+from imu_lib.gap.state import State
 from imu_lib.processes import CommonMode, Constant, Sum
 
 #: Step of a grid in standard deviations of the fast noise from which on rounded samples are not
@@ -68,7 +69,8 @@ class Undone:
 
     `terms` are the noises of the given model and, `held_terms` of them, what stands for more than
     the model says; `quiet` (n,) the innovations without lines, `of_noise` what was found of their
-    level, `doubts` about it.
+    level, `doubts` about it, `paths` the terms of the given model whose paths were seen and taken
+    out: `given` is without them.
     """
 
     channel: Channel
@@ -82,6 +84,11 @@ class Undone:
     findings: list
     of_noise: list = field(default_factory=list)
     doubts: list = field(default_factory=list)
+    paths: tuple = ()
+
+    def with_paths(self, model: Sum) -> Sum:
+        """A model with the terms whose paths were taken out."""
+        return Sum((*model.terms, *self.paths), model.stages) if self.paths else model
 
     @property
     def coarse_steps(self) -> bool:
@@ -118,7 +125,7 @@ def undone(channel: Channel, given: Sum | None, rng, *, integral: bool) -> Undon
         lines += [item for item, _ in found if not effect.foreseen(item, given, data)]
     quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else view.y
     findings = [*clean.findings, *of_noise, *lines]
-    return Undone(
+    left = Undone(
         channel,
         given,
         terms,
@@ -131,6 +138,25 @@ def undone(channel: Channel, given: Sum | None, rng, *, integral: bool) -> Undon
         of_noise,
         doubts,
     )
+    return left if given is None else _without_paths(left)
+
+
+def _without_paths(left: Undone) -> Undone:
+    """Without what terms of the given model are seen to do in the samples."""
+    for term in left.given.terms:
+        state = State(left.data, left.terms, low_pass=left.given.low_pass)
+        paths = (e.path(state, term) for e in effects.COMPETITORS)
+        path = next((p for p in paths if p is not None), None)
+        if path is not None:
+            fewer = Sum(tuple(t for t in left.given.terms if t is not term), left.given.stages)
+            left = replace(
+                left,
+                data=left.data.minus(path),
+                given=fewer,
+                terms=[t for t in left.terms if t is not term],
+                paths=(*left.paths, term),
+            )
+    return left
 
 
 def _noises(channel, given, clean) -> list:

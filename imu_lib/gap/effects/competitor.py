@@ -47,6 +47,12 @@ class Competitor(Effect):
         """Where it may be in what a fitted base may have taken for a red noise of its own."""
         return []
 
+    def path(self, state, term) -> np.ndarray | None:
+        """What the samples show that a `term` of the given model does in them, shape (n,); None
+        where they know no more of it than its spectrum.
+        """
+        return None
+
     def levels(self, state, candidate: Candidate) -> list | None:
         """(distance, flips per second) of two levels that would look like the fitted candidate;
         None where it does not say how often they flip.

@@ -8,7 +8,7 @@ from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, kstest
 
 from imu_lib.gap import turns
-from imu_lib.gap.outliers import loudest
+from imu_lib.gap.outliers import loudest, spike_odds
 from imu_lib.gap.tailed import beyond
 from imu_lib.gap.tailed import odds as odds_beyond
 from imu_lib.processes import Spikes as Stage
@@ -170,9 +170,8 @@ class Spikes(Effect):
             },
         )
         # a sample is a spike where the mixture says so with more than even odds
-        z2 = (y / s) ** 2
-        odds = np.log(p / (1 - p)) - 0.5 * np.log1p(scale**2) + 0.5 * z2 * scale**2 / (1 + scale**2)
-        found.mask = (odds_beyond(y, p, scale) if tailed else odds) > 0
+        odds = odds_beyond(y, p, scale) if tailed else spike_odds(y / s, p, scale)
+        found.mask = odds > 0
         if not tailed:
             found.doubt = self.doubt(y / s, p, scale, shoulders=not traces)
         if found.doubt and p > FEW:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD
 from imu_lib.gap.two_levels import TwoLevels, decoded
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.likelihood.evidence import amplitude_occam
@@ -24,6 +25,8 @@ MIN_GAIN, MAX_STARTS, MIN_FLIPS = 8.0, 6, 2.5
 FLIPS = (10, 40)
 #: Rounds in which the drift beside levels that are given is found.
 HELD = 4
+#: Share of the levels' variance that the noise leaves unknown, up to which the samples show them.
+MOST_UNKNOWN = 0.1
 #: The noise of their spectrum.
 TWIN = GaussMarkov()
 
@@ -43,6 +46,21 @@ class Telegraph(Competitor):
     def candidates_in_base(self, state):
         duration, sd = state.data.duration, state.cleaned.slow_sd
         return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
+
+    def path(self, state, term):
+        """The levels of a telegraph that is given, where the samples show them, and show no other
+        distance or rate: of few flips the spectrum is that of a Gauss-Markov process in name only,
+        and each of them would be a step.
+        """
+        if not isinstance(term, Process):
+            return None
+        seen = self._seen(state, term, term)
+        found = decoded(*seen, rounds=HELD, fixed=True)
+        if found is None or found.beyond < MIN_EVIDENCE or found.unknown > MOST_UNKNOWN:
+            return None
+        free = decoded(*seen)
+        like = free is not None and free.differs(term, state.data.duration) < MIN_LIKELIHOOD
+        return found.signal if like else None
 
     def _decoded(self, state, starts):
         if not starts:
