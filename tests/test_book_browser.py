@@ -11,7 +11,7 @@ import nbformat
 import pytest
 
 from conftest import ROOT
-from imu_lib.book import build, chapters, contents
+from imu_lib.book import build, chapters
 
 WIDTHS = (1440, 390)
 WORDS = {  # what a reader may look for -> a page that must be among the first results
@@ -61,29 +61,132 @@ def window(pages, tmp_path_factory):
     opened.close()
 
 
-def test_every_page_is_quiet_and_fits(pages, window):
-    every = sorted(
-        path
-        for path in pages.rglob("*.html")
-        if "_static" not in path.parts and path.name not in ("index.html", "search.html")
-    )
-    assert len(every) > len(contents.entries(ROOT))
-    wrong = {}
-    for path in every:
-        window.open(path.as_uri(), WIDTHS[0])
-        for width in WIDTHS:
-            window.size(width)
-            wide = window.evaluate(WIDE)
-            if wide:
-                wrong[f"{path.name} at {width} px"] = wide
-        if window.problems:
-            wrong[path.name] = window.problems
-    assert not wrong
+#: Every page, by the name that the table of contents has for it, and the two that Sphinx adds.
+PAGES = [
+    "book/intro",
+    *(entry["file"] for _, entry in chapters.entries(chapters.table_of_contents(ROOT))),
+    "genindex",
+    "py-modindex",
+]
+
+
+@pytest.fixture(scope="module", params=PAGES)
+def opened(request, pages, window):
+    """A page, opened once for all that is asked of it."""
+    window.open((pages / f"{request.param}.html").as_uri(), WIDTHS[0])
+    return request.param
+
+
+def test_no_page_is_left_out(pages):
+    found = {path.relative_to(pages).with_suffix("").as_posix() for path in pages.rglob("*.html")}
+    assert {n for n in found if not n.startswith("_static/")} == {*PAGES, "index", "search"}
+
+
+def test_a_page_is_quiet_and_fits(opened, window):
+    for width in WIDTHS:
+        window.size(width)
+        assert not window.evaluate(WIDE), width
+    assert not window.problems
+
+
+# opens a page's figures to zoom, one after the other, and says where a point of each lies in the window
+OPENED = """(async (number) => {
+  const bar = document.querySelectorAll('.explore-bar')[number], stage = bar.nextElementSibling;
+  bar.querySelector('button').click();
+  for (let left = 400; left && !stage.dataset.ready; left--) await new Promise((done) => setTimeout(done, 25));
+  stage.scrollIntoView({ block: 'center', behavior: 'instant' });
+  const inside = (axis, v) => v !== null && !isNaN(v) && axis.d2p(v) > 5 && axis.d2p(v) < axis._length - 5;
+  const box = stage.getBoundingClientRect(), layout = stage._fullLayout;
+  for (const trace of [...stage._fullData].reverse()) {
+    if (trace.hoverinfo === 'skip' || trace.visible !== true) continue;
+    const [x, y] = ['x', 'y'].map((d) => layout[d + 'axis' + trace[d + 'axis'].slice(1)]);
+    const shown = [...trace.x.keys()].filter((k) => inside(x, trace.x[k]) && inside(y, trace.y[k]));
+    if (!shown.length) continue;
+    const k = shown[Math.floor(shown.length / 2)];
+    return [box.left + x._offset + x.d2p(trace.x[k]), box.top + y._offset + y.d2p(trace.y[k])];
+  }
+  return null; })(%d)"""
+TOLD = """(async () => { for (let left = 60; left; left--) {
+    const label = document.querySelector('.explored .hoverlayer .hovertext');
+    if (label) return [...label.querySelectorAll('text')].map((t) => t.textContent.trim()
+        ? [...t.querySelectorAll('tspan.line')].map((l) => l.textContent).join('\\n') || t.textContent : '');
+    await new Promise((done) => setTimeout(done, 25)); }
+  return null; })()"""
+
+
+def figures_of(slug):
+    """What the cells of a chapter stored for zooming, in order."""
+    notebook = nbformat.read(ROOT / f"nbs/{slug}.ipynb", 4)
+    outputs = [o.data for c in notebook.cells for o in c.get("outputs", []) if "data" in o]
+    stored = [data["text/html"] for data in outputs if "explorable" in data.get("text/html", "")]
+    return [json.loads(text[text.index(">") + 1 : text.rindex("</script>")]) for text in stored]
+
+
+def points(figure):
+    """(name, unit, value) of each axis that has numbers, for every point that has a label."""
+    for trace in figure["data"]:
+        if trace.get("hoverinfo") == "skip":
+            continue
+        axes = [figure["layout"][f"{d}axis{trace[f'{d}axis'][1:]}"] for d in "xy"]
+        words = [parted(axis["title"]["text"]) for axis in axes]
+        for place in zip(trace["x"], trace["y"]):
+            if None not in place:
+                yield [(*w, v) for w, v, axis in zip(words, place, axes) if "tickvals" not in axis]
+
+
+def parted(label):
+    """Name and unit of an axis label, a panel's title taken off."""
+    name, comma, unit = label.rpartition(", ")
+    whole = not comma or unit.count("(") != unit.count(")")
+    name = re.sub(r"^[^:]*: (?=\S)", "", label if whole else name)
+    return name, "" if whole else unit
+
+
+def read(line, name, unit):
+    """The number of a line of a label."""
+    text = line.removeprefix(name).removesuffix(unit).strip().replace("−", "-")
+    return float(text) if re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", text) else math.nan
+
+
+#: Chapter -> its figures that zoom, of those that have any.
+ZOOMING = {f"nbs/{c.slug}": found for c in chapters.chapters(ROOT) if (found := figures_of(c.slug))}
+
+
+@pytest.mark.parametrize("opened", ZOOMING, indirect=True)
+def test_a_figure_tells_the_value_under_the_pointer(opened, window):
+    figures, slug = ZOOMING[opened], opened.rpartition("/")[2]
+    window.size(WIDTHS[0])
+    for number, figure in enumerate(figures):
+        x, y = window.evaluate(OPENED % number)
+        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=x - 1, y=y - 1)
+        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+        told = window.evaluate(TOLD)
+        assert told, (slug, number)
+        assert any(
+            all(
+                # a label has four digits
+                f"{name} " in line
+                and line.endswith(unit)
+                and math.isclose(read(line, name, unit), value, rel_tol=6e-4, abs_tol=1e-9)
+                for line, (name, unit, value) in zip(told[-1].splitlines(), point, strict=True)
+            )
+            for point in points(figure)
+            if len(point) == len(told[-1].splitlines())
+        ), (slug, number, told)
+        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=1, y=1)
+        bar = f"document.querySelectorAll('.explore-bar')[{number}]"
+        window.evaluate(f"{bar}.querySelector('button').click()")
+    assert not window.problems
 
 
 def test_search_finds(pages, window):
+    """The first word by the address, as the search field sends it; the others on the same page."""
+    first = next(iter(WORDS))
+    window.open(f"{(pages / 'search.html').as_uri()}?q={first}", WIDTHS[0])
     for word, slug in WORDS.items():
-        window.open(f"{(pages / 'search.html').as_uri()}?q={word}", WIDTHS[0])
+        if word != first:
+            window.evaluate("document.querySelector('#search-results').replaceChildren()")
+            window.evaluate(f"Search.performSearch('{word}')")
         links = window.evaluate(SEARCHED)
         assert any(slug in (link or "") for link in links), (word, links)
     assert not window.problems
@@ -173,91 +276,3 @@ def test_the_slides_button_stands_in_the_bar(pages, window):
     own, bar, others = window.evaluate(boxes)
     assert own[0] >= bar[0] >= 0 and own[1] <= bar[1]
     assert others and all(own[3] <= left or right <= own[2] for _, _, left, right in others)
-
-
-# opens a page's figures to zoom, one after the other, and says where a point of each lies in the window
-OPENED = """(async (number) => {
-  const bar = document.querySelectorAll('.explore-bar')[number], stage = bar.nextElementSibling;
-  bar.querySelector('button').click();
-  for (let left = 400; left && !stage.dataset.ready; left--) await new Promise((done) => setTimeout(done, 25));
-  stage.scrollIntoView({ block: 'center', behavior: 'instant' });
-  const inside = (axis, v) => v !== null && !isNaN(v) && axis.d2p(v) > 5 && axis.d2p(v) < axis._length - 5;
-  const box = stage.getBoundingClientRect(), layout = stage._fullLayout;
-  for (const trace of [...stage._fullData].reverse()) {
-    if (trace.hoverinfo === 'skip' || trace.visible !== true) continue;
-    const [x, y] = ['x', 'y'].map((d) => layout[d + 'axis' + trace[d + 'axis'].slice(1)]);
-    const shown = [...trace.x.keys()].filter((k) => inside(x, trace.x[k]) && inside(y, trace.y[k]));
-    if (!shown.length) continue;
-    const k = shown[Math.floor(shown.length / 2)];
-    return [box.left + x._offset + x.d2p(trace.x[k]), box.top + y._offset + y.d2p(trace.y[k])];
-  }
-  return null; })(%d)"""
-TOLD = """(async () => { for (let left = 60; left; left--) {
-    const label = document.querySelector('.explored .hoverlayer .hovertext');
-    if (label) return [...label.querySelectorAll('text')].map((t) => t.textContent.trim()
-        ? [...t.querySelectorAll('tspan.line')].map((l) => l.textContent).join('\\n') || t.textContent : '');
-    await new Promise((done) => setTimeout(done, 25)); }
-  return null; })()"""
-
-
-def figures_of(slug):
-    """What the cells of a chapter stored for zooming, in order."""
-    notebook = nbformat.read(ROOT / f"nbs/{slug}.ipynb", 4)
-    outputs = [o.data for c in notebook.cells for o in c.get("outputs", []) if "data" in o]
-    stored = [data["text/html"] for data in outputs if "explorable" in data.get("text/html", "")]
-    return [json.loads(text[text.index(">") + 1 : text.rindex("</script>")]) for text in stored]
-
-
-def points(figure):
-    """(name, unit, value) of each axis that has numbers, for every point that has a label."""
-    for trace in figure["data"]:
-        if trace.get("hoverinfo") == "skip":
-            continue
-        axes = [figure["layout"][f"{d}axis{trace[f'{d}axis'][1:]}"] for d in "xy"]
-        words = [parted(axis["title"]["text"]) for axis in axes]
-        for place in zip(trace["x"], trace["y"]):
-            if None not in place:
-                yield [(*w, v) for w, v, axis in zip(words, place, axes) if "tickvals" not in axis]
-
-
-def parted(label):
-    """Name and unit of an axis label, a panel's title taken off."""
-    name, comma, unit = label.rpartition(", ")
-    whole = not comma or unit.count("(") != unit.count(")")
-    name = re.sub(r"^[^:]*: (?=\S)", "", label if whole else name)
-    return name, "" if whole else unit
-
-
-def read(line, name, unit):
-    """The number of a line of a label."""
-    text = line.removeprefix(name).removesuffix(unit).strip().replace("−", "-")
-    return float(text) if re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", text) else math.nan
-
-
-@pytest.mark.parametrize("slug", [c.slug for c in chapters.chapters(ROOT)])
-def test_a_figure_tells_the_value_under_the_pointer(pages, window, slug):
-    figures = figures_of(slug)
-    if not figures:
-        pytest.skip("no figure of this chapter zooms")
-    window.open((pages / f"nbs/{slug}.html").as_uri(), WIDTHS[0])
-    for number, figure in enumerate(figures):
-        x, y = window.evaluate(OPENED % number)
-        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=x - 1, y=y - 1)
-        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
-        told = window.evaluate(TOLD)
-        assert told, (slug, number)
-        assert any(
-            all(
-                # a label has four digits
-                f"{name} " in line
-                and line.endswith(unit)
-                and math.isclose(read(line, name, unit), value, rel_tol=6e-4, abs_tol=1e-9)
-                for line, (name, unit, value) in zip(told[-1].splitlines(), point, strict=True)
-            )
-            for point in points(figure)
-            if len(point) == len(told[-1].splitlines())
-        ), (slug, number, told)
-        window.send("Input.dispatchMouseEvent", type="mouseMoved", x=1, y=1)
-        bar = f"document.querySelectorAll('.explore-bar')[{number}]"
-        window.evaluate(f"{bar}.querySelector('button').click()")
-    assert not window.problems

@@ -15,9 +15,10 @@
     return found;
   }
 
+  // marks the word in the node; returns the text behind it
   function explain(node, at, length, meaning, glossary, word) {
     const rest = node.splitText(at);
-    rest.splitText(length);
+    const after = rest.splitText(length);
     const mark = document.createElement(glossary ? "a" : "span");
     mark.className = "term";
     mark.tabIndex = 0;
@@ -25,6 +26,7 @@
     mark.dataset.meaning = meaning;
     if (glossary) mark.href = glossary + "#term-" + word.replace(/ /g, "-");
     rest.replaceWith(mark);
+    return after;
   }
 
   // the box is one for the page, placed inside the window
@@ -66,12 +68,14 @@
     const link = document.querySelector('.bd-sidebar-primary a[href*="glossary.html"]');
     const glossary = link && link.getAttribute("href").split("#")[0];
     const longest = Object.keys(words).sort((a, b) => b.length - a.length);
+    const nodes = texts(article);
     for (const word of longest) {
       const search = new RegExp("(?<![\\w-])" + pattern(word) + "s?(?![\\w-])", "i");
-      for (const node of texts(article)) {
-        const hit = search.exec(node.textContent);
+      for (let place = 0; place < nodes.length; place++) {
+        const hit = search.exec(nodes[place].data);
         if (!hit) continue;
-        explain(node, hit.index, hit[0].length, words[word], glossary, word);
+        const after = explain(nodes[place], hit.index, hit[0].length, words[word], glossary, word);
+        nodes.splice(place + 1, 0, after);
         break;
       }
     }
