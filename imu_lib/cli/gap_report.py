@@ -101,13 +101,27 @@ def _steps(steps, name):
             f"Physical cause: {s.cause}",
             f"Confidence {s.confidence:.3g}; runner-up: {s.runner_up['effect']} ({s.runner_up['confidence']:.2g}).",
         ]
-        for key, (low, high) in s.intervals.items():
+        for key, (low, high) in _intervals(s):
             lines.append(f"95 % interval of {key}: {low:.4g} to {high:.4g} (SI).")
         if s.indistinguishable:
             lines.append("This record cannot tell it from: " + ", ".join(s.indistinguishable) + ".")
         if s.gap_before is not None:
             lines.append(f"Gap index {s.gap_before:.2f} before it, {s.gap_after:.2f} with it.")
         out += [report.heading(describe(s, name), 3), report.bullets(lines)]
+    return out
+
+
+def _intervals(step):
+    """(what, interval) of every parameter; of a vector one for each channel, or for its places."""
+    out = []
+    for key, interval in step.intervals.items():
+        if not isinstance(interval[0], (list, tuple)):
+            out.append((key, interval))
+            continue
+        names = step.parameters.get("channels", ())
+        if len(names) != len(interval):
+            names = range(1, len(interval) + 1)
+        out += [(f"{key} {name}", ends) for name, ends in zip(names, interval, strict=True)]
     return out
 
 
