@@ -5,9 +5,11 @@ anything is left.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.gap import (
     effects,
     electronics,
@@ -20,11 +22,12 @@ from imu_lib.gap import (
 )
 from imu_lib.gap.absorbed import absorbed
 from imu_lib.gap.base_fit import alternatives, free_base
+from imu_lib.gap.check import Check
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.grown import between, grown, likely, refits
-from imu_lib.gap.state import State
+from imu_lib.gap.state import MIN_EVIDENCE, State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
 from imu_lib.gap.undone import Channel, OfRecord, Undone, undone
 from imu_lib.processes import Sum
@@ -60,23 +63,23 @@ class ChannelResult:
     steps: list[Step]
     absorbed: list[str]
     unexplained: str | None
-    checks: list = field(default_factory=list)
+    checks: list[Check] = field(default_factory=list)
     mean: float = 0.0
-    between: list = field(default_factory=list)
-    refit: list = field(default_factory=list)
+    between: list[Sum] = field(default_factory=list)
+    refit: list[Sum] = field(default_factory=list)
     evidence: float = 0.0
     filled: int = 0
-    likely: list = field(default_factory=list)
+    likely: list[Sum] = field(default_factory=list)
     small: list[str] = field(default_factory=list)
 
 
 def analyse(
     name: str,
-    raw,
+    raw: ArrayLike,
     fs: float,
     base: Sum | None,
     *,
-    temperature=None,
+    temperature: Array | None = None,
     seed: int = 0,
     of_record: OfRecord | None = None,
 ) -> ChannelResult:
@@ -95,14 +98,16 @@ def analyse(
         return found
     if not electronics.may_be_of_integral(raw, grid[0], fs):
         return found
-    if held is not None:
+    if held is not None and base is not None:
         base = Sum(
             tuple(held.with_(rounded=1) if t is held else t for t in base.terms), base.stages
         )
     return _likelier_grid(found, _analyse(channel, base, seed, integral=True), rounded)
 
 
-def _likelier_grid(found: ChannelResult, other: ChannelResult, rounded) -> ChannelResult:
+def _likelier_grid(
+    found: ChannelResult, other: ChannelResult, rounded: Step | None
+) -> ChannelResult:
     """What was found with samples that are `rounded`, or the `other` with a rounded integral."""
     altered = {tuple(e.name for _, e in _told(r.steps) if e.alters) for r in (found, other)}
     alike = len(altered) == 1
@@ -122,19 +127,22 @@ def _likelier_grid(found: ChannelResult, other: ChannelResult, rounded) -> Chann
     return found
 
 
-def _told(steps) -> list[tuple]:
+def _told(steps: list[Step]) -> list[tuple[Step, Any]]:
     """The steps, each with its effect."""
     return [(s, effects.CATALOGUE[s.effect]) for s in steps]
 
 
-def _analyse(channel: Channel, given: Sum | None, seed: int, *, integral: bool = False):
-    """The channel with its grid read one way: a `ChannelResult`."""
+def _analyse(
+    channel: Channel, given: Sum | None, seed: int, *, integral: bool = False
+) -> ChannelResult:
+    """The channel with its grid read one way."""
     rng = np.random.default_rng([seed, sum(map(ord, channel.name))])
     left = undone(channel, given, rng, integral=integral)
-    if given is None:
+    bare = left.given
+    if bare is None:
         start, families = free_base(left.data, left.terms)
     else:
-        start, families = State(left.data, left.terms, low_pass=left.given.low_pass), []
+        start, families = State(left.data, left.terms, low_pass=bare.low_pass), []
     wild = _wild(left)
     state, rivals = _named(start, wild)
     state, rivals, tests = _tested(left, state, rivals, wild)
@@ -146,7 +154,7 @@ def _analyse(channel: Channel, given: Sum | None, seed: int, *, integral: bool =
     steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record.shared)
     unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
     held, n_base = left.held_terms, len(start.base)
-    base = left.given if given is not None else Sum(tuple(state.base[held:n_base]))
+    base = bare if bare is not None else Sum(tuple(state.base[held:n_base]))
     parts = base, state, left.findings, n_base - held, held
     states = [(state, 1.0)] if given is not None else alternatives(state, families)
     model, refit = grown(*parts), refits(*parts, rng) if steps else []
@@ -164,7 +172,7 @@ def _analyse(channel: Channel, given: Sum | None, seed: int, *, integral: bool =
         [path(m) for m in refit],
         state.evidence,
         left.clean.filled,
-        [path(m) for m in likely(states, left.given, left.findings, held, rng)],
+        [path(m) for m in likely(states, bare, left.findings, held, rng)],
         small,
     )
 
@@ -179,7 +187,7 @@ def _wild(left: Undone) -> bool:
     return min((c.log_p for c in checks), default=0.0) < VETO
 
 
-def _named(state: State, wild: bool) -> tuple[State, list]:
+def _named(state: State, wild: bool) -> tuple[State, list[Any]]:
     """The state grown by what is missing, and the rivals of each of its items."""
     state, _ = rounds.grow(state, most=1 if wild else 5)
     if wild:  # what drifts is seen in the means, whatever the spectrum does
@@ -195,28 +203,31 @@ def _named(state: State, wild: bool) -> tuple[State, list]:
     return profiled(state), rivals
 
 
-def _tested(left: Undone, state: State, rivals: list, wild: bool) -> tuple[State, list, list]:
+def _tested(
+    left: Undone, state: State, rivals: list[Any], wild: bool
+) -> tuple[State, list[Any], list[Check]]:
     """The state, its rivals and the checks of what it leaves; before it is left without a name, two
     effects far behind one alone are tried.
     """
     tests = _checks(left, state)
     if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
         other, _ = rounds.swap(state, passes=1, reach=np.inf)
-        if other.evidence > state.evidence + rounds.MIN_EVIDENCE:
+        if other.evidence > state.evidence + MIN_EVIDENCE:
             state, rivals = rounds.swap(rounds.prune(other), passes=1)
             state = profiled(state)
             tests = _checks(left, state)
     return state, rivals, tests
 
 
-def _checks(left: Undone, state: State) -> list:
+def _checks(left: Undone, state: State) -> list[Check]:
     rest, y, smooth = left.bared(state)
     for f in left.of_noise:
-        y = f.effect.normal(y, f)
+        effect: Any = f.effect
+        y = effect.normal(y, f)
     return verdict.checks(state, rest, y, smooth, coarse_steps=left.coarse_steps)
 
 
-def _unexplained(left: Undone, state: State, tests) -> tuple[str | None, list[str]]:
+def _unexplained(left: Undone, state: State, tests: list[Check]) -> tuple[str | None, list[str]]:
     """What is left without a name, in a sentence, and what is left that is too small to matter."""
     doubts = left.doubts
     if doubts and np.ptp(state.deterministic) > 0:
@@ -233,7 +244,9 @@ def _unexplained(left: Undone, state: State, tests) -> tuple[str | None, list[st
     return (doubts[0] if doubts else None), small
 
 
-def _capped(steps, state: State, unexplained: str | None, plain) -> list[Step]:
+def _capped(
+    steps: list[Step], state: State, unexplained: str | None, plain: list[str]
+) -> list[Step]:
     """The steps with no more confidence than they deserve beside what is unexplained, or among so
     many noises that they draw any smooth spectrum. What is unexplained says nothing against the
     effects `plain`: that all samples lie on one grid is counted, not inferred.
@@ -248,7 +261,7 @@ def _capped(steps, state: State, unexplained: str | None, plain) -> list[Step]:
     return steps
 
 
-def _doubtful(steps, shared):
+def _doubtful(steps: list[Step], shared: float) -> list[Step]:
     """The steps with no high confidence in what the make of another effect, or noise of the density
     `shared` that is accounted for on the record, would explain, too.
     """

@@ -6,15 +6,28 @@ differ by the model and not by luck; within one model's ensemble the simulations
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
+from imu_lib.arrays import Array
 from imu_lib.gap.battery import battery, stack
 from imu_lib.gap.draws import Draws
-from imu_lib.processes import Constant, Resolution, Saturation, Sum, WhiteNoise
+from imu_lib.processes import (
+    Constant,
+    NoiseLevelChange,
+    Resolution,
+    Saturation,
+    Sum,
+    Vibration,
+    WhiteNoise,
+)
 
+#: Statistics of a record by domain.
+Battery = dict[str, np.ndarray]
 #: Simulations in an ensemble.
 SIZE = 100
 #: Scatter that a statistic is given which is the same in all simulations, such as the share of
@@ -27,7 +40,7 @@ def _moving(model: Sum) -> Sum:
     return Sum(tuple(p for p in model.drifts.terms if not isinstance(p, Constant)))
 
 
-def centred(model: Sum, level: float, t, temperature) -> Sum:
+def centred(model: Sum, level: float, t: Array, temperature: Array | None) -> Sum:
     """The model with the constant that gives its simulations the record's mean before the
     electronics.
     """
@@ -39,7 +52,12 @@ def centred(model: Sum, level: float, t, temperature) -> Sum:
 
 
 def behind_mean(
-    model: Sum, mean: float, n: int, fs: float, temperature=None, shared: float = 0.0
+    model: Sum,
+    mean: float,
+    n: int,
+    fs: float,
+    temperature: Array | None = None,
+    shared: float = 0.0,
 ) -> float:
     """The level before the electronics of a record whose output has this mean: they differ where
     it is clipped or coarsely rounded.
@@ -52,19 +70,20 @@ def behind_mean(
     f = np.geomspace(fs / n, fs / 2, 4001)
     power = Sum(model.noise.terms, tuple(s for s in model.stages if s is model.low_pass)).psd(f, fs)
     sd = np.sqrt(np.trapezoid(power, f) + shared**2 * fs)
-    moving, change = _moving(model), model.find("noise_level_change")
-    t = np.linspace(0, n - 1, 50 if moving.terms or change else 1).astype(
-        int
-    )  # one instant where nothing moves
+    moving = _moving(model)
+    change = next((s for s in model.stages if isinstance(s, NoiseLevelChange)), None)
+    count = 50 if moving.terms or change else 1  # one instant where nothing moves
+    t = np.linspace(0, n - 1, count).astype(int)
     drift = moving.mean(t / fs, None if temperature is None else temperature[t])
     sd = sd * (np.ones(len(t)) if change is None else change.factor(n, fs)[t])
     u = np.linspace(-6, 6, 6001)
     weight = np.exp(-0.5 * u * u) / np.sum(np.exp(-0.5 * u * u))
+    still = np.random.default_rng(0)  # these stages draw nothing
 
-    def excess(level):
+    def excess(level: float) -> float:
         x = level + (drift - drift.mean())[:, None] + sd[:, None] * u
         for stage in chain:
-            x = stage.apply(x, fs, None)
+            x = stage.apply(x, fs, still)
         return float(np.mean(x @ weight)) - mean
 
     reach = max([3 * sd.max(), *(s.lsb for s in chain if isinstance(s, Resolution))])
@@ -73,7 +92,7 @@ def behind_mean(
     return float(brentq(excess, mean - reach, mean + reach, xtol=1e-4 * reach))
 
 
-def draw(model: Sum, draws: Draws, *, common=None):
+def draw(model: Sum, draws: Draws, *, common: Array | None = None) -> np.ndarray:
     """A realisation of the model, shape (n,)."""
     slow, quick = draws.terms(model.terms, model.low_pass, model.tails)
     return model.behind(slow, quick, draws.fs, draws.rng("electronics"), common=common)
@@ -86,17 +105,23 @@ class Beside:
     """
 
     shared: float = 0.0
-    vibrations: tuple = ()
+    vibrations: tuple[Vibration, ...] = ()
     digits: float | None = None
 
-    def printed(self, x) -> np.ndarray:
+    def printed(self, x: Array) -> np.ndarray:
         """Samples as the file prints them, shape (n,)."""
         return x if self.digits is None else np.rint(x / self.digits) * self.digits
 
 
 def simulate(
-    jobs, n: int, fs: float, seeds, temperature, levels, filtered: bool = False
-) -> list[list[dict]]:
+    jobs: Sequence[tuple[Any, ...]],
+    n: int,
+    fs: float,
+    seeds: Iterable[Any],
+    temperature: Array | None,
+    levels: Iterable[float],
+    filtered: bool = False,
+) -> list[list[Battery]]:
     """Batteries of simulations: for each job (models, start, stop in samples, `Beside`, lost
     mask or None) one list over the seeds.
 
@@ -106,7 +131,7 @@ def simulate(
     """
     t = np.arange(n) / fs
     ready = {}
-    out = [[] for _ in jobs]
+    out: list[list[Battery]] = [[] for _ in jobs]
     for seed in seeds:
         draws, made = Draws(seed, n, fs, temperature), {}
         for k, ((models, start, stop, beside, lost), level) in enumerate(zip(jobs, levels)):
@@ -137,7 +162,7 @@ def simulate(
     return out
 
 
-def filled(x):
+def filled(x: Array) -> np.ndarray:
     """Missing samples replaced by straight lines, on the measurement and on the simulations alike."""
     bad = np.isnan(x)
     if not bad.any():
@@ -151,11 +176,11 @@ class Index:
     """The gap index, whole and by domain."""
 
     value: float
-    domains: dict
+    domains: dict[str, float]
     spread: float
 
 
-def index(measured: dict, rows: list[dict]) -> Index:
+def index(measured: Battery, rows: list[Battery]) -> Index:
     """Distance of the measurement from the ensemble over the median distance of one simulation
     from the others.
 
@@ -172,7 +197,7 @@ def index(measured: dict, rows: list[dict]) -> Index:
     ends = np.cumsum([0, *(many[d].shape[1] for d in domains)])
     own = {d: weight[i:j] for d, i, j in zip(domains, ends[:-1], ends[1:])}
 
-    def ratio(which):
+    def ratio(which: list[str]) -> tuple[float, float]:
         total = sum(own[d].sum() for d in which)
         each = np.sqrt(sum(squares[d][0] @ own[d] for d in which) / total)
         median = float(np.median(each)) or 1.0  # 0 where all simulations agree
@@ -184,7 +209,7 @@ def index(measured: dict, rows: list[dict]) -> Index:
     return Index(value, {d: ratio([d])[0] for d in domains}, spread)
 
 
-def _weights(s) -> np.ndarray:
+def _weights(s: Array) -> np.ndarray:
     """What each statistic counts, shape (statistics,), from simulations of shape (simulations,
     statistics).
 
@@ -200,7 +225,7 @@ def _weights(s) -> np.ndarray:
     return out
 
 
-def _squares(s, measured):
+def _squares(s: Array, measured: Array) -> tuple[np.ndarray, np.ndarray]:
     """Squared deviations of each simulation from the others, shape of `s` (simulations,
     statistics), and of the measurement from all.
     """

@@ -11,6 +11,8 @@ import numpy as np
 from imu_lib.gap.sources import Source
 from imu_lib.gap.transforms import Transforms
 
+#: (fundamental in Hz or 0, its sources).
+Family = tuple[float, list[Source]]
 #: Multiples that are looked for, and how many lines of a comb have to be there.
 MULTIPLES, SHARE = 40, 0.5
 #: Lines of the same channels from which on they are one finding, multiples or not.
@@ -44,11 +46,12 @@ def _together(a: Source, b: Source) -> bool:
         return False
     if a.whole or b.whole:
         return a.whole and b.whole
-    shared = min(a.stop, b.stop) - max(a.start, b.start)
-    return shared > 0.6 * max(a.stop - a.start, b.stop - b.start)
+    (start, stop), (first, last) = ((s.spans[0][0], s.spans[-1][1]) for s in (a, b))
+    shared = min(stop, last) - max(start, first)
+    return shared > 0.6 * max(stop - start, last - first)
 
 
-def grouped(found: list[Source], transforms: Transforms) -> list[tuple[float, list[Source]]]:
+def grouped(found: list[Source], transforms: Transforms) -> list[Family]:
     """Sources by cause: (fundamental in Hz or 0 where the lines are no multiples, sources)."""
     left, out = sorted(found, key=lambda s: -s.gain), []
     while True:
@@ -74,7 +77,7 @@ def grouped(found: list[Source], transforms: Transforms) -> list[tuple[float, li
     return _one_cause(out)
 
 
-def _one_cause(families):
+def _one_cause(families: list[Family]) -> list[Family]:
     """Families on the same channels, all the time, as one where there are so many lines that each
     of its own would be no cause: the products of two clocks.
     """
@@ -88,13 +91,13 @@ def _one_cause(families):
     return out
 
 
-def _alike(a, b) -> bool:
+def _alike(a: Family, b: Family) -> bool:
     """Whether the strongest lines of two families are felt by much the same channels."""
     x, y = (set(max(f[1], key=lambda s: s.gain).channels) for f in (a, b))
     return len(x & y) >= 2 and len(x & y) > 0.5 * len(x | y)
 
 
-def _comb(left, transforms):
+def _comb(left: list[Source], transforms: Transforms) -> Family | None:
     """The best family of multiples, or None: (fundamental, sources)."""
     lines = [s for s in left if _line(s)]
     starts = [(s.frequency / k, _slack(s, transforms) / k) for s in lines for k in (1, 2, 3)]
@@ -102,7 +105,7 @@ def _comb(left, transforms):
         (abs(a.frequency - b.frequency), _slack(a, transforms) + _slack(b, transforms))
         for a, b in combinations(lines[:12], 2)
     ]
-    best = None
+    best: tuple[tuple[int, int], Family] | None = None
     for f0, slack in starts:
         if f0 < 8 * slack or f0 < 8 / transforms.duration:
             continue
@@ -114,12 +117,15 @@ def _comb(left, transforms):
             continue
         key = (len(members), -max(orders))
         if best is None or key > best[0]:
-            best = (key, _fitted(members, orders, transforms), members)
-    return None if best is None else (best[1], best[2])
+            best = (key, (_fitted(members, orders, transforms), members))
+    return None if best is None else best[1]
 
 
-def _matching(f0, slack, lines, transforms):
-    members, orders = [], []
+def _matching(
+    f0: float, slack: float, lines: list[Source], transforms: Transforms
+) -> tuple[list[Source], list[int]]:
+    members: list[Source] = []
+    orders: list[int] = []
     for s in lines:
         order = int(round(s.frequency / f0))
         if not 1 <= order <= MULTIPLES:
@@ -131,7 +137,7 @@ def _matching(f0, slack, lines, transforms):
     return members, orders
 
 
-def _chance(members, orders, f0, transforms) -> float:
+def _chance(members: list[Source], orders: list[int], f0: float, transforms: Transforms) -> float:
     """How often as many lines elsewhere would lie so close to multiples."""
     out = 1.0
     for s in members[1:]:
@@ -139,7 +145,7 @@ def _chance(members, orders, f0, transforms) -> float:
     return out * len(members)
 
 
-def _fitted(members, orders, transforms) -> float:
+def _fitted(members: list[Source], orders: list[int], transforms: Transforms) -> float:
     """The fundamental by least squares."""
     weight = [1.0 / _slack(s, transforms) ** 2 for s in members]
     f = [s.frequency for s in members]
@@ -147,14 +153,17 @@ def _fitted(members, orders, transforms) -> float:
     return float(top / sum(w * k * k for w, k in zip(weight, orders)))
 
 
-def weak_lines(f0: float, family, transforms: Transforms) -> dict[int, dict]:
+def weak_lines(
+    f0: float, family: list[Source], transforms: Transforms
+) -> dict[int, dict[str, float]]:
     """Multiples of `f0` that do not stand out by themselves but are there: order -> {channel:
     amplitude}.
     """
     strongest = max(family, key=lambda s: s.gain)
     have = {int(round(s.frequency / f0)) for s in family}
     width = max(2.0 / transforms.duration, max(s.bandwidth for s in family))
-    out, missed = {}, 0
+    out: dict[int, dict[str, float]] = {}
+    missed = 0
     for order in range(1, MULTIPLES + 1):
         f = order * f0
         if f > 0.49 * transforms.fs or missed > 2:
@@ -163,7 +172,8 @@ def weak_lines(f0: float, family, transforms: Transforms) -> dict[int, dict]:
             missed = 0
             continue
         a, b = transforms.ordinates(f - width, f + width)
-        amplitude, gain = {}, 0.0
+        amplitude: dict[str, float] = {}
+        gain = 0.0
         for name in strongest.channels:
             z = transforms.z[name][a:b]
             density = transforms.density(name, a, b)

@@ -4,10 +4,13 @@ measurement.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap import ensemble
 from imu_lib.gap.battery import battery
 from imu_lib.gap.channel import ChannelResult
@@ -16,6 +19,7 @@ from imu_lib.gap.found import ChannelReport
 from imu_lib.gap.grown import FITTED
 from imu_lib.gap.prepared import Prepared
 from imu_lib.gap.side_by_side import each
+from imu_lib.processes import Sum
 
 #: Gap index after the last step beyond which something is left that has no name; that of a right
 #: model scatters by 0.06 about 1.
@@ -25,6 +29,11 @@ MAX_GAP_INDEX = 1.35
 PASSING = 0.25
 
 
+#: (channel, place in its chain or what part it is for), and the batteries of its simulations.
+Key = tuple[str, int | str]
+Rows = dict[Key, list[ensemble.Battery]]
+
+
 @dataclass(frozen=True)
 class Job:
     """A model, or several that stand for what is uncertain in it, to be simulated from sample
@@ -32,15 +41,22 @@ class Job:
     before the electronics.
     """
 
-    key: tuple
-    models: list
+    key: Key
+    models: list[Sum]
     start: int
     beside: ensemble.Beside
     level: float
     passing: bool = False
 
 
-def measured(reports: dict, about: Prepared, simulations: int, seed: int, jobs: int, tick) -> dict:
+def measured(
+    reports: dict[str, ChannelReport],
+    about: Prepared,
+    simulations: int,
+    seed: int,
+    jobs: int,
+    tick: Callable[[int], None],
+) -> dict[str, ChannelReport]:
     """The reports (by channel) with gap indices: before, after each step, after all, and on the
     part that was held out.
     """
@@ -59,7 +75,13 @@ def _jobs(name: str, report: ChannelReport, about: Prepared) -> list[Job]:
     if (found.shared, found.vibrations) != (given.shared, given.vibrations):
         chain = [r.base] + chain  # once as given, once beside what the record has
 
-    def job(key, models, start, beside, passing=False):
+    def job(
+        key: int | str,
+        models: list[Sum],
+        start: int,
+        beside: ensemble.Beside,
+        passing: bool = False,
+    ) -> Job:
         level = ensemble.behind_mean(
             models[0], r.mean, len(x), about.fs, about.temperature, beside.shared
         )
@@ -75,19 +97,27 @@ def _jobs(name: str, report: ChannelReport, about: Prepared) -> list[Job]:
     return out
 
 
-def _digits(result: ChannelResult, x) -> float | None:
+def _digits(result: ChannelResult, x: Array) -> float | None:
     """Step of the file's number format, where it is too fine to be the sensor's own grid."""
     coarse = result.model.find("resolution") is not None or result.model.rounding is not None
     return None if coarse else printed(x[~np.isnan(x)])
 
 
-def _simulated(work, about: Prepared, simulations, seed, jobs, tick) -> dict:
+def _simulated(
+    work: list[Job],
+    about: Prepared,
+    simulations: int,
+    seed: int,
+    jobs: int,
+    tick: Callable[[int], None],
+) -> Rows:
     """Batteries of the simulations of every job, by its key."""
     n = len(next(iter(about.raw.values())))
     lost = {name: np.isnan(x) if np.isnan(x).any() else None for name, x in about.raw.items()}
     seeds = [[seed, 7919, i] for i in range(simulations)]
     share = max(1, simulations // (2 * jobs))
-    rows, tasks = {job.key: [] for job in work}, []
+    rows: Rows = {job.key: [] for job in work}
+    tasks = []
     for i in range(0, simulations, share):
         these = [job for job in work if not job.passing or i < PASSING * simulations]
         models = [(j.models, j.start, n, j.beside, lost[j.key[0]]) for j in these]
@@ -101,11 +131,11 @@ def _simulated(work, about: Prepared, simulations, seed, jobs, tick) -> dict:
     return rows
 
 
-def _ensemble(keys, *args):
+def _ensemble(keys: list[Key], *args: Any) -> tuple[list[Key], list[list[ensemble.Battery]]]:
     return keys, ensemble.simulate(*args)
 
 
-def _gauged(report: ChannelReport, name: str, about: Prepared, rows: dict) -> ChannelReport:
+def _gauged(report: ChannelReport, name: str, about: Prepared, rows: Rows) -> ChannelReport:
     """The report of a channel with its gap indices, against the `rows` of simulations."""
     x, r = ensemble.filled(about.raw[name]), report.result
     whole = battery(x, about.fs, about.temperature)
@@ -131,14 +161,14 @@ def _far(after: ensemble.Index) -> str | None:
     """A sentence where the grown model is still further off than a right one would be."""
     if after.value <= MAX_GAP_INDEX:
         return None
-    domain = max(after.domains, key=after.domains.get)
+    domain = max(after.domains, key=lambda d: after.domains[d])
     return (
         f"simulations of the grown model: gap index {after.value:.2f}, most in the domain "
         f"{domain} ({after.domains[domain]:.2f})"
     )
 
 
-def _held_out(name: str, x, about: Prepared, rows: dict) -> dict | None:
+def _held_out(name: str, x: Array, about: Prepared, rows: Rows) -> dict[str, float] | None:
     """Gap indices before and after on the part of the samples `x` that was not fitted."""
     if (name, "held after") not in rows:
         return None

@@ -5,11 +5,14 @@ and refits to a part.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from imu_lib.gap.data import Data
+from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.state import State
+from imu_lib.likelihood.evidence import Maximum
 from imu_lib.likelihood.slot import FILTER
 from imu_lib.processes import Stage, Sum
 
@@ -21,7 +24,15 @@ LATE = 0.95
 REFITS = 100
 
 
-def grown(base, state, findings, n_base, shared, *, fit=None):
+def grown(
+    base: Sum,
+    state: State,
+    findings: list[Finding],
+    n_base: int,
+    shared: int,
+    *,
+    fit: Maximum | None = None,
+) -> Sum:
     """The base with what was found: changed parameters, added processes, drifts with their
     amplitudes, stages.
 
@@ -50,7 +61,7 @@ def grown(base, state, findings, n_base, shared, *, fit=None):
     return Sum(tuple(terms), tuple(stages.values()))
 
 
-def between(base, findings, state):
+def between(base: Sum, findings: list[Finding], state: State) -> list[Sum]:
     """The models after each step but the last: the base with the first effects only."""
     count = len(findings) + len(state.items)
     out = []
@@ -63,7 +74,14 @@ def between(base, findings, state):
     return out
 
 
-def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
+def refits(
+    base: Sum,
+    state: State,
+    findings: list[Finding],
+    n_base: int,
+    shared: int,
+    rng: np.random.Generator,
+) -> list[Sum]:
     """Grown models whose free parameters are drawn from their distribution given the first part of
     the record alone.
 
@@ -74,7 +92,8 @@ def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
     """
     data = state.data
     n = int(FITTED * data.n)
-    added = [f.process for f in (*state.items, *findings) if f.process is not None]
+    every: list[Any] = [*state.items, *findings]
+    added = [f.process for f in every if f.process is not None]
     if any(p.onset > LATE * n / data.fs for p in added):
         return []
     x = data.x
@@ -114,7 +133,13 @@ def refits(base, state, findings, n_base, shared, rng) -> list[Sum]:
     ]
 
 
-def likely(states, given, findings, held_terms: int, rng) -> list[Sum]:
+def likely(
+    states: list[tuple[State, float]],
+    given: Sum | None,
+    findings: list[Finding],
+    held_terms: int,
+    rng: np.random.Generator,
+) -> list[Sum]:
     """Grown models whose free parameters are drawn from their distribution given the whole record,
     as many of each of `states` (state, share) as its share: what the record leaves uncertain.
     """
@@ -126,7 +151,7 @@ def likely(states, given, findings, held_terms: int, rng) -> list[Sum]:
     return out
 
 
-def _drawn(state, rng, count):
+def _drawn(state: State, rng: np.random.Generator, count: int) -> list[Maximum]:
     """Fits whose parameters are drawn from the normal distribution about the state's own, within
     the bounds of each.
     """

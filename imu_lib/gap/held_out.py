@@ -4,8 +4,11 @@ held against the rest.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.data import Data
 from imu_lib.gap.grown import FITTED
 from imu_lib.gap.state import State
@@ -14,6 +17,10 @@ from imu_lib.likelihood.problem import Problem
 #: Log-likelihood of the rest that an effect may cost there: two parameters fitted to one and a half
 #: times as much as the rest cost it 2/3 on average where they are right, with a spread of 1.
 COSTS = 4.0
+
+
+#: A line that was found, and what it puts into the samples.
+Line = tuple[Any, np.ndarray]
 
 
 def lasting(state: State) -> list[bool]:
@@ -40,10 +47,10 @@ def _halves(state: State) -> tuple[Data, Data]:
     """The first and the last part of the record, without what happens at a time of its own."""
     data, x = state.data, state.data.x - state.deterministic
     cut = int(FITTED * data.n)
-    return tuple(_part(data, part) for part in (x[:cut], x[cut:]))
+    return _part(data, x[:cut]), _part(data, x[cut:])
 
 
-def _part(data: Data, x) -> Data:
+def _part(data: Data, x: Array) -> Data:
     bare = Data(x, data.fs, white=data.white)
     f, of = bare.layout.frequency, data.layout.frequency
     blind = None if data.blind is None else np.interp(f, of, data.blind.astype(float)) > 0
@@ -57,7 +64,7 @@ def _foretold(state: State, rest: Data) -> float:
     return problem.loglike(np.zeros(0))
 
 
-def steady(lines, cleaned: Data, data: Data) -> tuple[list, Data]:
+def steady(lines: list[Line], cleaned: Data, data: Data) -> tuple[list[Line], Data]:
     """Of the lines (finding, signal) that were taken out of `data` those whose first part foretells
     the rest, and the cleaned data with the others back in it.
     """
@@ -68,7 +75,7 @@ def steady(lines, cleaned: Data, data: Data) -> tuple[list, Data]:
     return [line for line, keep in zip(lines, kept) if keep], cleaned
 
 
-def _foretells(process, x, fs: float) -> bool:
+def _foretells(process: Any, x: Array, fs: float) -> bool:
     """Whether the line as fitted to the first part lessens the power at its frequency in the rest."""
     t = np.arange(len(x)) / fs
     cut = int(FITTED * len(x))
@@ -80,7 +87,7 @@ def _foretells(process, x, fs: float) -> bool:
     return bool(abs(late - early) < abs(late))
 
 
-def without(state: State, rivals: list, kept: list[bool]) -> tuple[State, list]:
+def without(state: State, rivals: list[Any], kept: list[bool]) -> tuple[State, list[Any]]:
     """The state and the rivals of its items, of those items that are kept."""
     if all(kept):
         return state, rivals

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from imu_lib.arrays import Array
 from imu_lib.gap.data import block_length, statistics
 
 #: Degrees of freedom of a spectrum at the least: the reciprocal of what has one or two is now and
@@ -17,7 +18,7 @@ FREEDOM = 24.0
 STOP_BAND_DEPTH = 1e-5
 
 
-def trend(x, m: int) -> np.ndarray:
+def trend(x: Array, m: int) -> np.ndarray:
     """The slow part of a record: straight lines between the means of blocks of `m` samples."""
     k = len(x) // m
     means = x[: k * m].reshape(k, m).mean(axis=1)
@@ -38,7 +39,7 @@ class Smooth:
     Above one cycle per two blocks it is the binned periodogram; below it the lowest of these bins.
     """
 
-    def __init__(self, x, fs: float, *, floor: float = 0.0):
+    def __init__(self, x: Array, fs: float, *, floor: float = 0.0) -> None:
         self.fs, self.n = fs, len(x)
         self.m = block_length(self.n, fs)
         stats = statistics(x, fs)
@@ -66,7 +67,7 @@ class Smooth:
             )
             + floor
         )
-        self._cache = {}
+        self._cache: dict[int, np.ndarray] = {}
 
     def slow_too(self, size: int) -> np.ndarray:
         """As `on`, with the slow end of the record's own spectrum and further down into a stop
@@ -83,7 +84,7 @@ class Smooth:
             self._cache[size] = np.maximum(s, 1e-3 * np.mean(s))
         return self._cache[size]
 
-    def between(self, values, size: int) -> np.ndarray:
+    def between(self, values: Array, size: int) -> np.ndarray:
         """`values` in the bins at the ordinates of a real transform of `size` points."""
         f, own = np.arange(size // 2 + 1) * self.fs / size, self.layout.frequency
         return np.exp(np.interp(np.log(np.maximum(f, own[0])), np.log(own), np.log(values)))
@@ -121,7 +122,7 @@ class Smooth:
         return float(self.fs / 2 / np.mean(1.0 / self.on(2048)))
 
 
-def _pooled(mean, nu):
+def _pooled(mean: Array, nu: Array) -> np.ndarray:
     """The bins' means (k,), those of less than `FREEDOM` degrees of freedom `nu` with as many
     neighbours on either side as it takes.
     """
@@ -139,12 +140,12 @@ def _pooled(mean, nu):
     return out
 
 
-def _neighbours(mean):
+def _neighbours(mean: Array) -> np.ndarray:
     wide = np.pad(mean, 4, mode="edge")
     return np.median(np.lib.stride_tricks.sliding_window_view(wide, 9), axis=1)
 
 
-def padded_size(n):
+def padded_size(n: int) -> int:
     """Length of the transforms of `n` samples: even, quick, and long enough that the ends do not
     meet.
     """
@@ -154,7 +155,7 @@ def padded_size(n):
     return size
 
 
-def _filter(x, gain, size):
+def _filter(x: Array, gain: Array, size: int) -> np.ndarray:
     n = len(x)
     tail = np.linspace(x[-1], x[0], size - n + 2)[
         1:-1
@@ -162,13 +163,13 @@ def _filter(x, gain, size):
     return irfft(rfft(np.concatenate([x, tail])) * gain, size)[:n]
 
 
-def whitened(x, smooth: Smooth) -> np.ndarray:
+def whitened(x: Array, smooth: Smooth) -> np.ndarray:
     """The fast part of a record as white noise of variance 1 (zero phase)."""
     size = padded_size(len(x))
     return _filter(x - trend(x, smooth.m), 1.0 / np.sqrt(smooth.on(size) * smooth.fs / 2), size)
 
 
-def surprises(x, smooth: Smooth) -> np.ndarray:
+def surprises(x: Array, smooth: Smooth) -> np.ndarray:
     """How far each sample lies from what all the others foretell, in standard deviations."""
     size = padded_size(len(x))
     inverse = 1.0 / (smooth.on(size) * smooth.fs / 2)

@@ -4,27 +4,32 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable, Sequence
 
 from imu_lib.gap import axes, ensemble, gauge, once
-from imu_lib.gap.channel import analyse
+from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.moved import as_tilts
 from imu_lib.gap.prepared import Prepared, prepared
 from imu_lib.gap.side_by_side import each
+from imu_lib.gap.steps import Step
 from imu_lib.gap.undone import OfRecord
 from imu_lib.model import Model
 from imu_lib.record import Record
+
+#: Called with (done, total, text).
+Progress = Callable[[int, int, str], object]
 
 
 def close(
     record: Record,
     model: Model | None = None,
     *,
-    channels=None,
+    channels: Sequence[str] | None = None,
     seed: int = 0,
     simulations: int = ensemble.SIZE,
     jobs: int | None = None,
-    progress=None,
+    progress: Progress | None = None,
 ) -> Report:
     """Find where simulations of `model` and `record` disagree, name what is missing, add it, and
     measure the gap again.
@@ -72,7 +77,14 @@ def close(
     return _report(about, reports, steps, (base, grown), seconds, whole)
 
 
-def _report(about: Prepared, reports, steps, models: tuple, seconds: float, whole: float) -> Report:
+def _report(
+    about: Prepared,
+    reports: dict[str, ChannelReport],
+    steps: list[Step],
+    models: tuple[Model, Model],
+    seconds: float,
+    whole: float,
+) -> Report:
     ready = about.ready
     return Report(
         reports,
@@ -89,38 +101,38 @@ def _report(about: Prepared, reports, steps, models: tuple, seconds: float, whol
     )
 
 
-def _invisible(about: Prepared) -> tuple[dict, ...]:
+def _invisible(about: Prepared) -> tuple[dict[str, str], ...]:
     """What nothing in the record tells of."""
-    why = None if about.pace is None else about.pace.invisible
+    why = about.pace.invisible
     return ({"effect": "rate_error", "parameter": "ratio", "why": why},) if why else ()
 
 
 class _Told:
     """How far it is, to whom it may concern."""
 
-    def __init__(self, progress, total: int):
+    def __init__(self, progress: Progress | None, total: int) -> None:
         self.progress, self.total, self.done = progress, total, 0
 
-    def one(self, text: str):
+    def one(self, text: str) -> None:
         """One more of all is done."""
         self.done += 1
         if self.progress is not None:
             self.progress(self.done, self.total, text)
 
 
-def _named(about: Prepared, seed: int, jobs: int, told: _Told) -> dict:
+def _named(about: Prepared, seed: int, jobs: int, told: _Told) -> dict[str, ChannelResult]:
     """What every channel lacks, by name in the order of the record."""
     work = [(about, name, seed) for name in about.raw]
     if jobs > 1:  # a process is sent its own channel only
         work = [(about.alone(name), name, seed) for name in about.raw]
-    results = {}
+    results: dict[str, ChannelResult] = {}
     for name, result in each(_channel, work, jobs):
         results[name] = result
         told.one(f"{name}: {', '.join(s.effect for s in result.steps) or 'nothing'}")
     return {name: results[name] for name in about.raw}
 
 
-def _channel(about: Prepared, name: str, seed: int):
+def _channel(about: Prepared, name: str, seed: int) -> tuple[str, ChannelResult]:
     return name, analyse(
         name,
         about.raw[name],
@@ -137,7 +149,7 @@ def _channel(about: Prepared, name: str, seed: int):
     )
 
 
-def _models(about: Prepared, results: dict) -> tuple[Model, Model]:
+def _models(about: Prepared, results: dict[str, ChannelResult]) -> tuple[Model, Model]:
     """The model that it started from, and the grown one."""
     base = Model(
         channels={n: r.base for n, r in results.items()}, record=about.given, rate=about.fs

@@ -5,34 +5,42 @@ before the next is asked for.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.effects import CHANNEL
+from imu_lib.gap.effects.base import ChannelView, Finding
 from imu_lib.likelihood.evaluate import with_extra
+from imu_lib.processes import LowPass, Sum
 
 
-def settled(view):
+def settled(view: ChannelView) -> tuple[ChannelView, list[Finding], list[str | None]]:
     """(view with everything undone that was found, findings, doubts with the likeliest first)."""
-    findings = []
+    findings: list[Finding] = []
     while True:
         known = {f.effect.name for f in findings}
         trials = [f for e in CHANNEL if e.name not in known for f in e.candidates(view)]
         sound = [f for f in trials if f.doubt is None]
         if not sound:
-            return view, findings, [f.doubt for f in sorted(trials, key=lambda f: -f.gain)]
-        best = max(sound, key=lambda f: f.gain)
+            return view, findings, [f.doubt for f in sorted(trials, key=_gain, reverse=True)]
+        best = max(sound, key=_gain)
         findings.append(best)
         if best.scale is not None:
             view = scaled(view, best.scale)
 
 
-def scaled(view, scale):
+def _gain(finding: Finding) -> float:
+    return finding.gain or 0.0
+
+
+def scaled(view: ChannelView, scale: Array) -> ChannelView:
     """The view with its fast noise brought back to one level; what the model calls slow stays."""
     return replace(view, x=_levelled(view.x, scale, view.fs, view.given), y=view.y / scale)
 
 
-def model_level(clean, terms, low_pass, fs: float) -> float:
+def model_level(clean: Any, terms: list[Any], low_pass: LowPass | None, fs: float) -> float:
     """Variance of the fast noise as a multiple of what the given noises have."""
     layout = clean.smooth.layout
     s = with_extra(
@@ -43,7 +51,7 @@ def model_level(clean, terms, low_pass, fs: float) -> float:
     return float(np.average(clean.smooth.level[k:] / s[k:], weights=clean.smooth.count[k:]))
 
 
-def _levelled(x, scale, fs: float, given):
+def _levelled(x: Array, scale: Array, fs: float, given: Sum | None) -> np.ndarray:
     """The fast noise over `scale`, shape (n,); samples of scale 1 stay as they are."""
     n, size = len(x), 2 * len(x)
     louder = scale != 1.0
@@ -55,8 +63,8 @@ def _levelled(x, scale, fs: float, given):
     if drifts and quick:
         # what is slow among the louder (or quieter) noise
         power = float(np.mean(scale[louder] ** 2))
-        d, q = sum(t.psd(f, fs) for t in drifts), power * sum(t.psd(f, fs) for t in quick)
-        gain = d / (d + q)
+        d = np.asarray(sum(t.psd(f, fs) for t in drifts))
+        gain = d / (d + power * sum(t.psd(f, fs) for t in quick))
     elif quick:
         gain = np.zeros(n + 1)
         gain[:2] = 1.0

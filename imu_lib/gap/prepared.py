@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from imu_lib.gap import ensemble, faulty, record_level, shaken
+from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.pace import Pace, paced
 from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
-from imu_lib.processes import CommonMode, Vibration
+from imu_lib.processes import CommonMode, Process, Sum, Vibration
 from imu_lib.record import Record
 
 
@@ -21,7 +24,7 @@ class Prepared:
 
     Attributes
     ----------
-    ready : faulty.Ready
+    ready : faulty.Ready; None in what a process is sent
         The record without its faults, and the steps that name these.
     model : Model or None
         What was given.
@@ -47,27 +50,27 @@ class Prepared:
         Whether the clock is right.
     """
 
-    ready: faulty.Ready
+    ready: Any
     model: Model | None
-    raw: dict
+    raw: dict[str, np.ndarray]
     fs: float
     temperature: np.ndarray | None
-    shaking: list = field(default_factory=list)
-    known: dict = field(default_factory=dict)
-    nameless: dict = field(default_factory=dict)
+    pace: Pace
+    shaking: list[Finding] = field(default_factory=list)
+    known: dict[str, np.ndarray] = field(default_factory=dict)
+    nameless: dict[str, Any] = field(default_factory=dict)
     shared: object = None
-    note: dict = field(default_factory=dict)
+    note: dict[str, Any] = field(default_factory=dict)
     left: str | None = None
-    noise: dict = field(default_factory=dict)
-    pace: Pace | None = None
+    noise: dict[str, float] = field(default_factory=dict)
 
     @property
-    def given(self) -> tuple:
+    def given(self) -> tuple[Process, ...]:
         """What the given model has on the record."""
         return () if self.model is None else tuple(self.model.record)
 
     @property
-    def held(self) -> tuple:
+    def held(self) -> tuple[CommonMode, ...]:
         """Noise in common of the given model."""
         return tuple(p for p in self.given if isinstance(p, CommonMode))
 
@@ -76,7 +79,7 @@ class Prepared:
         """Whether noise in common enters before the channels' filters."""
         return any(p.filtered for p in _all(self.held, self.shared))
 
-    def base(self, name: str):
+    def base(self, name: str) -> Sum | None:
         """The given model of a channel, or None."""
         return self.model[name] if self.model is not None and name in self.model else None
 
@@ -84,11 +87,11 @@ class Prepared:
         """Density of the noise in common that the given model has on a channel."""
         return float(np.sqrt(sum(p.N**2 for p in self.held if name in p.channels)))
 
-    def held_shaking(self, name: str) -> tuple:
+    def held_shaking(self, name: str) -> tuple[Vibration, ...]:
         """Vibrations of the given model on a channel."""
         return _of([p for p in self.given if isinstance(p, Vibration)], name)
 
-    def shaking_of(self, name: str) -> tuple:
+    def shaking_of(self, name: str) -> tuple[Vibration, ...]:
         """All vibrations that a channel feels."""
         return _of([f.process for f in self.shaking], name)
 
@@ -103,35 +106,35 @@ class Prepared:
         )
 
     @property
-    def new(self) -> list:
+    def new(self) -> list[Finding]:
         """What shakes the record and is not in the given model."""
         return [f for f in self.shaking if not f.held]
 
     @property
     def steps(self) -> list[Step]:
         """What was found on the record."""
-        clock = [] if self.pace is None or self.pace.step is None else [self.pace.step]
+        clock = [] if self.pace.step is None else [self.pace.step]
         out = [*clock, *self.ready.steps, *map(shaken.vibration_step, self.new)]
         if self.shared is not None:
             out.append(record_level.common_step(self.shared, self.note))
         return out
 
     @property
-    def processes(self) -> tuple:
+    def processes(self) -> tuple[Any, ...]:
         """The same for a model's `record`."""
         return _all([*self.ready.processes, *(f.process for f in self.new)], self.shared)
 
 
-def _all(some, one) -> tuple:
+def _all(some: Iterable[Any], one: Any) -> tuple[Any, ...]:
     return (*some, *(() if one is None else (one,)))
 
 
-def _of(vibrations, name) -> tuple:
+def _of(vibrations: Iterable[Vibration], name: str) -> tuple[Vibration, ...]:
     """The vibrations on one channel alone, those that it feels."""
     return tuple(v for v in (p.of(name) for p in vibrations) if v is not None)
 
 
-def prepared(record: Record, model: Model | None, channels) -> Prepared:
+def prepared(record: Record, model: Model | None, channels: Sequence[str] | None) -> Prepared:
     """The record without its faults, on an even grid, with what its channels have in common.
 
     Raises
@@ -148,7 +151,7 @@ def prepared(record: Record, model: Model | None, channels) -> Prepared:
     temperature = None if even.temperature is None else np.array(even.temperature)
     if temperature is not None and np.isnan(temperature).any():
         temperature = ensemble.filled(temperature)
-    return _in_common(Prepared(ready, model, raw, even.rate, temperature, pace=pace))
+    return _in_common(Prepared(ready, model, raw, even.rate, temperature, pace))
 
 
 def _in_common(about: Prepared) -> Prepared:
@@ -176,7 +179,7 @@ def _in_common(about: Prepared) -> Prepared:
     )
 
 
-def _asked(record: Record, channels) -> list[str]:
+def _asked(record: Record, channels: Sequence[str] | None) -> list[str]:
     """Names of the channels to look at."""
     names = list(record.channel_names if channels is None else channels)
     for name in names:

@@ -4,6 +4,9 @@ is like, what was the environment's, what is left, what to do next.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from imu_lib import units
@@ -14,7 +17,12 @@ from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.shakes import FOREST
 from imu_lib.gap.verdict import TAIL
 from imu_lib.gap.wrong import LOST, sentence
-from imu_lib.processes import Sum
+from imu_lib.processes import Resolution, Sum
+
+if TYPE_CHECKING:
+    from imu_lib.gap.found import Report
+    from imu_lib.gap.steps import Step
+    from imu_lib.record import Record
 
 #: Confidence from which on a finding is told as one.
 SURE = 0.9
@@ -28,7 +36,7 @@ FEW = 2.5
 NO_NOISE = {"spikes": "spikes", "step": "steps", "vibration": "vibrations"}
 
 
-def sentences(found) -> list[str]:
+def sentences(found: Report) -> list[str]:
     """Three to six sentences about a `gap.Report`."""
     out = [
         _good_for(found),
@@ -42,7 +50,7 @@ def sentences(found) -> list[str]:
     return [s for s in out if s]
 
 
-def _of_sensor(found) -> set:
+def _of_sensor(found: Report) -> set[tuple[str, str]]:
     """(channel, effect) of what the sentence on the sensor tells."""
     return {
         (w, s.effect)
@@ -57,7 +65,7 @@ def _of_sensor(found) -> set:
     }
 
 
-def _steps(found, names):
+def _steps(found: Report, names: Iterable[str]) -> list[tuple[str, Step]]:
     """(channel or "record", step) of the effects of these names that are sure or the record's."""
     return [
         (where, s)
@@ -66,7 +74,7 @@ def _steps(found, names):
     ]
 
 
-def _good_for(found) -> str:
+def _good_for(found: Report) -> str:
     record = found.record
     span = record.duration
     reach = REACHED * span
@@ -96,11 +104,11 @@ def _good_for(found) -> str:
     return text + "."
 
 
-def _left_out(found) -> list[str]:
+def _left_out(found: Report) -> list[str]:
     return [note for note in found.notes if note.endswith("it is left out.")]
 
 
-def _sensor(found) -> str:
+def _sensor(found: Report) -> str:
     out = []
     for kind, name in (("gyro", "gyroscopes"), ("accel", "accelerometers")):
         channels = [c for c in found.channels if c.startswith(kind)]
@@ -112,10 +120,10 @@ def _sensor(found) -> str:
         floor = [v[1] for v in values if v[1]]
         if floor:
             text += f", a bias instability of {_range(floor, 'B', channels[0])}"
-            longest = max(v[2] for v in values if v[1])
+            longest = max(v[2] for v in values if v[2])
             text += f" (at {_seconds(longest)})"
-        steps = [found.model[c].find("resolution") for c in channels]
-        steps = [s.lsb for s in steps if s is not None]
+        stages = [s for c in channels for s in found.model[c].stages]
+        steps = [s.lsb for s in stages if isinstance(s, Resolution)]
         if steps:
             unit, factor = ("deg/s", np.pi / 180) if kind == "gyro" else ("mg", 9.80665e-3)
             text += f", a resolution of {_spread([s / factor for s in steps])} {unit}"
@@ -130,7 +138,7 @@ def _sensor(found) -> str:
     return _sentence(out) + (f" ({_listed(words)} taken out)" if words else "") + "."
 
 
-def _character(model: Sum, record):
+def _character(model: Sum, record: Record) -> tuple[float | None, float | None, float | None]:
     """(N, B, averaging time in s) of a channel: density near a twentieth of the rate, least Allan
     deviation over 0.664 where the record reaches it; None where there is none.
     """
@@ -151,10 +159,10 @@ def _character(model: Sum, record):
     return density, float(deviation[i] / 0.664), float(tau[i])
 
 
-def _environment(found) -> str:
+def _environment(found: Report) -> str:
     parts = []
-    shaken: dict = {}
-    for _, step in sorted(_steps(found, ("vibration",)), key=lambda item: -item[1].gain):
+    shaken: dict[Any, list[dict[str, Any]]] = {}
+    for _, step in sorted(_steps(found, ("vibration",)), key=lambda item: -(item[1].gain or 0.0)):
         p = step.parameters
         shaken.setdefault((p["frequency"], tuple(p["channels"])), []).append(p)
     parts += [_shook(episodes) for episodes in list(shaken.values())[:3]]
@@ -174,7 +182,7 @@ def _environment(found) -> str:
     return f"Of the environment: {'; '.join(parts)}."
 
 
-def _shook(episodes) -> str:
+def _shook(episodes: list[dict[str, Any]]) -> str:
     """One vibration, with all the times at which it was there."""
     p = episodes[0]
     what = f"at {p['frequency']:.4g} Hz"
@@ -196,12 +204,12 @@ def _shook(episodes) -> str:
     return f"it shook {what}{' ' + when if when else ''} on {_channels(p['channels'])}"
 
 
-def _hums(p) -> bool:
+def _hums(p: dict[str, Any]) -> bool:
     """Whether a vibration is the hum of the mains."""
     return not p.get("lines") and of_mains(p["frequency"], p["harmonics"])
 
 
-def _left(found) -> str:
+def _left(found: Report) -> str:
     small = [n for n, c in found.channels.items() if c.result.small]
     if not small:
         return _without_name(found)
@@ -211,7 +219,7 @@ def _left(found) -> str:
     )
 
 
-def _without_name(found) -> str:
+def _without_name(found: Report) -> str:
     left = [n for n, c in found.channels.items() if c.result.unexplained]
     if not left:
         beyond = found.record_unexplained
@@ -225,7 +233,7 @@ def _without_name(found) -> str:
     return f"Left without a name on {left[0]}: {first}{more}."
 
 
-def _next(found) -> str:
+def _next(found: Report) -> str:
     names = {s.effect for _, s in found.steps}
     advice = []
     if any(_lost(s, found.record) for _, s in found.steps):
@@ -248,7 +256,7 @@ def _next(found) -> str:
     return f"Next: {_listed(advice[:3])}."
 
 
-def _lost(step, record) -> bool:
+def _lost(step: Step, record: Record) -> bool:
     """Whether a step is samples that are lost all the time, not a first row or bursts."""
     if step.effect not in LOST or step.evidence == BURSTS:
         return False
@@ -262,29 +270,29 @@ def _seconds(x: float) -> str:
     return f"{x / 60:.3g} min" if x < 7200 else f"{x / 3600:.3g} h"
 
 
-def _listed(parts) -> str:
+def _listed(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
-def _sentence(parts) -> str:
+def _sentence(parts: list[str]) -> str:
     text = "; ".join(parts)
     return text[:1].upper() + text[1:]
 
 
-def _names(channels) -> str:
+def _names(channels: Iterable[str]) -> str:
     return _listed(list(channels))
 
 
-def _channels(channels) -> str:
+def _channels(channels: Sequence[str]) -> str:
     return "all channels" if len(channels) == 6 else _names(channels)
 
 
-def _spread(values) -> str:
+def _spread(values: list[float]) -> str:
     low, high = min(values), max(values)
     return f"{low:.3g}" if high < 1.1 * low else f"{low:.3g} to {high:.3g}"
 
 
-def _range(values, symbol: str, channel: str) -> str:
+def _range(values: list[float], symbol: str, channel: str) -> str:
     """Smallest to largest value in the units of datasheets."""
     factor, unit = units.datasheet(symbol, channel)
     return f"{_spread([v / factor for v in values])} {unit}"

@@ -5,15 +5,16 @@ changes of the noise level, lines.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from imu_lib.gap import effects, electronics, held_out, noise_level
 from imu_lib.gap.data import Data
-from imu_lib.gap.effects.base import ChannelView
+from imu_lib.gap.effects.base import ChannelView, Finding
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
-from imu_lib.processes import CommonMode, Constant, Sum
+from imu_lib.processes import CommonMode, Constant, NoiseLevelChange, Process, Sum
 
 #: Step of a grid in standard deviations of the fast noise from which on rounded samples are not
 #: normal.
@@ -75,16 +76,16 @@ class Undone:
 
     channel: Channel
     given: Sum | None
-    terms: list
+    terms: list[Any]
     held_terms: int
     clean: electronics.Clean
     view: ChannelView
     data: Data
     quiet: np.ndarray
-    findings: list
-    of_noise: list = field(default_factory=list)
-    doubts: list = field(default_factory=list)
-    paths: tuple = ()
+    findings: list[Finding]
+    of_noise: list[Finding] = field(default_factory=list)
+    doubts: list[str | None] = field(default_factory=list)
+    paths: tuple[Process, ...] = ()
 
     def with_paths(self, model: Sum) -> Sum:
         """A model with the terms whose paths were taken out."""
@@ -96,14 +97,16 @@ class Undone:
         step, variance = self.clean.step, self.clean.smooth.conditional_variance
         return step is not None and step > COARSE_STEPS * np.sqrt(variance)
 
-    def bared(self, state) -> tuple:
+    def bared(self, state: State) -> tuple[np.ndarray, np.ndarray, Smooth]:
         """What a state leaves of the samples, its innovations, and the spectrum that whitens it."""
         rest = self.data.x - state.deterministic
         smooth = Smooth(rest, self.channel.fs)
         return rest, whitened(rest, smooth) / self.clean.swing, smooth
 
 
-def undone(channel: Channel, given: Sum | None, rng, *, integral: bool) -> Undone:
+def undone(
+    channel: Channel, given: Sum | None, rng: np.random.Generator, *, integral: bool
+) -> Undone:
     """The channel without its electronics, the changes of its noise level and its lines."""
     clean = electronics.undo(
         channel.raw, channel.fs, given, rng, integral=integral, known=channel.of_record.known
@@ -138,28 +141,28 @@ def undone(channel: Channel, given: Sum | None, rng, *, integral: bool) -> Undon
         of_noise,
         doubts,
     )
-    return left if given is None else _without_paths(left)
+    return left if given is None else _without_paths(left, given)
 
 
-def _without_paths(left: Undone) -> Undone:
+def _without_paths(left: Undone, given: Sum) -> Undone:
     """Without what terms of the given model are seen to do in the samples."""
-    for term in left.given.terms:
-        state = State(left.data, left.terms, low_pass=left.given.low_pass)
+    for term in given.terms:
+        state = State(left.data, left.terms, low_pass=given.low_pass)
         paths = (e.path(state, term) for e in effects.COMPETITORS)
         path = next((p for p in paths if p is not None), None)
         if path is not None:
-            fewer = Sum(tuple(t for t in left.given.terms if t is not term), left.given.stages)
+            given = Sum(tuple(t for t in given.terms if t is not term), given.stages)
             left = replace(
                 left,
                 data=left.data.minus(path),
-                given=fewer,
+                given=given,
                 terms=[t for t in left.terms if t is not term],
                 paths=(*left.paths, term),
             )
     return left
 
 
-def _noises(channel, given, clean) -> list:
+def _noises(channel: Channel, given: Sum | None, clean: electronics.Clean) -> list[Any]:
     """The noises that the competition starts from."""
     terms = [] if given is None else [t for t in given.terms if not t.deterministic]
     common = channel.of_record
@@ -171,7 +174,9 @@ def _noises(channel, given, clean) -> list:
     return terms
 
 
-def _view(channel, given, clean, terms) -> ChannelView:
+def _view(
+    channel: Channel, given: Sum | None, clean: electronics.Clean, terms: list[Any]
+) -> ChannelView:
     """What the effects on the noise of the channel see."""
     fs, low_pass = channel.fs, None if given is None else given.low_pass
     x, y = clean.x - _drift(channel, given), whitened(clean.x - clean.coarse, clean.smooth)
@@ -187,12 +192,13 @@ def _view(channel, given, clean, terms) -> ChannelView:
         level,
         channel.temperature,
     )
-    held = None if given is None else given.find("noise_level_change")
+    stages = () if given is None else given.stages
+    held = next((s for s in stages if isinstance(s, NoiseLevelChange)), None)
     return view if held is None else noise_level.scaled(view, held.factor(len(x), fs))
 
 
-def _drift(channel, given):
+def _drift(channel: Channel, given: Sum | None) -> np.ndarray:
     """The drifts of the given model, but for its mean and lines of unknown phase."""
-    drifts = () if given is None else given.drifts.terms
+    drifts: tuple[Any, ...] = () if given is None else given.drifts.terms
     moving = Sum(tuple(t for t in drifts if not isinstance(t, Constant) and t.known))
     return moving.mean(np.arange(len(channel.raw)) / channel.fs, channel.temperature)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Finding:
     """
 
     effect: Effect
-    process: object
+    process: Any
     gain: float | None
     where: str
     intervals: dict = field(default_factory=dict)
@@ -125,8 +125,8 @@ class ChannelView:
     y: np.ndarray
     raw: np.ndarray
     fs: float
-    smooth: object
-    given: object
+    smooth: Any
+    given: Any
     model_level: float
     temperature: np.ndarray | None = None
 
@@ -134,7 +134,7 @@ class ChannelView:
 class SignalEffect(Effect):
     """What is in a channel as a signal: fitted and taken out before the noises compete."""
 
-    def find(self, data) -> tuple[list, object]:
+    def find(self, data: Any) -> tuple[list[Any], Any]:
         """All there are, strongest first: [(finding, signal of shape (n,))], and the data without
         them.
         """
