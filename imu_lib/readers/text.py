@@ -246,7 +246,8 @@ def _explain(path, lines, layout, wanted):
     """
     width = len(layout.kinds)
     for number, row in _rows(lines, layout):
-        if sum(names.meaning(f).quantity is not None for f in row) > 1 and layout.header:
+        worded = [f for f in row if f[:1].isalpha()] if layout.header else []
+        if len(worded) > 1 and sum(names.meaning(f).quantity is not None for f in worded) > 1:
             raise InputError(
                 f"{path}, line {number}: another header stands there, with other columns than the first ({', '.join(row)[:60]}); "
                 "cut the file in two before that line."
