@@ -29,8 +29,13 @@ def pattern(said):
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda c: f"{c[1][:30]}: {c[0][:40]}")
-def test_the_call_that_is_asked_for_works(folder, capsys, case):
+def test_the_call_that_is_asked_for_works(folder, capsys, monkeypatch, case):
     said, wrong, right = case
+    if "--scheduler" in wrong:  # one that refuses at once is tried until the time is over
+        import distributed
+
+        client = functools.partial(distributed.Client)
+        monkeypatch.setattr(distributed, "Client", lambda at, timeout: client(at, timeout="1s"))
     assert cli.main(shlex.split(wrong.format(folder))) == 2
     told = capsys.readouterr().err
     assert re.search(pattern(said), told, re.DOTALL), told
