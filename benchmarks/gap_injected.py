@@ -4,6 +4,9 @@
     python benchmarks/gap_injected.py --effects ramp,spikes --cases 1 --print
     python benchmarks/gap_injected.py --drawn --together 3 --cases 2 --name gap_strange
 
+A wrong rate (`rate_error`) is told by known lines alone: such a stretch has lines put in, is run, and
+is given its own grown model with a rate that is wrong.
+
 A stretch of a real record is run as it is and with one effect put into it (`gap_put`, which shares
 nothing with the package), rounded to the digits of its file again. The effect counts as named where
 it is a step of that channel (or of the record with that channel) that was not there before; `new`
@@ -100,8 +103,13 @@ def named(found):
     return out
 
 
-def _looked_at(channels, fs, temperature=None, time=None):
-    found = close(Record(channels, fs, time=time, temperature=temperature), simulations=0, jobs=1)
+def _looked_at(channels, fs, temperature=None, time=None, model=None):
+    record = Record(channels, fs, time=time, temperature=temperature)
+    found = close(record, model, simulations=0, jobs=1)
+    return _summed(found), found.model
+
+
+def _summed(found):
     left = {c: r.result.unexplained for c, r in found.channels.items() if r.result.unexplained}
     absorbed = {c: list(r.result.absorbed) for c, r in found.channels.items()}
     return {
@@ -141,10 +149,16 @@ def run(case, data, before):
     changed, clock, truths = _put_all(effects, channels, fs, temperature, rng)
     if any(e == "common_mode" and len(on) < 2 for e, on, _, _ in truths):
         return [{**case, "record": file, "skipped": "one channel of a kind"}]
-    key = f"{case['stretch']} {' '.join(sorted(effects & {'tilt', 'temperature'}))}"
+    model = None
+    if "rate_error" in effects:  # by its own model: what it is to be told from stands in that
+        key, ratio = f"{case['stretch']} clock {case['seed']}", truths[0][3]["ratio"]
+        before[key], model = _looked_at(changed, fs)
+        fs = fs / ratio
+    else:
+        key = f"{case['stretch']} {' '.join(sorted(effects & {'tilt', 'temperature'}))}"
     if key not in before:
-        before[key] = _looked_at(channels, fs, temperature)
-    old, new = before[key], _looked_at(changed, fs, temperature, clock)
+        before[key], _ = _looked_at(channels, fs, temperature)
+    old, (new, _) = before[key], _looked_at(changed, fs, temperature, clock, model)
     about = {"record": file, "start": start, "key": key, "before": old, "after": new}
     touched = {c for _, on, _, _ in truths for c in on}
     more = {"touched": sorted(touched), "untouched": len(set(channels) - touched)}
@@ -247,7 +261,7 @@ def _plan(effects, cases, first, together):
         for k, effect in enumerate(effects):
             seed = first + i * len(effects) + k
             rng = np.random.default_rng([seed, 17])
-            others = [e for e in effects if e not in (effect, "tilt", "time_gaps")]
+            others = [e for e in effects if e not in (effect, "tilt", "time_gaps", "rate_error")]
             drawn = rng.choice(others, min(together - 1, len(others)), replace=False)
             case = {"effect": effect, "seed": seed, "stretch": first + (seed - first) // SHARED}
             out.append({**case, "with": sorted(map(str, drawn))} if together > 1 else case)

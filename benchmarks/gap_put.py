@@ -25,7 +25,7 @@ SAMPLES = (
     "heavy_tails",
     "low_pass",
 )
-RECORD = ("common_mode", "dropout", "disturbance", "tilt", "time_gaps")
+RECORD = ("common_mode", "dropout", "disturbance", "tilt", "time_gaps", "rate_error")
 EFFECTS = (*SHAPES, *NOISES, *SAMPLES, *RECORD)
 #: Names under which each may come back, where a record of some minutes cannot tell them apart.
 NAMES = {
@@ -273,6 +273,8 @@ def _on_record(effect, channels, fs, rng):
         for c in on:
             out[c] = own[c].plus(size * w, rng)
         return out, on, 1e3, {}
+    if effect == "rate_error":
+        return (*_clocked(out, own, fs, rng), {"ratio": float(np.exp(rng.uniform(-0.03, 0.03)))})
     if effect == "disturbance":
         told = []
         for _ in range(int(rng.integers(1, 4))):
@@ -287,6 +289,17 @@ def _on_record(effect, channels, fs, rng):
             told.append(at / fs)
         return {c: own[c].digits(x) for c, x in out.items()}, names, 1e3, {"times": told}
     return (*_tilted(out, own, fs, rng), {})
+
+
+def _clocked(out, own, fs, rng):
+    """Steady lines of two or three causes, whose frequencies a model knows: a wrong clock moves all."""
+    t, gain = np.arange(len(next(iter(out.values())))) / fs, 0.0
+    for f in rng.uniform(0.06, 0.44, int(rng.integers(2, 4))) * fs:
+        c = str(rng.choice(list(out)))
+        line, want = np.sin(2 * np.pi * f * t + rng.uniform(0, 6)), 10 ** rng.uniform(2.0, 3.5)
+        line *= np.sqrt(want / own[c].of_shape(line))
+        out[c], gain = own[c].plus(line + out[c] - own[c].x, rng), gain + want
+    return out, list(out), gain
 
 
 def _tilted(out, own, fs, rng):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from imu_lib import gap
+from imu_lib.gap.clocked import at_rate
 from imu_lib.gap.pace import WHY, paced
 from imu_lib.model import Model
 from imu_lib.record import Record
@@ -58,3 +59,18 @@ def test_where_nothing_tells_it_is_said():
     (hidden,) = found.to_json()["record"]["invisible"]
     assert hidden["effect"] == "rate_error" and hidden["why"] == WHY
     assert found.steps == []
+
+
+@pytest.mark.parametrize("rate", [99.93, 100.0, 97.5])
+def test_a_model_goes_with_a_record_that_another_clock_sampled(rate):
+    steps = [
+        {"process": "white_noise", "N": 1e-4},
+        {"process": "low_pass", "order": 2, "cutoff": 20.0, "rate": 1000.0},
+    ]
+    noise = {"process": "autoregressive", "phi": [0.5], "sigma": 1e-4, "rate": 100.0}
+    given = Model.from_json({"gyro_x": steps, "gyro_y": [noise], "rate": 100.0})
+    here = at_rate(given, rate)
+    assert here["gyro_x"].low_pass.rate == 10 * rate and here["gyro_x"].low_pass.cutoff == 20.0
+    assert here["gyro_y"].terms[0].rate == rate
+    # half the rate is not the same rate by another clock
+    assert at_rate(given, 41.3)["gyro_y"].terms[0].rate == 100.0

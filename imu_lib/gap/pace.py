@@ -23,6 +23,9 @@ MOST, MAINS_OFF = 0.05, 2e-3
 MULTIPLES, LEAST = 6, 3
 #: Power over the surroundings, and that of the known amplitude, from which on a line is there.
 STANDS, SHARE = 25.0, 0.3
+#: Ordinates about the common ratio in which a line is looked for, and share of the lines foreseen
+#: that have to be there.
+NEAR, LINES = 2, 0.5
 #: Confidence in a rate on which several lines agree.
 SURE = 0.95
 WHY = "no line of known frequency (of the given model, or the mains with its multiples) is in the record"
@@ -62,12 +65,38 @@ def paced(record: Record, model) -> Pace:
 
 def _of_model(record, model) -> list[tuple[float, float, int]]:
     """(true rate over the stated one, its resolution, number of the cause) of each line that is
-    there.
+    there, at the one ratio at which most of them are; empty where most are at none.
     """
     known = _known(record, model)
+    if not known:
+        return []
     spectra = {c: _spectrum(record.channels[c], record) for c in {c for c, _, _, _ in known}}
-    found = [(_ratio(*spectra[c], f, a, record), cause) for c, f, a, cause in known]
-    return [(*r, cause) for r, cause in found if r is not None]
+    common = _common(known, spectra, record)
+    found, foreseen = [], 0
+    for c, f, a, cause in known:
+        r = _ratio(*spectra[c], f, a, record, near=common)
+        foreseen += r is not None or _foreseen(*spectra[c], f / common, a, record)
+        found += [] if r is None else [(*r, cause)]
+    return found if len(found) > LINES * foreseen else []
+
+
+def _common(known, spectra, record) -> float:
+    """The ratio at which the known lines together stand out the most."""
+    top = max(f for _, f, _, _ in known)
+    step = record.rate / record.n
+    trials = 1.0 + np.arange(-MOST, MOST, 0.5 * step / top)
+    total = np.zeros(len(trials))
+    for c, f, _, _ in known:
+        over = spectra[c][0]
+        at = np.clip(np.rint(f / trials / step).astype(int), 0, len(over) - 1)
+        total += np.log(np.maximum(over[at], 1.0))
+    return float(trials[int(np.argmax(total))])
+
+
+def _foreseen(over, amplitude, f: float, size: float, record) -> bool:
+    """Whether a line of that size at `f` Hz would stand out."""
+    at = min(int(round(f * record.n / record.rate)), len(over) - 1)
+    return bool((size / amplitude[at]) ** 2 * over[at] > 2 * STANDS)
 
 
 def _at(record: Record, ratio: float) -> Record:
@@ -103,10 +132,14 @@ def _spectrum(x, record):
     return power / level_of(power), 2.0 * np.sqrt(power) / len(x)
 
 
-def _ratio(over, amplitude, f: float, size: float, record) -> tuple[float, float] | None:
-    """(true rate over the stated one, its resolution) from one line, or None."""
+def _ratio(over, amplitude, f: float, size: float, record, near=None):
+    """(true rate over the stated one, its resolution) from one line, or None; `near` a ratio, or
+    any.
+    """
     step = record.rate / (2 * (len(over) - 1))
     low, high = (int(f / step / (1 + s * MOST)) for s in (1, -1))
+    if near is not None:
+        low, high = int(f / step / near) - NEAR, int(f / step / near) + NEAR + 2
     high = min(high, len(over) - 3)
     if high - low < 3:
         return None

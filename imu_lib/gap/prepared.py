@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from imu_lib.gap import ensemble, faulty, record_level, shaken
+from imu_lib.gap.clocked import at_rate
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.pace import Pace, paced
 from imu_lib.gap.shared_noise import shared_noise
@@ -144,7 +145,7 @@ def prepared(record: Record, model: Model | None, channels: Sequence[str] | None
     """
     names = _asked(record, channels)
     pace = paced(record, model)
-    record = pace.record
+    record, model = pace.record, at_rate(model, pace.record.rate)
     ready = faulty.ready(replace(record, channels={c: record.channels[c] for c in names}), model)
     even = ready.record.uniform()
     raw = shaken.on_levels({c: np.asarray(even.channels[c]) for c in ready.record.channel_names})
