@@ -77,9 +77,7 @@ def test_an_interval_goes_where_the_path_has_moved_the_likelihood():
     def evaluate(x):
         return SimpleNamespace(log_likelihood=-0.5 * ((np.log(x) - np.log(0.486)) / 0.004) ** 2)
 
-    whole = SimpleNamespace()
-    whole.brief = lambda: whole
-    state = SimpleNamespace(evaluate=evaluate, noise=None, problem=whole)
+    state = SimpleNamespace(evaluate=evaluate, noise=None, problem=SimpleNamespace(long=False))
     change = SimpleNamespace(
         start=(0.51,), enter=lambda noise, v: float(v[0]), describe=lambda v: {"ratio": float(v[0])}
     )

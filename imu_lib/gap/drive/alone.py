@@ -7,6 +7,7 @@ step until its innovations improve no more, and kept where it loses less than th
 """
 
 from dataclasses import replace
+from threading import Lock
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from .side_by_side import each
 
 STEPS = 3
 STILL = 1.0  # nats: a step that gains less is the last
+HOPED = 2.0  # times what the regression promises, at the most, do the steps left gain
+HOPELESS = 30.0  # nats beyond that by which a set may be worse: no confidence tells more apart
 SURE = 8.0  # times the price of what leaves: where the regression loses more, nothing is tried
 #: Nats, and share of an effect's worth, by which a rival may lack about the path held and still be
 #: the better one on its own: what is large is not quite linear.
@@ -23,8 +26,10 @@ EXCHANGES = 3
 TRIED = 4
 
 
-def converge(state, kept):
-    """Hold a set of effects and build the path anew until its innovations improve no more."""
+def converge(state, kept, enough=np.inf):
+    """Hold a set of effects and build the path anew until its innovations improve no more, or are so
+    much worse than `enough` nats that the steps left cannot make up for it.
+    """
     for number in range(STEPS):
         before, cost = replace(state), state.cost() if number else np.inf
         theta, other = values(state.reg, kept)
@@ -35,13 +40,40 @@ def converge(state, kept):
             state.take(before)
         if now > cost - STILL:
             break
+        more = promised(state, kept)
+        if more < STILL or now - HOPED * more > enough + HOPELESS:
+            break
 
 
-def _led(state, kept):
-    """A state of its own, on the path of a set."""
-    trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
-    converge(trial, kept)
-    return trial
+def promised(state, kept):
+    """Nats by which the innovations would improve with the best values of a set, were they linear in
+    them.
+    """
+    index = sorted({i for e in (*kept, *state.kept) for i in select.GROUPS[e]})
+    mine = [i for e in kept for i in select.GROUPS[e]]
+    best = np.zeros(len(columns.ALL))
+    best[mine] = state.reg.solve(mine)[0]
+    delta = (best - state.theta - state.other)[index]
+    return 0.5 * float(delta @ state.reg.information[np.ix_(index, index)] @ delta)
+
+
+def _tried(state, sets):
+    """Misfits of sets, each on a path of its own, and the state of the best: None where it is no
+    better than what is held. The other paths are not kept: each is large.
+    """
+    temper = state.reg.temper  # one for all, or a worse path would count for less
+    top, lock, best = _misfit(state, temper), Lock(), []
+
+    def led(kept):
+        trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
+        converge(trial, kept, enough=state.cost())
+        value = _misfit(trial, temper)
+        with lock:
+            if value < min([top, *(v for v, _ in best)]):
+                best[:] = [(value, trial)]
+        return value
+
+    return np.array(each(led, sets)), best[0][1] if best else None
 
 
 def values(reg, kept):
@@ -61,13 +93,7 @@ def values(reg, kept):
 def simplify(state, say):
     """Take effects out as long as a smaller set does as well on its own path."""
     while len(state.kept) > 1:
-        found = None
-        temper = state.reg.temper  # one for all, or a worse path would count for less
-        top = _misfit(state, temper)
-        for trial in each(lambda kept: _led(state, kept), _smaller(state)):
-            value = _misfit(trial, temper)
-            if value < top:
-                found, top = trial, value
+        _, found = _tried(state, _smaller(state))
         if found is None:
             return
         say("as good on a path of their own: " + ", ".join(found.kept))
@@ -80,21 +106,15 @@ def exchange(state, say):
     rival): nats}.
     """
     for number in range(EXCHANGES):
-        temper, best = state.reg.temper, None
-        top, apart = _misfit(state, temper), {}
         pairs = _rivals(state)
         sets = [tuple(r if e == of else e for e in state.kept) for of, r in pairs]
-        trials = each(lambda kept: _led(state, kept), sets)
-        for (effect, rival), trial in zip(pairs, trials):
-            lacks = _misfit(trial, temper) - top
-            apart[effect, rival] = lacks
-            if lacks < 0.0 and (best is None or lacks < best[0]):
-                best = lacks, trial, effect, rival
-        state.apart = apart
-        if best is None:
+        found, trial = _tried(state, sets)
+        lacks = found - _misfit(state, state.reg.temper)
+        state.apart = {pair: float(v) for pair, v in zip(pairs, lacks)}
+        if trial is None:
             return number > 0
-        lacks, trial, effect, rival = best
-        say(f"{rival} instead of {effect}: {-lacks:.1f} nats better on a path of its own")
+        effect, rival = pairs[int(np.argmin(lacks))]
+        say(f"{rival} instead of {effect}: {-lacks.min():.1f} nats better on a path of its own")
         state.take(trial)
     state.apart = {}
     return True

@@ -45,6 +45,8 @@ IMU = (
 )
 #: s, of the low passes whose sum stands for any
 SMOOTHED = (0.15, 0.4, 0.8, 1.6)
+#: Shares of the drive after which fixes may be displaced.
+DISPLACED = {"a third": 1 / 3, "half": 1 / 2, "two thirds": 2 / 3}
 FIX = (
     Column("gnss_time_offset", "offset", 0.5),
     Column("gnss_time_offset", "velocity_offset", 0.5),
@@ -52,7 +54,7 @@ FIX = (
     *[Column("other: receiver's velocity is smoothed", f"{tau} s", 1.0) for tau in SMOOTHED],
     *[
         Column(f"other: fixes are displaced after {part}", f"{a}", 5.0)
-        for part in ("a third", "half", "two thirds")
+        for part in DISPLACED
         for a in ("north", "east", "down")
     ],
     *[
@@ -61,6 +63,8 @@ FIX = (
     ],
 )
 ALL = IMU + FIX
+#: Numbers of those that enter in the fixes, the clock of the readings among them.
+IN_FIXES = (IMU.index(Column("imu_clock", "scale", 5e-4)), *range(len(IMU), len(ALL)))
 INDEX = {(c.effect, c.component): i for i, c in enumerate(ALL)}
 
 

@@ -12,6 +12,10 @@ import numpy as np
 from numba import njit
 
 from imu_lib.navigation import attitude, covariance, earth, strapdown
+from imu_lib.navigation.structures import Imu
+
+from . import columns
+from .structures import Pieces
 
 
 @njit(cache=True)
@@ -58,65 +62,115 @@ def _columns(w, f, warmth, speed, late, u):
 
 
 @njit(cache=True, nogil=True)
-def intervals(epochs, pos, vel, quat, dt, dtheta, dvel, bias, extra, warmth, late, sub, columns):
-    """Accumulate over the intervals between nodes.
+def intervals(epochs, nominal, imu, bias, drifts, sub, out):
+    """Accumulate over the intervals between nodes, into out: `Pieces`.
 
-    epochs (k,) into the stretch; pos, vel, quat at the nodes; dt, dtheta, dvel, extra the stretch;
-    bias (6,) taken off the readings; warmth, late (n,) regressors; sub: samples per linear step.
-    returns : phi (k-1, 9, 9), gain (k-1, 9, 6), noise (k-1, 6, 9, 9), force (k-1, columns, 9),
-    jump (k-1, 9): nominal run on, minus nominal at the next node
+    epochs (k,) into the stretch; nominal at the nodes; imu of the stretch; bias (6,) taken off the
+    readings; drifts (n, 2) regressors; sub: samples per linear step
     """
-    k = epochs.size - 1
-    phi, gain = np.zeros((k, 9, 9)), np.zeros((k, 9, 6))
-    noise, force, jump = np.zeros((k, 6, 9, 9)), np.zeros((k, columns, 9)), np.zeros((k, 9))
-    c, before, f, a = np.empty((3, 3)), np.empty((3, 3)), np.empty((9, 9)), np.empty((9, 9))
+    columns = out.force.shape[1]
+    c, f, a = np.empty((3, 3)), np.empty((9, 9)), np.empty((9, 9))
     d, f2, u = np.empty((9, 6)), np.empty((9, 9)), np.empty((columns, 6))
-    fn, w, fb, mean_c = np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
-    turn, push, turn0, push0 = np.empty(3), np.empty(3), np.zeros(3), np.zeros(3)
-    for i in range(k):
-        p, v, q = pos[i].copy(), vel[i].copy(), quat[i].copy()
+    means = np.empty((3, 3)), np.empty((3, 3)), np.zeros((2, 3))
+    x, g, h = np.empty((9, 9)), np.empty((9, 6)), np.empty((columns, 9))
+    n = np.empty((6, 9, 9))
+    for i in range(epochs.size - 1):
+        p, v, q = (
+            nominal.position[i].copy(),
+            nominal.velocity[i].copy(),
+            nominal.quaternion[i].copy(),
+        )
         attitude.fill_matrix(q, c)
-        x = np.eye(9)
-        g, n, h = np.zeros((9, 6)), np.zeros((6, 9, 9)), np.zeros((columns, 9))
         e = epochs[i]
         while e < epochs[i + 1]:
             stop = min(e + sub, epochs[i + 1])
-            step, scale = 0.0, 0.0
-            w[:], fb[:], fn[:], mean_c[:, :] = 0.0, 0.0, 0.0, 0.0
-            for j in range(e, stop):
-                for r in range(3):
-                    turn[r] = dtheta[j, r] - bias[r] * dt[j]
-                    push[r] = dvel[j, r] - bias[3 + r] * dt[j]
-                before[:, :] = c
-                strapdown.step(p, v, q, c, turn, push, turn0, push0, dt[j])
-                turn0[:], push0[:] = turn, push
-                mid = 0.5 * (before + c)
-                for r in range(3):
-                    w[r] += turn[r]
-                    fb[r] += push[r]
-                    fn[r] += mid[r, 0] * push[0] + mid[r, 1] * push[1] + mid[r, 2] * push[2]
-                mean_c += mid
-                step += dt[j]
-                scale += extra[j] * dt[j]
-            mean_c /= stop - e
-            w /= step
-            fb /= step
-            fn /= step
-            covariance.fill_dynamics(p, v, fn, f)
+            step, scale = _run_on(p, v, q, c, imu, bias, (e, stop), means)
+            felt, mean_c, _ = means
+            covariance.fill_dynamics(p, v, felt[2], f)
             covariance.fill_transition(f, mean_c, step, a, d, f2)
             speed = np.sqrt(v[0] ** 2 + v[1] ** 2)
-            _columns(w, fb, warmth[e], speed, late[e], u)
-            x = a @ x
-            g = a @ g + d
-            h = h @ a.T + u @ d.T
+            _columns(felt[0], felt[1], drifts[e, 0], speed, drifts[e, 1], u)
+            if e == epochs[i]:
+                x[:, :], g[:, :], n[:, :, :] = a, d, 0.0
+                h[:, :] = u @ d.T
+            else:
+                x[:, :] = a @ x
+                g[:, :] = a @ g + d
+                h[:, :] = h @ a.T + u @ d.T
+                for ch in range(6):
+                    n[ch] = a @ n[ch] @ a.T
             for r in range(3):
                 h[27, r] += v[r] * step
             for ch in range(6):
-                n[ch] = a @ n[ch] @ a.T
                 for r in range(9):
+                    weight = d[r, ch] * scale / (step * step)
                     for s in range(9):
-                        n[ch, r, s] += d[r, ch] * d[s, ch] * scale / (step * step)
+                        n[ch, r, s] += weight * d[s, ch]
             e = stop
-        phi[i], gain[i], noise[i], force[i] = x, g, n, h
-        _error_to(q, p, v, pos[i + 1], vel[i + 1], quat[i + 1], jump[i])
-    return phi, gain, noise, force, jump
+        out.phi[i], out.gain[i], out.noise[i], out.force[i] = x, g, n, h
+        _error_to(
+            q, p, v, nominal.position[i + 1], nominal.velocity[i + 1], nominal.quaternion[i + 1],
+            out.jump[i],
+        )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _run_on(p, v, q, c, imu, bias, part, means):
+    """The strapdown over the samples of a linear step, in place: (its length s, the same weighted with
+    the extra noise); means: turn rate, specific force in the body and in north, east, down (3, 3),
+    attitude (3, 3), and the increments of the sample before (2, 3).
+    """
+    felt, mean_c, last = means
+    felt[:, :], mean_c[:, :] = 0.0, 0.0
+    turn, push, mid = np.empty(3), np.empty(3), np.empty((3, 3))
+    step, scale = 0.0, 0.0
+    for j in range(part[0], part[1]):
+        dt = imu.dt[j]
+        for r in range(3):
+            turn[r] = imu.dtheta[j, r] - bias[r] * dt
+            push[r] = imu.dvel[j, r] - bias[3 + r] * dt
+        mid[:, :] = c
+        strapdown.step(p, v, q, c, turn, push, last[0], last[1], dt)
+        last[0], last[1] = turn, push
+        for r in range(3):
+            felt[0, r] += turn[r]
+            felt[1, r] += push[r]
+            for s in range(3):
+                mid[r, s] = 0.5 * (mid[r, s] + c[r, s])
+                felt[2, r] += mid[r, s] * push[s]
+                mean_c[r, s] += mid[r, s]
+        step += dt
+        scale += imu.extra_noise[j] * dt
+    mean_c /= part[1] - part[0]
+    felt /= step
+    return step, scale
+
+
+def joined(legs, bias, sub):
+    """The legs of a path one after the other, as the arrays of a problem; an interval that leads from
+    one into the next is empty.
+    """
+    sizes = [leg.node.size for leg in legs]
+    first = np.concatenate([[0], np.cumsum(sizes)])
+    out = Pieces.zeros(first[-1] - 1, len(columns.IMU))
+    gap, counts = np.ones(first[-1] - 1), np.ones(first[-1] - 1, np.int64)
+    begins = np.zeros(first[-1], bool)
+    begins[first[:-1]] = True
+    node_fix, node_end, speed = [], [], []
+    bias = np.asarray(bias, float)
+    for leg, begin, size in zip(legs, first, sizes):
+        part, stretch = slice(begin, begin + size - 1), leg.stretch
+        nominal = leg.at(leg.node)
+        imu = Imu(stretch.dt, stretch.dtheta, stretch.dvel, stretch.extra_noise)
+        piece = Pieces(*(store[part] for store in out))
+        intervals(leg.node, nominal, imu, bias, leg.drifts, sub, piece)
+        gap[part], counts[part] = np.diff(stretch.time[leg.node]), np.diff(leg.node)
+        for side, rows in (("left", node_fix), ("right", node_end)):
+            rows.append(leg.fixes.start + np.searchsorted(leg.epochs, leg.node, side))
+        speed.append(np.linalg.norm(nominal.velocity, axis=1))
+    unique, kind = np.unique(counts, return_inverse=True)
+    return out._asdict() | {
+        "gap": gap, "counts": unique, "kind": kind, "begins": begins, "bias": bias,
+        "node_fix": np.concatenate(node_fix), "node_end": np.concatenate(node_end),
+        "node_speed": np.concatenate(speed),
+    }  # fmt: skip

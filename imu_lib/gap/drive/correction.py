@@ -65,7 +65,9 @@ def take(room, random, fixes, fix, out):
         residual = fixes.y[fix, i] - _along(x, arm, i, tail)
         out.e[fix, i], out.s[fix, i] = residual / root, var
         if count:
-            _parameters(z, ph, fixes.columns[fix, i], arm, (i, tail), var, out.jac[fix, i])
+            _parameters(
+                z, ph, (fixes.columns[fix, i], fixes.of), arm, (i, tail), var, out.jac[fix, i]
+            )
         for a in range(n):
             v = ph[a] / var
             x[a] += v * residual
@@ -79,7 +81,10 @@ def _parameters(z, ph, column, arm, place, var, row):
     i, tail = place
     n, count = z.shape
     for j in range(count):
-        row[j] = column[j] + z[i, j]
+        row[j] = z[i, j]
+    values, of = column
+    for k in range(of.size):
+        row[of[k]] += values[k]
     if i < 3:
         for r in range(3):
             if arm[r] != 0.0:

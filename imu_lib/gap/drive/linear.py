@@ -16,22 +16,21 @@ __all__ = ["Fixes", "Out", "Random", "Track", "innovations"]
 
 
 @njit(cache=True, nogil=True)
-def innovations(track, random, fixes, sens):
-    """The filter over the nodes: `Out`. sens: whether to carry the parameters."""
-    count, m = fixes.columns.shape[2], random.weight.size
+def innovations(track, random, fixes, count):
+    """The filter over the nodes: `Out`. count: parameters to carry, 0 or all."""
+    m = random.weight.size
     n = 9 + m + (3 if random.sigma > 0.0 else 0)
     shape = fixes.y.shape
     out = Out(
         np.full(shape, np.nan),
         np.full(shape, np.nan),
-        np.zeros((shape[0], 6, count)) if sens else np.zeros((1, 6, 0)),
+        np.zeros((shape[0] if count else 1, 6, count)),
         np.zeros(shape[0], np.bool_),
         np.full(shape[0], np.inf),
     )
-    width = count if sens else 0
     room = Room(
-        np.zeros(n), np.zeros((n, n)), np.zeros((n, width)), np.zeros((9, n)), np.zeros((6, n)),
-        np.zeros((6, width)), np.zeros((m, n)), np.zeros((n, width)), np.zeros(n),
+        np.zeros(n), np.zeros((n, n)), np.zeros((n, count)), np.zeros((9, n)), np.zeros((6, n)),
+        np.zeros((6, count)), np.zeros((m, n)), np.zeros((n, count)), np.zeros(n),
     )  # fmt: skip
     room.p[9 : 9 + m, 9 : 9 + m] = random.sensors
     for i in range(9 + m, n):

@@ -2,6 +2,8 @@
 parameter does to it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
@@ -50,96 +52,137 @@ def span_of(noise, fixes, lever):
     return min((density / least) ** 2, SMOOTH)
 
 
-def _gained(log, stretch, force):
-    """Velocity gained since the start of the stretch, NED, without the jumps that fixes make:
-    (time, (k, 3) m/s) into the log.
+def _gained(leg, force):
+    """Velocity gained since the start of a leg, NED, without the jumps that fixes make: (time (k,), (k,
+    3) m/s).
     """
-    part = slice(log.first, min(log.first + len(log.angles), len(force)))
-    c = attitude.matrix(log.angles[: part.stop - part.start])
+    stretch = leg.stretch
+    part = slice(leg.first, min(leg.first + len(leg.angles), len(force)))
+    c = attitude.matrix(leg.angles[: part.stop - part.start])
     f = np.einsum("nij,nj->ni", c, force[part])
-    f[:, 2] += earth.gravity(*log.position[0, ::2])
+    f[:, 2] += earth.gravity(*leg.position[0, ::2])
     dt = stretch.dt[part]
-    log.gained = stretch.time[part] + dt, np.cumsum(f * dt[:, None], axis=0)
+    return stretch.time[part] + dt, np.cumsum(f * dt[:, None], axis=0)
 
 
-def fill(mine, fixes, stretch, epochs, at, log, lever, y, arm_rows, use, d, extra, warmth, drive):  # fmt: skip
-    """Predicted minus measured, its rows and columns, at the fixes of a stretch."""
-    w, turning, f, f_all = at
-    pos, vel, quat = log.at(epochs)
-    # columns are what was known before the fix: its own noise in them would look like an effect
-    before = np.maximum(epochs - 1, log.first)
-    _, vel_before, quat_before = log.at(before)
-    step = np.where(epochs > before, stretch.dt[before], 0.0)[:, None]
-    turned = Rotation.from_rotvec(w * step).as_matrix()
-    c, now = (
-        attitude.matrix(attitude.euler(quat_before)) @ turned,
-        attitude.matrix(attitude.euler(quat)),
-    )
-    gravity = np.array([earth.gravity(p[0], p[2]) for p in pos])
-    acc = np.einsum("nij,nj->ni", c, f)
-    acc[:, 2] += gravity
-    delay = stretch.time[epochs] - fixes.time[mine]
-    vel_before = vel_before + acc * step
-    arm = np.einsum("nij,j->ni", now, lever)
-    spin = np.einsum("nij,nj->ni", now, np.cross(w, lever))
-    value = fixes.value[mine]
-    back = (vel * delay[:, None]) - 0.5 * acc * delay[:, None] ** 2
-    y[mine, :3] = earth.meters(pos, value[:, :3]) + arm - back
-    _gained(log, stretch, f_all)
-    y[mine, 3:] = vel + spin - value[:, 3:] - acc * delay[:, None]
-    bits = fixes.use[mine]
-    use[mine, :3] = ((bits & 1) > 0)[:, None]
-    use[mine, 3:] = ((bits & 2) > 0)[:, None]
-    zero = np.zeros(mine.size)
-    # attitude rows of C arm, [arm x]
-    arm_rows[mine] = np.stack(
-        [
-            np.stack([zero, -arm[:, 2], arm[:, 1]], -1),
-            np.stack([arm[:, 2], zero, -arm[:, 0]], -1),
-            np.stack([-arm[:, 1], arm[:, 0], zero], -1),
-        ],
-        -2,
-    )
-    at_time = fixes.time[mine]
-    out = d[mine]
-    first = len(columns.IMU)
-    out[:, :3, first] = vel_before
-    about = np.cross(w, np.cross(w, lever)) + np.cross(turning, lever)
-    gained = acc + np.einsum("nij,nj->ni", c, about)  # of the antenna
-    out[:, 3:, first + 1] = gained
-    for i in range(3):
-        unit = np.zeros(3)
-        unit[i] = 1.0
-        out[:, :3, first + 2 + i] = -c[:, :, i]
-        out[:, 3:, first + 2 + i] = -np.einsum("nij,nj->ni", c, np.cross(w, unit))
-    out[:, :3, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * vel_before
-    out[:, 3:, columns.INDEX["imu_clock", "scale"]] = -at_time[:, None] * gained
-    smooth = columns.of("other: receiver's velocity is smoothed")
-    for k, tau in zip(smooth, columns.SMOOTHED):
-        # its delay is the velocity's time offset, which the filter knows
-        out[:, 3:, k] = _smoothing_lack(log, at_time, tau) - tau * acc
-    span = drive.time[-1] - drive.time[0]
-    for k, part in enumerate((1 / 3, 1 / 2, 2 / 3)):
-        after = at_time > drive.time[0] + part * span
-        for i in range(3):
-            out[:, i, smooth[-1] + 1 + 3 * k + i] = -after.astype(float)
-    for i in range(3):
-        out[:, 3 + i, smooth[-1] + 10 + i] = -1.0
-    d[mine] = out
-    speed = np.hypot(vel[:, 0], vel[:, 1])
-    course = np.arctan2(vel[:, 1], vel[:, 0])
-    extra["course"][mine], extra["speed"][mine], extra["turn"][mine] = course, speed, w[:, 2]
-    extra["ahead"][mine] = acc[:, 0] * np.cos(course) + acc[:, 1] * np.sin(course)
-    extra["aside"][mine] = -acc[:, 0] * np.sin(course) + acc[:, 1] * np.cos(course)
-    extra["warmth"][mine] = warmth[np.clip(epochs, 0, warmth.size - 1)]
-
-
-def _smoothing_lack(log, when, tau):
-    """Velocity minus its first-order low-pass, (k, 3): from the IMU alone, since a velocity that
-    holds the fixes' own noise would seem to explain it.
+@dataclass
+class Measured:
+    """Of each fix: y, use (f, 6) predicted minus measured and whether it is taken; arm_rows (f, 3, 3)
+    rows of the attitude error; d (f, 6, columns.IN_FIXES) what parameters do to y; along: course,
+    speed, turn rate, accelerations and temperature.
     """
-    time, total = log.gained
-    step = float(np.median(np.diff(time)))
-    keep = np.exp(-step / tau)
-    slow = lfilter([1.0 - keep], [1.0, -keep], total, axis=0, zi=keep * total[:1])[0]
-    return np.column_stack([np.interp(when, time, column) for column in (total - slow).T])
+
+    y: np.ndarray
+    use: np.ndarray
+    arm_rows: np.ndarray
+    d: np.ndarray
+    along: dict
+
+    @classmethod
+    def empty(cls, count):
+        names = ("course", "speed", "turn", "ahead", "aside", "warmth")
+        return cls(
+            np.zeros((count, 6)),
+            np.zeros((count, 6), bool),
+            np.zeros((count, 3, 3)),
+            np.zeros((count, 6, len(columns.IN_FIXES))),
+            {k: np.zeros(count) for k in names},
+        )
+
+    def fill(self, leg, fixes, at, lever, time):
+        """At the fixes of a leg; at: of `at_fixes`; time: the drive's, s."""
+        w, turning, f, f_all = at
+        stretch, epochs, rows = leg.stretch, leg.epochs, leg.fixes
+        now = leg.at(epochs)
+        c_now = attitude.matrix(attitude.euler(now.quaternion))
+        # columns are what was known before the fix: its own noise in them would look like an effect
+        before = np.maximum(epochs - 1, leg.first)
+        old = leg.at(before)
+        step = np.where(epochs > before, stretch.dt[before], 0.0)[:, None]
+        c = attitude.matrix(attitude.euler(old.quaternion))
+        c = c @ Rotation.from_rotvec(w * step).as_matrix()
+        acc = np.einsum("nij,nj->ni", c, f)
+        acc[:, 2] += [earth.gravity(p[0], p[2]) for p in now.position]
+        delay = (stretch.time[epochs] - fixes.time[rows])[:, None]
+        arm = np.einsum("nij,j->ni", c_now, lever)
+        spin = np.einsum("nij,nj->ni", c_now, np.cross(w, lever))
+        value = fixes.value[rows]
+        back = now.velocity * delay - 0.5 * acc * delay**2
+        self.y[rows, :3] = earth.meters(now.position, value[:, :3]) + arm - back
+        self.y[rows, 3:] = now.velocity + spin - value[:, 3:] - acc * delay
+        bits = fixes.use[rows]
+        self.use[rows, :3] = ((bits & 1) > 0)[:, None]
+        self.use[rows, 3:] = ((bits & 2) > 0)[:, None]
+        self.arm_rows[rows] = _across(arm)
+        about = np.cross(w, np.cross(w, lever)) + np.cross(turning, lever)
+        antenna = acc + np.einsum("nij,nj->ni", c, about)
+        slow = _smoothing(leg, f_all, fixes.time[rows]), acc
+        _columns(
+            self.d[rows], fixes.time[rows], c, w, (old.velocity + acc * step, antenna), slow, time
+        )
+        course = np.arctan2(now.velocity[:, 1], now.velocity[:, 0])
+        cos, sin = np.cos(course), np.sin(course)
+        found = {
+            "course": course,
+            "speed": np.hypot(now.velocity[:, 0], now.velocity[:, 1]),
+            "turn": w[:, 2],
+            "ahead": acc[:, 0] * cos + acc[:, 1] * sin,
+            "aside": acc[:, 1] * cos - acc[:, 0] * sin,
+            "warmth": leg.drifts[np.clip(epochs, 0, len(leg.drifts) - 1), 0],
+        }
+        for name, values in found.items():
+            self.along[name][rows] = values
+
+
+def _across(arm):
+    """[arm x] of (n, 3), (n, 3, 3)."""
+    out = np.zeros((len(arm), 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[:, i, k], out[:, i, j] = arm[:, j], -arm[:, k]
+    return out
+
+
+def _columns(out, when, c, w, moving, slow, time):
+    """What parameters do to fixes at times `when`, into out (n, 6, columns.IN_FIXES).
+
+    c, w : attitude and turn rate there; moving : velocity of the sensor and acceleration of the
+    antenna; slow : what smoothing takes from a velocity, and acceleration; time : the drive's, s
+    """
+    place = {of: k for k, of in enumerate(columns.IN_FIXES)}
+
+    def column(effect, number=0):
+        return place[columns.of(effect)[number]]
+
+    velocity, antenna = moving
+    out[:, :3, column("gnss_time_offset", 0)] = velocity
+    out[:, 3:, column("gnss_time_offset", 1)] = antenna
+    for i, unit in enumerate(np.eye(3)):
+        k = column("lever_arm", i)
+        out[:, :3, k] = -c[:, :, i]
+        out[:, 3:, k] = -np.einsum("nij,nj->ni", c, np.cross(w, unit))
+    k = column("imu_clock")
+    out[:, :3, k] = -when[:, None] * velocity
+    out[:, 3:, k] = -when[:, None] * antenna
+    lacks, acc = slow
+    for i, tau in enumerate(columns.SMOOTHED):
+        # its delay is the velocity's time offset, which the filter knows
+        out[:, 3:, column("other: receiver's velocity is smoothed", i)] = lacks[i] - tau * acc
+    for part, share in columns.DISPLACED.items():
+        after = when > time[0] + share * (time[-1] - time[0])
+        for i in range(3):
+            out[:, i, column(f"other: fixes are displaced after {part}", i)] = -1.0 * after
+    for i in range(3):
+        out[:, 3 + i, column("other: receiver's velocity is offset", i)] = -1.0
+
+
+def _smoothing(leg, force, when):
+    """Velocity minus its first-order low-passes, (columns.SMOOTHED, n, 3): from the IMU alone, since a
+    velocity that holds the fixes' own noise would seem to explain it.
+    """
+    time, total = _gained(leg, force)
+    step, out = float(np.median(np.diff(time))), []
+    for tau in columns.SMOOTHED:
+        keep = np.exp(-step / tau)
+        slow = lfilter([1.0 - keep], [1.0, -keep], total, axis=0, zi=keep * total[:1])[0]
+        out.append(np.column_stack([np.interp(when, time, x) for x in (total - slow).T]))
+    return np.array(out)

@@ -13,7 +13,7 @@ from imu_lib.processes import Constant, GaussMarkov, Sum, WhiteNoise
 from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
 
-from . import linear
+from . import columns, linear
 
 TURN_ON = (0.1 * DEG, 0.05)  # rad/s, m/s^2: biases left at switch-on where the model states none
 STRETCHES, STRETCH = 3, 1000  # how many of how many nodes, of a long drive
@@ -83,15 +83,23 @@ class Problem:
     path: dict
     arrays: dict
     notes: tuple
+    _brief: tuple | None = None
+    _held: tuple | None = None
+
+    @property
+    def long(self):
+        """Whether `brief` is a part of it."""
+        return self.arrays["begins"].size >= 2 * STRETCHES * STRETCH
 
     def brief(self):
         """The problem on three stretches of a long drive: what is random is fitted there at a share of
         the time. Fixes left out have no innovations.
         """
-        nodes = self.arrays["begins"].size
-        if nodes < 2 * STRETCHES * STRETCH:
+        if not self.long:
             return self
-        first = np.linspace(0, nodes - STRETCH, STRETCHES).astype(int)
+        if self._brief is not None and self._brief[0] is self.arrays:
+            return self._brief[1]
+        first = np.linspace(0, self.arrays["begins"].size - STRETCH, STRETCHES).astype(int)
         kept = np.concatenate([np.arange(k, k + STRETCH) for k in first])
         arrays = dict(self.arrays)
         for name in ("begins", "node_fix", "node_end", "node_speed", "node_time"):
@@ -100,7 +108,22 @@ class Problem:
             arrays[name] = arrays[name][kept[1:] - 1]
         arrays["begins"] = arrays["begins"].copy()
         arrays["begins"][::STRETCH] = True
-        return replace(self, arrays=arrays)
+        self._brief = self.arrays, replace(self, arrays=arrays, _brief=None, _held=None)
+        return self._brief[1]
+
+    def _without(self, held):
+        """(y, jump) without what the held values of the columns do."""
+        a = self.arrays
+        if held is None or not held.any():
+            return self.y, a["jump"]
+        key = held.tobytes()
+        known = self._held  # another thread may put its own in the place
+        if known is None or known[0] != key:
+            inside = np.flatnonzero(held[: a["force"].shape[1]])
+            y = self.y - a["d"] @ held[list(columns.IN_FIXES)]
+            forced = np.einsum("kpi,p->ki", a["force"][:, inside], held[inside])
+            self._held = known = key, y, a["jump"] - forced
+        return known[1:]
 
     def evaluate(self, noise: Noise, *, sens=False, use=None, held=None) -> Innovations:
         """Innovations under a hypothesis; use (f, 6) bool: fixes taken (default: all); held
@@ -125,19 +148,18 @@ class Problem:
             float(noise.scale),
         )
         track = linear.Track(*(a[name] for name in TRACK))
-        y = self.y
-        if held is not None and held.any():
-            y = y - a["d"] @ held
-            forced = np.einsum("kpi,p->ki", a["force"], held[: a["force"].shape[1]])
-            track = track._replace(jump=a["jump"] - forced)
+        y, jump = self._without(held)
+        track = track._replace(jump=jump)
         fixes = linear.Fixes(
             y,
             a["arm_rows"],
             self.stated * np.repeat([noise.position**2, noise.velocity**2], 3),
             self.use if use is None else use,
             a["d"],
+            np.array(columns.IN_FIXES),
         )
-        e, s, jac, wild, doubt = linear.innovations(track, random, fixes, sens)
+        count = len(columns.ALL) if sens else 0
+        e, s, jac, wild, doubt = linear.innovations(track, random, fixes, count)
         good = np.isfinite(e)
         value = -0.5 * float(np.sum(e[good] ** 2 + np.log(s[good])))
         if noise.fraction > 0.0:

@@ -12,7 +12,7 @@ import numpy as np
 
 from imu_lib.navigation import gross
 
-from . import alone, columns, random_effects, readings, select
+from . import alone, random_effects, readings, select
 from .problem import Problem
 from .side_by_side import each
 from .state import Change, State
@@ -56,7 +56,7 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
             moved = False
         say(f"round {number + 1}: {', '.join(kept) or 'no linear effect'}")
         # what gains most comes first: under a wrong noise, or past a shock, all looks like an effect
-        promise = _promise(state, kept) if moved else 0.0
+        promise = alone.promised(state, kept) if moved else 0.0
         if random and not moved:
             _refit(state)
         noise = _noise_step(state, given) if random and (not moved or _far(state)) else None
@@ -131,18 +131,6 @@ def _far(state):
     chance = np.sqrt(2.0 / max(state.use.sum(), 1))
     far = max(LEAST_FAR, 5.0 * chance)
     return abs(np.log(max(state.size(), 1e-6))) > far or state.reg.temper > 1.2
-
-
-def _promise(state, kept):
-    """Nats that a set of linear effects promises beyond what is held, the innovations taken as they
-    are: to be compared with what a change of the noise gains.
-    """
-    index = sorted({i for e in (*kept, *state.kept) for i in select.GROUPS[e]})
-    x, _, _ = state.reg.solve([i for e in kept for i in select.GROUPS[e]])
-    values = np.zeros(len(columns.ALL))
-    values[[i for e in kept for i in select.GROUPS[e]]] = x
-    delta = (values - state.theta - state.other)[index]
-    return 0.5 * float(delta @ state.reg.information[np.ix_(index, index)] @ delta)
 
 
 def _held(state, kept, freely=False):

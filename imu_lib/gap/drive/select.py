@@ -119,14 +119,16 @@ def regression(problem, result, theta, use) -> Regression:
     weight = np.minimum(1.0, HUBER * size / np.maximum(np.abs(left), 1e-12))
     if np.mean(weight < 1.0) > 1e-3:
         root = np.sqrt(weight)
-        e, j, total = e * root, j * root[:, None], total * root
+        j *= root[:, None]
+        total = total * root
         information, score = j.T @ j, j.T @ total
         x[seen] = Regression(information, score, 1.0, e.size).solve(seen)[0]
         left = total - j @ x
     time = np.broadcast_to(problem.time[:, None], good.shape)[good]
     block = ((time - time[0]) / BLOCK).astype(int)
     begins = np.flatnonzero(np.diff(block, prepend=-1))
-    sums = np.add.reduceat(j * left[:, None], begins, axis=0)
+    ends = np.append(begins[1:], left.size)
+    sums = np.array([left[a:b] @ j[a:b] for a, b in zip(begins, ends)])
     ratios = np.sum(sums[:, seen] ** 2, axis=0) / np.diag(information)[seen]
     temper = max(1.0, float(np.mean(left**2)), float(np.median(ratios)))
     return Regression(information, score, temper, e.size)

@@ -2,7 +2,7 @@
 under them.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -135,8 +135,9 @@ class State:
 
     def weigh(self):
         """Innovations and regression under the noise held now, on the path as it is."""
-        self.result = self.evaluate(self.noise, sens=True)
-        self.reg = select.regression(self.problem, self.result, self.theta + self.other, self.use)
+        result = self.evaluate(self.noise, sens=True)
+        self.reg = select.regression(self.problem, result, self.theta + self.other, self.use)
+        self.result = replace(result, jac=None)  # large, and in the regression
 
     def evaluate(self, noise, sens=False):
         """Innovations under a noise, causes outside the catalogue taken out."""

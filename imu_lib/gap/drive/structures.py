@@ -9,8 +9,35 @@ from typing import NamedTuple
 import numpy as np
 
 
+class Nominal(NamedTuple):
+    """The nominal path at k epochs: position (k, 3), velocity (k, 3), quaternion (k, 4)."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    quaternion: np.ndarray
+
+
+class Pieces(NamedTuple):
+    """What errors do over k intervals: phi (k, 9, 9), gain (k, 9, 6), noise (k, 6, 9, 9), force (k,
+    columns, 9); jump (k, 9): nominal run on, minus nominal at the next node.
+    """
+
+    phi: np.ndarray
+    gain: np.ndarray
+    noise: np.ndarray
+    force: np.ndarray
+    jump: np.ndarray
+
+    @classmethod
+    def zeros(cls, k, columns):
+        """The two large ones in single precision: 1e-7 of a variance or of a sensitivity is nothing."""
+        shapes = (9, 9), (9, 6), (6, 9, 9), (columns, 9), (9,)
+        kinds = "d", "d", "f", "f", "d"
+        return cls(*(np.zeros((k, *shape), kind) for shape, kind in zip(shapes, kinds)))
+
+
 class Track(NamedTuple):
-    """What `condense.intervals` made of the path, k nodes.
+    """What `condense` made of the path, k nodes.
 
     begins (k,) bool: a stretch begins at the node; phi (k-1, 9, 9), gain (k-1, 9, 6), noise (k-1,
     6, 9, 9), force (k-1, columns, 9), jump (k-1, 9); kind (k-1,) which of `Random.powers` an
@@ -57,7 +84,7 @@ class Random(NamedTuple):
 
 class Fixes(NamedTuple):
     """y (f, 6) predicted minus measured; arm (f, 3, 3) rows of the attitude error; variance, use (f,
-    6); columns (f, 6, P): what a parameter does to y beyond what it does to the path.
+    6); columns (f, 6, D): what the parameters number `of` (D,) do to y beyond what they do to the path.
     """
 
     y: np.ndarray
@@ -65,6 +92,7 @@ class Fixes(NamedTuple):
     variance: np.ndarray
     use: np.ndarray
     columns: np.ndarray
+    of: np.ndarray
 
 
 class Out(NamedTuple):
