@@ -10,6 +10,7 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
+from imu_lib import beside
 from imu_lib.errors import InputError
 
 #: Names of an open descriptor of this process; what they resolve to is no place to write beside.
@@ -73,21 +74,14 @@ def atomic_path(path):
     otherwise. A symbolic link is followed, and a device or pipe is written through.
     """
     check_writable(path)
-    through = in_place(path)
-    final = Path(path) if through else target(path)
-    handle, temporary = tempfile.mkstemp(
-        dir=None if through else final.parent, prefix=f".{final.stem}-", suffix=final.suffix
-    )
-    os.close(handle)
-    temporary = Path(temporary)
-    try:
+    if not in_place(path):
+        with beside.whole(target(path)) as temporary:
+            yield temporary
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        temporary = Path(folder) / f"out{Path(path).suffix}"
         yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)  # mkstemp makes files private; a result is not
         place(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from imu_lib import units
+from imu_lib import beside, units
 from imu_lib.errors import InputError
 from imu_lib.readers.binary import read_mat
 from imu_lib.readers.rdata import read_rdata
@@ -16,10 +16,8 @@ RATE = 100.0
 
 
 def _save(path: Path, **arrays):
-    part = path.with_name(f".{path.name}.part")
-    with open(part, "wb") as file:
+    with beside.whole(path) as part, open(part, "wb") as file:
         np.savez_compressed(file, **arrays)
-    part.replace(path)
 
 
 def _matrix(path, columns: int) -> np.ndarray:
@@ -34,9 +32,8 @@ def _matrix(path, columns: int) -> np.ndarray:
 def as_is(originals, targets):
     """Text that the readers open with the options of the registry."""
     for original, target in zip(originals, targets):
-        part = target.with_name(f".{target.name}.part")
-        shutil.copyfile(original, part)
-        part.replace(target)
+        with beside.whole(target) as part:
+            shutil.copyfile(original, part)
 
 
 def rdata_six(originals, targets):

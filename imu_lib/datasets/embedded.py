@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from imu_lib import twins
+from imu_lib import beside, twins
 from imu_lib.datasets import places
 from imu_lib.readers import read_record
 from imu_lib.record import Record
@@ -82,9 +82,8 @@ def _draw(name, path: Path, mark: str) -> Record:
 
 
 def _write(path: Path, text: str):
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    part.write_text(text, encoding="utf-8")
-    part.replace(path)
+    with beside.whole(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def _sha256(path: Path) -> str:

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import time
 from pathlib import Path
 
+from imu_lib import beside
 from imu_lib.errors import InputError
 from imu_lib.fleet.manifest import TABLE, Entry
 from imu_lib.fleet.rows import COLUMNS
@@ -101,16 +101,10 @@ def _key(entry, gap):
 
 
 def _replace(path, content):
-    path = path.resolve() if path.is_symlink() else path
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with open(part, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(path)
+        with beside.whole(path, sync=True) as part:
+            part.write_bytes(content)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise InputError(f"{path} cannot be written: {error.strerror}.") from None
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from imu_lib import beside
 from imu_lib.errors import InputError
 from imu_lib.long_record import parts
 from imu_lib.long_record.columns import Parquet
@@ -153,10 +154,8 @@ def _convert(path, kept, rate, reading, units, progress) -> bool:
 
 def _keep(state, path):
     told = json.dumps({k: v for k, v in state.items() if k not in ("steps", "bad")})
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    with open(part, "wb") as out:
+    with beside.whole(path) as part, open(part, "wb") as out:
         np.savez_compressed(out, told=np.array(told), steps=state["steps"], bad=state["bad"])
-    part.replace(path)
 
 
 def _state(path):

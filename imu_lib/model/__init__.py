@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from imu_lib import beside
 from imu_lib.arrays import Array
 from imu_lib.drive_effects import DriveEffect, from_entries
 from imu_lib.errors import InputError
@@ -219,10 +220,8 @@ class Model:
         if path.exists() and not (path.is_file() or path.is_dir()):
             path.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")
             return
-        path = path.resolve() if path.is_symlink() else path
-        temporary = path.with_name(f".{path.name}.part")
-        temporary.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")
-        temporary.replace(path)
+        with beside.whole(path) as part:
+            part.write_text(json.dumps(self.to_json(), indent=2) + "\n", encoding="utf-8")
 
     # -- realisations ----------------------------------------------------------------------------
     def simulate(
