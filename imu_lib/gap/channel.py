@@ -224,7 +224,9 @@ def _checks(left: Undone, state: State) -> list[Check]:
     for f in left.of_noise:
         effect: Any = f.effect
         y = effect.normal(y, f)
-    return verdict.checks(state, rest, y, smooth, coarse_steps=left.coarse_steps)
+    return verdict.checks(
+        state, rest, y, smooth, coarse_steps=left.coarse_steps, as_noise=left.as_noise
+    )
 
 
 def _unexplained(left: Undone, state: State, tests: list[Check]) -> tuple[str | None, list[str]]:

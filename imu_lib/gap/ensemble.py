@@ -167,8 +167,9 @@ def filled(x: Array) -> np.ndarray:
     bad = np.isnan(x)
     if not bad.any():
         return x
-    at = np.flatnonzero(~bad)
-    return np.interp(np.arange(len(x)), at, x[at])
+    at, out = np.flatnonzero(~bad), np.array(x)
+    out[bad] = np.interp(np.flatnonzero(bad), at, x[at])
+    return out
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ class Undone:
     `terms` are the noises of the given model and, `held_terms` of them, what stands for more than
     the model says; `quiet` (n,) the innovations without lines, `of_noise` what was found of their
     level, `doubts` about it, `paths` the terms of the given model whose paths were seen and taken
-    out: `given` is without them.
+    out: `given` is without them; `seen` the data with them.
     """
 
     channel: Channel
@@ -86,10 +86,23 @@ class Undone:
     of_noise: list[Finding] = field(default_factory=list)
     doubts: list[str | None] = field(default_factory=list)
     paths: tuple[Process, ...] = ()
+    seen: Data | None = None
 
     def with_paths(self, model: Sum) -> Sum:
         """A model with the terms whose paths were taken out."""
         return Sum((*model.terms, *self.paths), model.stages) if self.paths else model
+
+    def as_noise(self, state: State) -> State:
+        """A state with the paths that were taken out as noise of their spectrum."""
+        if self.seen is None:
+            return state
+        return State(
+            self.seen,
+            (*state.base, *self.paths),
+            state.items,
+            low_pass=state.base_low_pass,
+            base_slots=state.base_slots,
+        )
 
     @property
     def coarse_steps(self) -> bool:
@@ -158,6 +171,7 @@ def _without_paths(left: Undone, given: Sum) -> Undone:
                 given=given,
                 terms=[t for t in left.terms if t is not term],
                 paths=(*left.paths, term),
+                seen=left.seen or left.data,
             )
     return left
 

@@ -273,12 +273,14 @@ def _second_order(state):
     )
 
 
-def checks(state, rest, y, smooth, *, coarse_steps: bool = False) -> list[Check]:
+def checks(
+    state, rest, y, smooth, *, coarse_steps: bool = False, as_noise=lambda state: state
+) -> list[Check]:
     """All tests; `rest` is what the state leaves of the samples as noise, `y` its fast part,
     whitened by `smooth`.
     `coarse_steps`: the output is rounded so
     coarsely that its distribution is no longer normal."""
-    second = _second_order(state)
+    second = as_noise(_second_order(state))
     slow_checks = bias(state)
     if second is not state:  # of a path that is half seen both descriptions are approximate
         slow_checks = [max(pair, key=lambda c: c.log_p) for pair in zip(slow_checks, bias(second))]

@@ -163,9 +163,8 @@ class Problem:
             self._held = low_pass, self.layout.spectrum(held, low_pass)
         return self._held[1]
 
-    def _rows(self, theta: Array) -> tuple[dict[int, Array], Array]:
-        """Density of each free term by its index, and of the rest."""
-        low_pass = self._filter(theta)
+    def _rows(self, theta: Array, low_pass: LowPass | None) -> tuple[dict[int, Array], Array]:
+        """Density of each free term behind the filter by its index, and of the rest."""
         rows = {
             i: self._row(i, theta[at], low_pass)
             for i, (_, at, _) in self._at.items()
@@ -175,7 +174,7 @@ class Problem:
 
     def parts(self, theta: Array) -> tuple[dict[int, Array], Array]:
         """Expected density of each free term by its index, (b,), and of the rest."""
-        rows, rest = self._rows(theta)
+        rows, rest = self._rows(theta, self._filter(theta))
         return rows, rest if self.extra is None else rest + self.extra
 
     def _whole(self, rows: dict[int, Array], rest: Array) -> Array:
@@ -184,12 +183,13 @@ class Problem:
 
     def density(self, theta: Array) -> Array:
         """Expected mean ordinate of each band, (b,)."""
-        return self._whole(*self._rows(theta))
+        return self._whole(*self._rows(theta, self._filter(theta)))
 
     def slopes(self, theta: Array) -> tuple[Array, Array]:
         """Density (b,) and its derivatives by theta, (k, b)."""
         theta = np.asarray(theta, float)
-        rows, rest = self._rows(theta)
+        low_pass = self._filter(theta)
+        rows, rest = self._rows(theta, low_pass)
         out = np.empty((len(self.free), len(rest)))
         for k, unknown in enumerate(self.free):
             if unknown.amplitude:
@@ -200,11 +200,11 @@ class Problem:
                 moved = theta.copy()
                 moved[k] += sign * STEP
                 if unknown.index == FILTER:
-                    other, held = self._rows(moved)
+                    other, held = self._rows(moved, self._filter(moved))
                     ends.append(sum(other.values(), held))
                 else:
                     at = self._at[unknown.index][1]
-                    ends.append(self._row(unknown.index, moved[at], self._filter(theta)))
+                    ends.append(self._row(unknown.index, moved[at], low_pass))
             out[k] = (ends[0] - ends[1]) / (2 * STEP)
         expected = self._whole(rows, rest)
         if self.extra is not None:  # where rounding leaves its least share, that share moves
@@ -244,14 +244,15 @@ class Problem:
         others.
         """
         theta = np.asarray(theta, float)
-        rows, rest = self._rows(theta)
+        low_pass = self._filter(theta)
+        rows, rest = self._rows(theta, low_pass)
         total = np.maximum(self._whole(rows, rest), 1e-300)
         low = self.low.copy()
         for k, u in enumerate(self.free):
             if u.amplitude:
                 one = theta[self._at[u.index][1]].copy()
                 one[self._at[u.index][2]] = 0.0
-                row = self._row(u.index, one, self._filter(theta))
+                row = self._row(u.index, one, low_pass)
                 low[k] = max(low[k], 0.5 * np.log(ZERO / np.max(row / total)))
         return low
 
