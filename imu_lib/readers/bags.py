@@ -40,19 +40,9 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
     stamp, arrival, rows = [], [], []
     try:
         with AnyReader([place], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            found = [c for c in reader.connections if c.msgtype in IMU]
-            chosen = [c for c in found if topic is None or c.topic == topic]
-            if not chosen or len({c.topic for c in chosen}) > 1:
-                topics = ", ".join(sorted({c.topic for c in found})) or "none"
-                raise InputError(
-                    f"{path}: "
-                    + (
-                        f"has several IMU topics ({topics}); choose one with --topic."
-                        if chosen
-                        else f"has no sensor_msgs/Imu topic{f' {topic}' if topic else ''} (IMU topics: {topics})."
-                    )
-                )
-            for connection, received, data in reader.messages(connections=chosen):
+            for connection, received, data in reader.messages(
+                connections=_chosen(reader.connections, path, topic)
+            ):
                 message = reader.deserialize(data, connection.msgtype)
                 header = message.header.stamp
                 own = int(header.sec) * 1_000_000_000 + int(header.nanosec)
@@ -77,8 +67,28 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
         raise InputError(
             f"{path}: its IMU topic has {len(rows)} messages; at least two are needed."
         )
-    values = np.asarray(rows, dtype=np.float64)
-    own = np.asarray(stamp, dtype=np.int64)
+    return _columns(path, np.asarray(stamp, dtype=np.int64), arrival, np.asarray(rows, dtype=float))
+
+
+def _chosen(connections, path, topic):
+    """The connections of the one IMU topic. InputError where there is none, or several and no choice."""
+    found = [c for c in connections if c.msgtype in IMU]
+    chosen = [c for c in found if topic is None or c.topic == topic]
+    if chosen and len({c.topic for c in chosen}) == 1:
+        return chosen
+    topics = ", ".join(sorted({c.topic for c in found})) or "none"
+    raise InputError(
+        f"{path}: "
+        + (
+            f"has several IMU topics ({topics}); choose one with --topic."
+            if chosen
+            else f"has no sensor_msgs/Imu topic{f' {topic}' if topic else ''} (IMU topics: {topics})."
+        )
+    )
+
+
+def _columns(path, own, arrival, values) -> Raw:
+    """The messages as raw columns, by their own stamps (n,) ns or those of arrival."""
     raw = Raw(str(path), received=True, has_topics=True)
     # a driver that does not stamp leaves zeros; a simulated clock that begins at 0 goes on
     if (own == own[0]).all() or (own == 0).mean() > 0.5:

@@ -60,22 +60,7 @@ def decide(
     InputError
         Where the columns cannot be told; the sentence holds the names to give.
     """
-    said = (
-        by_position(columns, len(headings), raw.source, signal)
-        if columns
-        else [
-            _by_name(h, signal) if named else Meaning(why="the file has no header")
-            for h in headings
-        ]
-    )
-    if columns and named:
-        said = [_unit_of_heading(m, h) for m, h in zip(said, headings)]
-    told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
-    told = numbered(raw, told, headings)
-    if named and not columns:
-        told = families.families(told, headings)
-        families.turned(raw, told, headings)
-    told = families.body_rates(habits(alpha(told), headings), headings)
+    told = _told(raw, headings, columns, signal, named)
     told, interval = intervals(raw, told, headings)
     if not columns:
         if by_rows.sensors(told, headings) is None or signal:
@@ -97,8 +82,34 @@ def decide(
         add_up(raw, told, headings, values, interval)
     told = letter_t(told, headings, values)
     told = one_time(raw, told, headings, values)
-    by_call = " (--columns)" if columns else ""
     unused.say(raw, told, headings)
+    _fill(raw, told, headings, values, " (--columns)" if columns else "")
+    formats.fix(raw, [h.name for h in headings] if named else [])
+    return raw
+
+
+def _told(raw: Raw, headings, columns, signal, named) -> list[Meaning]:
+    """What each column is by the call or by its name, and by those beside it."""
+    said = (
+        by_position(columns, len(headings), raw.source, signal)
+        if columns
+        else [
+            _by_name(h, signal) if named else Meaning(why="the file has no header")
+            for h in headings
+        ]
+    )
+    if columns and named:
+        said = [_unit_of_heading(m, h) for m, h in zip(said, headings)]
+    told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
+    told = numbered(raw, told, headings)
+    if named and not columns:
+        told = families.families(told, headings)
+        families.turned(raw, told, headings)
+    return families.body_rates(habits(alpha(told), headings), headings)
+
+
+def _fill(raw: Raw, told, headings, values, by_call: str) -> None:
+    """Every column taken in, or listed with the reason why not."""
     for i, (m, heading) in enumerate(zip(told, headings)):
         if m.quantity is None or m.canonical is None:
             raw.skip(heading.name, m.why)
@@ -106,8 +117,6 @@ def decide(
             raw.skip(heading.name, "its name holds no axis")
         else:
             raw.add(m.canonical, values[i], m.unit, heading.name, m.why + by_call)
-    formats.fix(raw, [h.name for h in headings] if named else [])
-    return raw
 
 
 def _unit_of_heading(told: Meaning, heading: Heading) -> Meaning:
@@ -185,6 +194,12 @@ def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
             for i, axis in zip(xyz, "xyz"):
                 out[i] = Meaning(signal, axis, why=f"the file was given as --{signal}")
             return out
+    raise _question(raw, told, headings, signal, named, load)
+
+
+def _question(raw: Raw, told, headings, signal, named, load) -> Unnamed:
+    """The error that asks for the names of columns that name no sensor."""
+    free = [i for i, h in enumerate(headings) if h.kind in ("number", "empty") and told[i].quantity is None]  # fmt: skip
     width = len(headings)
     header = (
         f"its header ({', '.join(h.name for h in headings)[:80]}) names no gyro or accelerometer"
@@ -196,25 +211,25 @@ def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
         if len(free) in (3, 4) and not signal
         else ""
     )
-    timed = any(m.quantity in ("time", "date", "clock") for m in told)
     damage = ""
     try:
         values = load([i for i, h in enumerate(headings) if h.kind == "number"])
     except InputError as error:
         values, damage = None, f" ({str(error).removeprefix(str(raw.source)).strip(' ,:.')})"
     if not named and (turns := instances.numbered(headings, values)):
-        raise Unnamed(
+        return Unnamed(
             f"{raw.source}: {turns}, as the number of a sensor does: its rows are of several sensors; write those of each into a file of its own and give "
             "--gyro FILE --accel FILE."
         )
     named_so = example(told, headings, values)
     if not any(f"{s}_" in named_so for s in SIGNALS):
-        raise Unnamed(
+        return Unnamed(
             f"{raw.source} has {width} column{'s' * (width > 1)} and {header}, and none of them holds numbers that could be one; give the file with the readings."
         )
     stamps = {n.partition("[")[0] for n in named_so.split(",")} & {"time", "date", "clock"}
-    rate = "" if stamps or timed or raw.rate else ", and the rate with --rate HZ"
-    raise Unnamed(
+    timed = stamps or any(m.quantity in ("time", "date", "clock") for m in told)
+    rate = "" if timed or raw.rate else ", and the rate with --rate HZ"
+    return Unnamed(
         f"{raw.source} has {width} column{'s' * (width > 1)} and {header}{_commas(headings, values)}{damage}; name them by position with --columns, as in "
         f"{named_so}{one}{rate}."
     )

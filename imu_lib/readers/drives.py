@@ -65,23 +65,9 @@ def read_drive(
     if path is None:
         raise InputError("Give a drive (.npz), or an IMU file and --gnss FILE.")
     if gnss is None:
-        if Path(path).is_dir():
-            raise InputError(
-                f"{path} is a directory; a drive is an .npz, or an IMU file and --gnss FILE."
-            )
-        with open(path, "rb") as file:
-            archive = file.read(2) == b"PK"
-        if not archive and Path(path).suffix.lower() != ".npz":
-            if Path(path).is_file() and gnss_files.is_gnss(path):
-                raise InputError(
-                    f"{path} is a GNSS solution; give the IMU's file first and this one as --gnss."
-                )
-            raise InputError(
-                f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA)."
-            )
-        drive = _archive(
-            path, rate, gyro_unit, accel_unit, gnss_offset, columns or topic or time_unit
-        )
+        _refuse_what_is_no_drive(path)
+        said = columns or topic or time_unit
+        drive, stated = _archive(path, rate, gyro_unit, accel_unit, gnss_offset, said), {}
     else:
         raw = read_raw(path, columns=columns, topic=topic)
         record, _ = of_one(
@@ -89,42 +75,14 @@ def read_drive(
             {"gyro": gyro_unit, "accel": accel_unit},
             {"rate": rate, "time_unit": time_unit, "trust": True, "lenient": False},
         )
-        slow = slow_kind(record)
-        if slow:
-            raise InputError(
-                f"{path}: gyro and accelerometer come at rates of their own; a drive needs both in every row: resample the {slow} to the rate of the other."
-            )
-        missing = [k for k in ("gyro", "accel") if not all(f"{k}_{a}" in record for a in "xyz")]
-        if missing:
-            raise InputError(f"{path} has not all three {missing[0]} axes; a drive needs all six.")
-        whole = record.missing()
-        if whole.any():
-            record = record.take(
-                np.flatnonzero(~whole), f"{int(whole.sum()):,} samples without a number left out."
-            )
-        arrays = gnss_files.read_gnss(gnss)
-        zero = arrays["gnss_time"][0] - gnss_offset if gnss_offset is not None else raw.epoch
-        if zero is None:
-            raise InputError(
-                f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time of the first fix."
-            )
-        arrays["gnss_time"] = arrays["gnss_time"] - zero
-        if arrays["gnss_time"][0] > record.duration or arrays["gnss_time"][-1] < 0:
-            raise InputError(
-                f"{gnss} and {path} do not overlap in time (the first fix is {arrays['gnss_time'][0]:.6g} s after the first IMU sample); "
-                "check the clocks, or give --gnss-offset S."
-            )
-        arrays |= {"time": record.times(), "gyro": record["gyro"], "accel": record["accel"]}
-        if record.temperature is not None:
-            arrays["temperature"] = record.temperature
-        drive = from_arrays(arrays, f"{path}", record.notes)
+        drive = _with_fixes(path, raw, record, gnss, gnss_offset)
+        stated = {} if trust_units else {kind: raw.unit(kind) for kind in ("gyro", "accel")}
     if not trust_units:
         units, factor = [], []
         for kind, flag, si in (("gyro", gyro_unit, "rad/s"), ("accel", accel_unit, "m/s^2")):
-            of_file = None if gnss is None else raw.unit(kind)
-            flag = flag or (of_file if of_file in names.UNITS[kind] else si)
-            scale, _, stated = names.stated(flag, kind)
-            units.append(stated)
+            flag = flag or (stated[kind] if stated.get(kind) in names.UNITS[kind] else si)
+            scale, _, unit = names.stated(flag, kind)
+            units.append(unit)
             factor.append(scale)
         drive = drive_units.check(drive, *units, tuple(factor))
     if start is not None or stop is not None:
@@ -135,3 +93,55 @@ def read_drive(
                 f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')})."
             ) from None
     return drive
+
+
+def _refuse_what_is_no_drive(path) -> None:
+    """InputError where a path without a GNSS file beside it is no archive."""
+    if Path(path).is_dir():
+        raise InputError(
+            f"{path} is a directory; a drive is an .npz, or an IMU file and --gnss FILE."
+        )
+    with open(path, "rb") as file:
+        archive = file.read(2) == b"PK"
+    if archive or Path(path).suffix.lower() == ".npz":
+        return
+    if Path(path).is_file() and gnss_files.is_gnss(path):
+        raise InputError(
+            f"{path} is a GNSS solution; give the IMU's file first and this one as --gnss."
+        )
+    raise InputError(
+        f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA)."
+    )
+
+
+def _with_fixes(path, raw, record, gnss, gnss_offset) -> Drive:
+    """The record of an IMU and the fixes of a GNSS file on one clock, as a drive."""
+    slow = slow_kind(record)
+    if slow:
+        raise InputError(
+            f"{path}: gyro and accelerometer come at rates of their own; a drive needs both in every row: resample the {slow} to the rate of the other."
+        )
+    missing = [k for k in ("gyro", "accel") if not all(f"{k}_{a}" in record for a in "xyz")]
+    if missing:
+        raise InputError(f"{path} has not all three {missing[0]} axes; a drive needs all six.")
+    empty = record.missing()
+    if empty.any():
+        record = record.take(
+            np.flatnonzero(~empty), f"{int(empty.sum()):,} samples without a number left out."
+        )
+    arrays = gnss_files.read_gnss(gnss)
+    zero = arrays["gnss_time"][0] - gnss_offset if gnss_offset is not None else raw.epoch
+    if zero is None:
+        raise InputError(
+            f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time of the first fix."
+        )
+    arrays["gnss_time"] = arrays["gnss_time"] - zero
+    if arrays["gnss_time"][0] > record.duration or arrays["gnss_time"][-1] < 0:
+        raise InputError(
+            f"{gnss} and {path} do not overlap in time (the first fix is {arrays['gnss_time'][0]:.6g} s after the first IMU sample); "
+            "check the clocks, or give --gnss-offset S."
+        )
+    arrays |= {"time": record.times(), "gyro": record["gyro"], "accel": record["accel"]}
+    if record.temperature is not None:
+        arrays["temperature"] = record.temperature
+    return from_arrays(arrays, f"{path}", record.notes)

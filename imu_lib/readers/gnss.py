@@ -108,6 +108,23 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
     return out
 
 
+def _take(fix: dict, kind: str, m) -> None:
+    """What one sentence says of a fix."""
+    if kind == "GGA" and m.lat and int(m.gps_qual or 0) > 0:
+        height = float(m.altitude or 0) + float(m.geo_sep or 0)
+        fix.update(position=(m.latitude, m.longitude, height), fix=float(m.gps_qual))
+    elif kind == "RMC" and m.status == "A":
+        if m.spd_over_grnd is not None and m.true_course is not None:
+            v, c = m.spd_over_grnd * KNOT, np.radians(m.true_course)
+            fix["velocity"] = (v * np.cos(c), v * np.sin(c))
+    elif kind == "GST" and m.std_dev_latitude:
+        fix["sd"] = (
+            float(m.std_dev_latitude),
+            float(m.std_dev_longitude),
+            float(m.std_dev_altitude or 0),
+        )
+
+
 def _nmea(path, lines) -> dict[str, np.ndarray]:
     """GGA for position and fix, RMC for date, speed and course, GST for standard deviations;
     sentences with a wrong checksum are
@@ -136,30 +153,7 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
             elif last is not None and seconds < last - 43_200 and day is not None and kind == "GGA":
                 day += 86_400.0
             last = seconds
-            fix = fixes.setdefault(round((day or 0.0) + seconds, 3), {})
-            if kind == "GGA" and m.lat and int(m.gps_qual or 0) > 0:
-                fix.update(
-                    position=(
-                        m.latitude,
-                        m.longitude,
-                        float(m.altitude or 0) + float(m.geo_sep or 0),
-                    ),
-                    fix=float(m.gps_qual),
-                )
-            elif (
-                kind == "RMC"
-                and m.status == "A"
-                and m.spd_over_grnd is not None
-                and m.true_course is not None
-            ):
-                v, c = m.spd_over_grnd * KNOT, np.radians(m.true_course)
-                fix["velocity"] = (v * np.cos(c), v * np.sin(c))
-            elif kind == "GST" and m.std_dev_latitude:
-                fix["sd"] = (
-                    float(m.std_dev_latitude),
-                    float(m.std_dev_longitude),
-                    float(m.std_dev_altitude or 0),
-                )
+            _take(fixes.setdefault(round((day or 0.0) + seconds, 3), {}), kind, m)
         except (ValueError, TypeError, AttributeError):
             bad += 1
     if day is not None:  # sentences before the first RMC had no date yet

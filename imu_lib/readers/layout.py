@@ -80,6 +80,28 @@ def sniff(head: bytes, source: str, *, whole: bool = True) -> Layout:
     marks = [j for j, i in enumerate(kept) if _DATA_MARK.match(lines[i])]
     if marks and marks[-1] + 1 < len(kept):
         kept = kept[marks[-1] + 1 :]  # what stands above the last mark is no row
+    best = _best(lines, kept)
+    if best is None:
+        where = f" (line {kept[0] + 1}: {lines[kept[0]][:40]!r})" if kept else ""
+        raise InputError(
+            f"{source} holds no rows of numbers{where}; a table with a row per sample is expected."
+        )
+    _, delimiter, decimal, start, rows, _ = best
+    kinds = _settled(rows[start], rows[start + 1 : start + 200])
+    first = kept[start]
+    some = [fields(lines[i], delimiter)[0] for i in kept[start : start + 6]]
+    header, unit_row, rate = _names(lines, first, delimiter, kinds, some)
+    said = units_said(lines[:first]) if unit_row is None else {}
+    told = rate_said(lines[:first])
+    return Layout(
+        delimiter, decimal, header, unit_row, first, kinds, rate, encoding, comment, said, told
+    )
+
+
+def _best(lines, kept):
+    """The way to cut the rows that makes most of them equally wide: score, delimiter, decimal mark,
+    first row, rows, how many texts it holds. None where none makes rows of numbers.
+    """
     best = None
     for delimiter, decimal in _candidates([lines[i] for i in kept[:200]]):
         rows = [_kinds(lines[i], delimiter, decimal) for i in kept[:400]]
@@ -112,33 +134,23 @@ def sniff(head: bytes, source: str, *, whole: bool = True) -> Layout:
             or (score[0] > best[0][0] - 0.2 and score[1] > best[0][1] and texts <= best[5])
         ):
             best = (score, delimiter, decimal, start, rows, texts)
-    if best is None:
-        where = f" (line {kept[0] + 1}: {lines[kept[0]][:40]!r})" if kept else ""
-        raise InputError(
-            f"{source} holds no rows of numbers{where}; a table with a row per sample is expected."
-        )
-    _, delimiter, decimal, start, rows, _ = best
-    kinds = _settled(rows[start], rows[start + 1 : start + 200])
-    first = kept[start]
+    return best
+
+
+def _names(lines, first, delimiter, kinds, some):
+    """Header, row of units and rate above the first row, also where the names are one fewer than the
+    columns; `some` are the first fields of the first rows.
+    """
     header, unit_row, rate = header_of(lines, first, delimiter, len(kinds))
-    if (
-        header is None and kinds[-1] == "empty"
-    ):  # a delimiter behind every row, not behind the names
+    if header is None and kinds[-1] == "empty":
+        # a delimiter behind every row, not behind the names
         header, unit_row, rate = header_of(lines, first, delimiter, len(kinds) - 1)
         header, unit_row = (None if h is None else (*h, "") for h in (header, unit_row))
-    if header is None and _counts(
-        [fields(lines[i], delimiter)[0] for i in kept[start : start + 6]]
-    ):
+    if header is None and _counts(some):
         named, unit_row, rate = header_of(lines, first, delimiter, len(kinds) - 1)
         header = None if named is None else ("row", *named)  # R names no column of row numbers
         unit_row = None if unit_row is None else ("", *unit_row)
-    if header is None:
-        header = _over_two(lines, first, delimiter, kinds)
-    said = units_said(lines[:first]) if unit_row is None else {}
-    told = rate_said(lines[:first])
-    return Layout(
-        delimiter, decimal, header, unit_row, first, kinds, rate, encoding, comment, said, told
-    )
+    return header or _over_two(lines, first, delimiter, kinds), unit_row, rate
 
 
 def _blanks(lines, kept, best) -> bool:

@@ -246,7 +246,7 @@ def free(name: str) -> bool:
 
 
 def stem(name: str) -> tuple[str, str | None]:
-    """A heading without its unit and the axis behind it: `AsX(deg/s)` is As, x."""
+    """A heading without its unit, and the axis behind it."""
     text, _, axis = _split(name)
     found = re.match(r"^(.*?)[ _.-]?([xyzXYZ])$", text)
     if axis in ("x", "y", "z") or not found:
