@@ -2,6 +2,7 @@
 
     python benchmarks/gap_real.py --log real.jsonl          # resumes; stores the table
     python benchmarks/gap_real.py --names vn100_still --simulations 100 --print
+    python benchmarks/gap_real.py --again          # one sensor's model on its other records
 
 No model is given. Ten minutes of the long ones, all of the others. Needs the folder of recorded data,
 IMU_LIB_DATA. The table goes to benchmarks/results/gap_real.json.
@@ -44,8 +45,8 @@ RECORDS = {
 }
 
 
-def opened(data: Path, name: str):
-    """The record, or the stretch of it that is looked at."""
+def opened(data: Path, name: str, *, continuous: bool = False):
+    """The record, or the stretch of it that is looked at, perhaps without its stamps."""
     options, stretch = RECORDS[name]
     if name == "phone":
         record = read_record(
@@ -57,6 +58,7 @@ def opened(data: Path, name: str):
         record = datasets.load(name)
     else:
         record = read_record(data / "static" / f"{name}.npz", **options)
+    record = record.continuous() if continuous else record
     return record if stretch is None else record.slice(*stretch)
 
 
@@ -91,17 +93,44 @@ def run(name: str, data: Path, simulations: int) -> dict:
     }
 
 
+def again(data: Path, channel: str = "gyro_x", simulations: int = 20) -> list[dict]:
+    """What a second and a third record of one sensor have beyond the model grown on the first."""
+    first, *others = (opened(data, f"adis16405_{k}", continuous=True) for k in (1, 2, 3))
+    known = {"channels": [channel], "jobs": 1}
+    unit = close(first, simulations=0, **known)
+    out = [
+        {"record": "adis16405_1", "steps": [s.effect for s in unit.channels[channel].result.steps]}
+    ]
+    for k, other in zip((2, 3), others):
+        bare = close(other, unit.base, simulations=simulations, **known).channels[channel]
+        day = close(other, unit.model, simulations=simulations, **known).channels[channel]
+        out.append(
+            {
+                "record": f"adis16405_{k}",
+                "sensor_and_day": round(bare.before.value, 3),
+                "day": round(day.before.value, 3),
+                "left": round(day.after.value, 3),
+                "steps": [s.effect for s in day.result.steps],
+            }
+        )
+        print(out[-1], flush=True)
+    return out
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--names", default=",".join(RECORDS))
     parser.add_argument("--simulations", type=int, default=0, help="of the gap index; 0: none")
     parser.add_argument("--log", help="JSON lines; what is there already is not run again")
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
+    parser.add_argument("--again", action="store_true", help="only other records of one sensor")
     parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
     data, log = Path(os.environ["IMU_LIB_DATA"]), Path(args.log) if args.log else None
     rows = [json.loads(r) for r in log.read_text().splitlines()] if log and log.exists() else []
     started = time.time()
+    if args.again:
+        return _keep({"another_record": again(data)})
     for name in args.names.split(","):
         if any(r["record"] == name for r in rows) or time.time() - started > 60 * args.minutes:
             continue
@@ -113,12 +142,20 @@ def main():
         print(name, " ".join(row["verdict"]), row["seconds"], flush=True)
     if not args.print:
         rows.sort(key=lambda r: list(RECORDS).index(r["record"]))
-        found = {
-            "command": "python " + " ".join(["benchmarks/gap_real.py", *sys.argv[1:]]),
-            "date": date.today().isoformat(),
-            "records": rows,
-        }
-        (RESULTS / "gap_real.json").write_text(json.dumps(found, indent=1) + "\n")
+        _keep(
+            {
+                "command": "python " + " ".join(["benchmarks/gap_real.py", *sys.argv[1:]]),
+                "date": date.today().isoformat(),
+                "records": rows,
+            }
+        )
+
+
+def _keep(content: dict):
+    """Store what was found beside what is stored of other runs."""
+    path = RESULTS / "gap_real.json"
+    old = json.loads(path.read_text()) if path.exists() else {}
+    path.write_text(json.dumps(old | content, indent=1) + "\n")
 
 
 if __name__ == "__main__":

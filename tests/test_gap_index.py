@@ -4,14 +4,18 @@ a fit leaves uncertain.
 
 import numpy as np
 import pytest
+from scipy.signal import welch
 
 from imu_lib.gap import ensemble
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.draws import Draws
 from imu_lib.gap.grown import REFITS, _drawn
 from imu_lib.processes import (
     Constant,
     Flicker,
     GaussMarkov,
+    HeavyTails,
+    LowPass,
     RandomWalk,
     Resolution,
     Saturation,
@@ -145,3 +149,17 @@ def test_drawn_parameters_keep_their_bounds_and_covariance():
     # the prior is some ten times wider than the data allow
     assert vectors.std(axis=0) == pytest.approx(sd, rel=0.1)
     assert np.all(np.isfinite(logs))
+
+
+@pytest.mark.parametrize("ratio", [1, 10])
+def test_heavy_tails_behind_a_filter_have_the_spectrum_of_the_model(ratio):
+    """What folds in from above half the sampling rate included."""
+    n, fs = 40_000, 200.0
+    white, low = WhiteNoise(N=1.0), LowPass(cutoff=65.0, order=1, rate=ratio * fs)
+    _, drawn = Draws([5], n, fs).terms((white,), low, HeavyTails(6.0))
+    f, power = welch(drawn, fs, nperseg=400)
+    part = (f > 5) & (f < 0.48 * fs)
+    # 12,000 means of 199 half-overlapping segments: a hundredth, in each tenth of the band a thirtieth
+    for band in np.array_split(np.flatnonzero(part), 10):
+        want = Sum((white,), (low,)).psd(f[band], fs)
+        assert np.mean(power[band] / want) == pytest.approx(1.0, abs=0.08)

@@ -46,7 +46,7 @@ class Draws:
             part = quick if term.fast else slow
             if tails is not None and isinstance(term, WhiteNoise):
                 one = self.unit(unit, count, None) * tails.scales(self.n, self.rng("tails"))
-                one = one if low_pass is None else through(one, low_pass, self.fs)
+                one = one if low_pass is None else folded(one, unit, low_pass, self.fs)
             else:
                 one = self.unit(unit, count, low_pass)
             part += getattr(term, amplitude) * one
@@ -78,6 +78,17 @@ def through(x, low_pass, fs: float) -> np.ndarray:
     size = next_fast_len(n, real=True)
     z = rfft(x - line, size)
     return irfft(z * np.sqrt(low_pass.gain(np.arange(len(z)) * fs / size, fs)), size)[:n] + line
+
+
+def folded(x, unit, low_pass, fs: float) -> np.ndarray:
+    """White samples `x` (n,) of the density of the process `unit` with the spectrum that it has behind
+    a filter that runs at its own rate, what folds in included.
+    """
+    size = next_fast_len(len(x), real=True)
+    size += size % 2
+    f = np.maximum(np.arange(size // 2 + 1), 1) * fs / size
+    gain = Sum((unit,), (low_pass,)).psd(f, fs) / unit.psd(f, fs)
+    return irfft(rfft(x, size) * np.sqrt(gain), size)[: len(x)]
 
 
 @lru_cache(maxsize=32)

@@ -12,11 +12,14 @@ from imu_lib.processes import Sum
 
 #: Segments of the spectrum, and points of the time series, at the most.
 SEGMENT, POINTS = 8192, 3000
+#: Lines that are drawn faintly where there are as many.
+MANY = 40
 
 
 @style.styled
 def recorded(found, channel, *, axes=None):
-    """Three panels of one channel of a `gap.Report`: the samples with the times of vibrations
+    """Three panels of one channel of a `gap.Report` (or of anything with its `record` and grown
+    `model`): the samples with the times of vibrations
     shaded, the spectrum with their lines marked, the Allan deviation; the grown model's noise over
     the latter two.
     """
@@ -57,10 +60,12 @@ def _spectrum(ax, x, fs, noise, felt):
         ax.loglog(f[1:], noise.psd(f[1:], fs), color=style.THEORY, lw=1.2)
     except UndefinedFormError:
         pass
+    low, high = ax.get_ylim()
     for p in felt:
-        for line, strength in zip(p.frequencies, p.shape):
-            if strength > 0 and line < fs / 2:
-                ax.axvline(line, color=style.ORANGE, lw=0.6, alpha=0.7, zorder=0)
+        lines = [f for f, strength in zip(p.frequencies, p.shape) if strength > 0 and f < fs / 2]
+        faint = 0.7 if len(lines) < MANY else 0.1
+        ax.vlines(lines, low, high, color=style.ORANGE, lw=0.6, alpha=faint, zorder=0)
+    ax.set_ylim(low, high)
     ax.set_xlabel("frequency, Hz")
     ax.set_ylabel("one-sided PSD, SI/Hz")
 
