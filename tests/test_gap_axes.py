@@ -1,12 +1,14 @@
 """What three axes of a sensor agree on is as sure as all of them make it; two noises that take turns."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from imu_lib.gap import turns
+from imu_lib.gap import far, turns
 from imu_lib.gap.axes import agreed
+from imu_lib.gap.battery import battery
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.steps import Step
 from imu_lib.processes import Sum, WhiteNoise
@@ -71,3 +73,16 @@ def test_two_noises_that_take_turns_are_said_with_their_share_and_ratio(run, wor
     if run > 1:  # runs of one length, some of them in a row
         assert 0.5 * run < turns.stays(y) < 3 * run
     assert turns.sentence(rng.standard_normal(n), 100.0) is None
+
+
+def test_what_is_still_off_is_said_in_words_that_a_figure_shows():
+    rng, n, fs = np.random.default_rng(5), 8_000, 100.0
+    rows = [battery(rng.standard_normal(n), fs) for _ in range(20)]
+    tails = far.sentence("distribution", battery(rng.standard_t(4, n), fs), rows, n, fs)
+    assert re.fullmatch(r"the \D+ is [\d.]+ ?%? where simulations have [\d.]+ ?%? to .*", tails)
+    loud = far.sentence("allan", battery(2.0 * rng.standard_normal(n), fs), rows, n, fs)
+    assert loud.startswith("the Allan variance at 0.01 s is +6 dB off")
+    line = np.sin(2 * np.pi * 20.0 * np.arange(n) / fs)
+    seen = far.sentence("psd", battery(rng.standard_normal(n) + line, fs), rows, n, fs)
+    low, high = (float(v) for v in re.search(r"between ([\d.]+) and ([\d.]+) Hz", seen).groups())
+    assert low <= 20.0 <= high

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap import ensemble
+from imu_lib.gap import ensemble, far
 from imu_lib.gap.battery import battery
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.effects.resolution import printed
@@ -142,6 +142,7 @@ def _gauged(report: ChannelReport, name: str, about: Prepared, rows: Rows) -> Ch
     places = [k for k in rows if k[0] == name and not isinstance(k[1], str)]
     chain = [ensemble.index(whole, rows[k]) for k in places]
     after, steps = chain[-1], r.steps
+    told = _far(after, whole, rows[places[-1]], (len(x), about.fs))
     if steps:
         values = [c.value for c in chain][-len(steps) - 1 :]
         steps = [
@@ -149,7 +150,7 @@ def _gauged(report: ChannelReport, name: str, about: Prepared, rows: Rows) -> Ch
         ]
     return replace(
         report,
-        result=replace(r, steps=steps, unexplained=r.unexplained or _far(after)),
+        result=replace(r, steps=steps, unexplained=r.unexplained or told),
         before=chain[0],
         after=after,
         held_out=_held_out(name, x, about, rows),
@@ -157,14 +158,21 @@ def _gauged(report: ChannelReport, name: str, about: Prepared, rows: Rows) -> Ch
     )
 
 
-def _far(after: ensemble.Index) -> str | None:
-    """A sentence where the grown model is still further off than a right one would be."""
+def _far(
+    after: ensemble.Index,
+    measured: ensemble.Battery,
+    rows: list[ensemble.Battery],
+    of: tuple[int, float],
+) -> str | None:
+    """A sentence where the grown model is still further off than a right one would be; `of` are the
+    number of samples and their rate.
+    """
     if after.value <= MAX_GAP_INDEX:
         return None
     domain = max(after.domains, key=lambda d: after.domains[d])
     return (
         f"simulations of the grown model: gap index {after.value:.2f}, most in the domain "
-        f"{domain} ({after.domains[domain]:.2f})"
+        f"{domain} ({after.domains[domain]:.2f}): {far.sentence(domain, measured, rows, *of)}"
     )
 
 
