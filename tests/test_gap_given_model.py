@@ -186,3 +186,14 @@ def test_the_small_ones_of_given_spikes_are_no_heavy_tails():
     base = Sum((WhiteNoise(N=2e-3 / np.sqrt(FS)),), (Spikes(rate=0.007 * FS, scale=1.5e-2),))
     found = analyse("gyro_x", x, FS, base, seed=1)
     assert [s.effect for s in found.steps] == [] and found.unexplained is None
+
+
+def test_a_given_path_that_is_half_seen_is_judged_as_noise_as_well():
+    """Beside a slow noise the path takes some of that, too."""
+    rng, n, fs = np.random.default_rng(5), 60_000, 20.0
+    noise, slow, levels = WhiteNoise(N=2.8e-4), GaussMarkov(5.6e-5, 170.0), Telegraph(5.7e-4, 0.054)
+    x = noise.N * np.sqrt(fs) * rng.standard_normal(n)
+    flips = np.cumsum(rng.random(n) < -np.expm1(-levels.rate / fs))
+    x += levels.amplitude * (flips % 2) + slow.simulate(n, fs, rng)
+    found = analyse("gyro_x", x, fs, Sum((noise, slow, levels)), seed=1)
+    assert [s.effect for s in found.steps] == [] and found.unexplained is None

@@ -4,6 +4,8 @@ that are known to lie beyond a limit.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.fft import irfft, rfft
 from scipy.special import ndtr, ndtri
@@ -48,6 +50,21 @@ def _level(x, bad):
     return np.interp(np.arange(len(x)), (np.arange(k) + 0.5)[full] * m, total[full] / count[full])
 
 
+@dataclass(frozen=True)
+class _Side:
+    """Samples (`mask`) that are known only to lie beyond a `limit`: above it (`sign` 1) or below it
+    (-1).
+    """
+
+    mask: np.ndarray
+    limit: float
+    sign: float
+
+    def beyond(self, x):
+        """How far beyond the limit samples are; less than 0 where they are short of it."""
+        return self.sign * (x - self.limit)
+
+
 def impute(
     x, bad, smooth: Smooth, rng, *, above=None, below=None, iterations: int = 40
 ) -> np.ndarray:
@@ -56,10 +73,12 @@ def impute(
 
     `above` and `below` are (mask, limit): samples known only to lie beyond a limit.
     """
-    bad = bad.copy()
-    for side in (above, below):
-        if side is not None:
-            bad |= side[0]
+    sides = [
+        _Side(*side, sign)
+        for side, sign in ((above, 1.0), (below, -1.0))
+        if side is not None and side[0].any()
+    ]
+    bad = np.logical_or.reduce([bad, *(side.mask for side in sides)])
     wrong = np.flatnonzero(bad)
     out = np.array(x, float)
     if len(wrong) == 0:
@@ -72,9 +91,31 @@ def impute(
     draw = irfft(rfft(rng.standard_normal(size)) * np.sqrt(density), size)[: len(x)]
     residual = out - base - draw
     residual[wrong] = 0.0
+    v = _mean_given(residual, bad, inverse, iterations)
+    out[wrong] = base[wrong] + draw[wrong] + v
+    short = np.zeros(len(x), bool)
+    for side in sides:
+        short |= side.mask & (side.beyond(out) < 0)
+    if not short.any():
+        return out
+    if smooth.traces > COUPLED:
+        _drawn_together(out, base, inverse, sides, rng)
+        return out
+    sd = np.sqrt(smooth.conditional_variance)
+    for side in sides:
+        # given its neighbours a clipped sample is normal around their forecast, cut at the limit
+        at = np.flatnonzero(side.mask & short)
+        middle = base[at] + v[np.searchsorted(wrong, at)] + draw[at] - _own(draw, smooth, size, at)
+        out[at] = _cut_normal(middle, sd, side, rng)
+    return out
+
+
+def _mean_given(residual, bad, inverse, iterations: int) -> np.ndarray:
+    """Mean of the bad samples given the good ones (0 where they are bad) by conjugate gradients."""
+    wrong = np.flatnonzero(bad)
 
     def apply(v):
-        full = np.zeros(len(x))
+        full = np.zeros(len(residual))
         full[wrong] = v
         return _pull(full, inverse)[wrong]
 
@@ -93,40 +134,17 @@ def impute(
         r -= alpha * ap
         new = r @ r
         p, rr = r + new / rr * p, new
-    out[wrong] = base[wrong] + draw[wrong] + v
-    sides = [
-        (side, sign)
-        for side, sign in ((above, 1.0), (below, -1.0))
-        if side is not None and side[0].any()
-    ]
-    short = np.zeros(len(x), bool)
-    for side, sign in sides:
-        short |= side[0] & (sign * (out - side[1]) < 0)
-    if not short.any():
-        return out
-    if smooth.traces > COUPLED:
-        precision = irfft(inverse, size)[:LONGEST]
-        runs = [_runs(side[0]) for side, _ in sides]
-        for k in range(SWEEPS):
-            for (side, sign), (first, length) in zip(sides, runs):
-                _redraw(
-                    out,
-                    _pull(out - base, inverse),
-                    precision,
-                    first[k % 2 :: 2],
-                    length[k % 2 :: 2],
-                    side[1],
-                    sign,
-                    rng,
-                )
-        return out
-    sd = np.sqrt(smooth.conditional_variance)
-    for side, sign in sides:
-        # given its neighbours a clipped sample is normal around their forecast, cut at the limit
-        at = np.flatnonzero(side[0] & short)
-        middle = base[at] + v[np.searchsorted(wrong, at)] + draw[at] - _own(draw, smooth, size, at)
-        out[at] = _beyond(middle, sd, side[1], sign, rng)
-    return out
+    return v
+
+
+def _drawn_together(out, base, inverse, sides: list[_Side], rng):
+    """Clipped samples drawn anew in place, run by run, in turns."""
+    precision = irfft(inverse, 2 * (len(inverse) - 1))[:LONGEST]
+    runs = [_runs(side.mask) for side in sides]
+    for k in range(SWEEPS):
+        for side, (first, length) in zip(sides, runs):
+            some = first[k % 2 :: 2], length[k % 2 :: 2]
+            _redraw(out, _pull(out - base, inverse), precision, some, side, rng)
 
 
 def _pull(x, inverse):
@@ -142,43 +160,44 @@ def _runs(mask):
     return edge[::2], np.diff(edge)[::2]
 
 
-def _redraw(out, pull, precision, first, length, limit, sign, rng, *, draws: int = 64):
-    """Runs of clipped samples drawn together, in place, given all samples outside of each and that
-    it lies beyond the limit.
+def _redraw(out, pull, precision, runs, side: _Side, rng, *, draws: int = 64):
+    """Runs (first samples, lengths) of clipped samples drawn together, in place, given all samples
+    outside of each and that it lies beyond the limit.
 
     `pull` is what the inverse covariance, of which `precision` is the first row, makes of `out`.
     """
+    first, length = runs
     for size in np.unique(length):
         at = first[length == size][:, None] + np.arange(size)
         if size > len(precision):  # a level of its own
-            out[at] = np.where(sign * (out[at] - limit) < 0, limit, out[at])
+            out[at] = np.where(side.beyond(out[at]) < 0, side.limit, out[at])
             continue
         own = precision[np.abs(np.subtract.outer(np.arange(size), np.arange(size)))]
         cov = np.linalg.inv(own)
         middle = out[at] - pull[at] @ cov
         root = np.linalg.cholesky(0.5 * (cov + cov.T))
         trial = middle + rng.standard_normal((draws, *at.shape)) @ root.T
-        over = np.min(sign * (trial - limit), axis=2)  # shape (draws, runs)
+        over = np.min(side.beyond(trial), axis=2)  # shape (draws, runs)
         new = trial[np.argmax(over >= 0, axis=0), np.arange(len(at))]
         none = ~(over >= 0).any(axis=0)
         if none.any():  # one sample after the other, many times
-            part = np.where(sign * (new[none] - limit) < 0, limit, new[none])
+            part = np.where(side.beyond(new[none]) < 0, side.limit, new[none])
             for _ in range(60):
                 for j in range(size):
                     centre = part[:, j] - (part - middle[none]) @ own[j] / own[j, j]
-                    part[:, j] = _beyond(centre, 1 / np.sqrt(own[j, j]), limit, sign, rng)
+                    part[:, j] = _cut_normal(centre, 1 / np.sqrt(own[j, j]), side, rng)
             new[none] = part
         out[at] = new
 
 
-def _beyond(middle, sd, limit, sign, rng):
+def _cut_normal(middle, sd, side: _Side, rng):
     """Normal numbers about `middle`, shape (n,), of standard deviation `sd`, that lie beyond the
     limit.
     """
-    a = sign * (limit - middle) / sd
+    a = -side.beyond(middle) / sd
     tail = ndtr(-a)
     z = np.where(tail > 1e-12, -ndtri(np.maximum(rng.random(len(middle)) * tail, 1e-300)), a)
-    return np.where(z < a, limit, middle + sign * sd * z)
+    return np.where(z < a, side.limit, middle + side.sign * sd * z)
 
 
 def _own(draw, smooth, size, at):
