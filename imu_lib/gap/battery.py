@@ -14,16 +14,6 @@ import numpy as np
 from numba import njit
 from scipy.fft import rfft
 
-DOMAINS = (
-    "psd",
-    "lines",
-    "allan",
-    "autocorrelation",
-    "distribution",
-    "mean",
-    "variance",
-    "temperature",
-)
 #: Bands of equal width that the range up to half the sampling rate is divided into, for the
 #: spectrum and its lines.
 BANDS = 64

@@ -94,13 +94,7 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     kept = {c: x for c, x in masked.channels.items() if c not in left_out}
     if not kept:
         raise InputError(_nothing(record, left_out))
-    bursts = any(f.kind == "burst" for f in findings)
-    if masked.n < (LEAST_BURSTS if bursts else LEAST):
-        of = "" if masked.n == record.n else f" of {record.n:,} are left without faults and"
-        raise InputError(
-            f"{_name(record)}: {masked.n:,} samples{of} are too few; the gap workflow needs {LEAST} "
-            "or more."
-        )
+    _enough(masked.n, record, findings)
     masked = replace(masked, channels=kept)
     held = {p.name for p in model.record} if model is not None else set()
     clock, doubt = _clock(whole, sound, model, findings)
@@ -110,14 +104,6 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     processes = tuple(
         from_json({"process": s.effect, **s.parameters}, on_record=True) for s in steps
     )
-    notes = [f"{c} {why}; it is left out." for c, why in left_out.items()]
-    notes += sound.notes
-    if sound.start > 0:
-        notes.append(
-            f"Times of what follows count from {seconds(sound.start)} s (as with --start "
-            f"{seconds(sound.start)} --stop {seconds(sound.stop)}), those of drop-outs, "
-            "disturbances and tilts from the first sample."
-        )
     return Ready(
         masked,
         sound.start,
@@ -125,10 +111,32 @@ def ready(record: Record, model: Model | None = None) -> Ready:
         tuple(steps),
         processes,
         left_out,
-        tuple(notes),
+        tuple(_notes(left_out, sound)),
         doubt,
         findings,
     )
+
+
+def _enough(n: int, record: Record, findings) -> None:
+    """Raises where `n` samples are too few."""
+    bursts = any(f.kind == "burst" for f in findings)
+    if n < (LEAST_BURSTS if bursts else LEAST):
+        of = "" if n == record.n else f" of {record.n:,} are left without faults and"
+        raise InputError(
+            f"{_name(record)}: {n:,} samples{of} are too few; the gap workflow needs {LEAST} or more."
+        )
+
+
+def _notes(left_out: dict[str, str], sound) -> list[str]:
+    """What was left out or cut, in sentences."""
+    notes = [f"{c} {why}; it is left out." for c, why in left_out.items()] + list(sound.notes)
+    if sound.start > 0:
+        notes.append(
+            f"Times of what follows count from {seconds(sound.start)} s (as with --start "
+            f"{seconds(sound.start)} --stop {seconds(sound.stop)}), those of drop-outs, "
+            "disturbances and tilts from the first sample."
+        )
+    return notes
 
 
 def _name(record: Record) -> str:

@@ -173,6 +173,17 @@ def _flips(rate: float, step: float) -> float:
     return float(0.5 * -np.expm1(-2 * rate * step))
 
 
+def _in_means(x: Array, fs: float, start: Telegraph, density: float) -> tuple[Array, int]:
+    """The record in means less the middle between its levels, and the samples in each: a small part
+    of a dwell, and no longer than it takes to see on which level the signal is.
+    """
+    seen = 2.0 * density * fs / start.amplitude**2
+    q = int(max(1, min(round(fs / (12 * start.rate)), seen, len(x) // 64)))
+    k = len(x) // q
+    y = x[: k * q].reshape(k, q).mean(axis=1)
+    return y - 0.5 * (np.quantile(y, 0.1) + np.quantile(y, 0.9)), q
+
+
 def decoded(
     x: Array,
     fs: float,
@@ -198,14 +209,8 @@ def decoded(
     fixed : bool
         Their distance and their rate stay as they start.
     """
-    # a step is a small part of a dwell, and no longer than it takes to see on which level the
-    # signal is
-    seen = 2.0 * density * fs / start.amplitude**2
-    q = int(max(1, min(round(fs / (12 * start.rate)), seen, len(x) // 64)))
-    k = len(x) // q
-    y = x[: k * q].reshape(k, q).mean(axis=1)
-    y = y - 0.5 * (np.quantile(y, 0.1) + np.quantile(y, 0.9))
-    var = density * fs / q
+    y, q = _in_means(x, fs, start, density)
+    k, var = len(y), density * fs / q
     a, rate, middle, drift = start.amplitude, start.rate, 0.0, np.zeros(k)
     gain = None if drift_gain is None else drift_gain(2 * k, fs / q)[:k]
     waves = _cosines(y)

@@ -17,8 +17,6 @@ from imu_lib.processes import Quantization, Sum
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests,
 #: benchmarks/gap_null.py).
 LIMIT = -5.0
-
-
 #: Effects on single samples or their level: beside one of these what is left of the distribution
 #: speaks against that name, however small it is.
 OF_SAMPLES = (
@@ -29,8 +27,6 @@ OF_SAMPLES = (
     "stuck",
     "wandering_level",
 )
-
-
 #: Those of them that may be what makes the distribution uneven: the others leave it as even as it
 #: was.
 ONE_SIDED = ("saturation", "spikes", "stuck")
@@ -147,20 +143,23 @@ def bias(state) -> list[Check]:
         )
     )
     if curves.shape[1]:
-        # beyond what a straight line on the temperature, and the drifts that are there, explain
-        known, _ = np.linalg.qr(e[:, 1 : own + 1])
-        bent = e[:, own + 1 :] - known @ (known.T @ e[:, own + 1 :])
-        basis, _ = np.linalg.qr(bent)
-        left = r - known @ (known.T @ r)
-        gain = float(np.sum((basis.T @ left) ** 2))
-        out.append(
-            Check(
-                "temperature",
-                float(chi2.logsf(gain, curves.shape[1] - 1) / np.log(10)),
-                f"regression on the temperature between {data.temperature.min():.1f} and {data.temperature.max():.1f} degC: it is no straight line",
-            )
-        )
+        out.append(_bent(r, e[:, 1 : own + 1], e[:, own + 1 :], data))
     return out
+
+
+def _bent(r, known, curves, data) -> Check:
+    """The regression on the temperature: what the `curves` explain of `r` beyond what is `known`, a
+    straight line on it and the drifts that are there.
+    """
+    basis, _ = np.linalg.qr(known)
+    bent, _ = np.linalg.qr(curves - basis @ (basis.T @ curves))
+    gain = float(np.sum((bent.T @ (r - basis @ (basis.T @ r))) ** 2))
+    low, high = data.temperature.min(), data.temperature.max()
+    return Check(
+        "temperature",
+        float(chi2.logsf(gain, curves.shape[1]) / np.log(10)),
+        f"regression on the temperature between {low:.1f} and {high:.1f} degC: it is no straight line",
+    )
 
 
 def _curves(data) -> np.ndarray:
@@ -277,9 +276,9 @@ def checks(
     state, rest, y, smooth, *, coarse_steps: bool = False, as_noise=lambda state: state
 ) -> list[Check]:
     """All tests; `rest` is what the state leaves of the samples as noise, `y` its fast part,
-    whitened by `smooth`.
-    `coarse_steps`: the output is rounded so
-    coarsely that its distribution is no longer normal."""
+    whitened by `smooth`. `coarse_steps`: it is rounded so coarsely that it is no longer normal;
+    `as_noise` gives a state with the paths that were taken out as noise.
+    """
     second = as_noise(_second_order(state))
     slow_checks = bias(state)
     if second is not state:  # of a path that is half seen both descriptions are approximate

@@ -12,7 +12,7 @@ from imu_lib.errors import InputError
 
 from .autoregressive import Autoregressive
 from .base import NAMED, POSITIVE_KINDS, Parameter, Process, StateSpace
-from .deterministic import Constant, Ramp, Sinusoid, Step, Temperature, WarmUp
+from .deterministic import Constant, Ramp, Sinusoid, Step, WarmUp
 from .faults import Disturbance, Dropout, Tilt
 from .flicker import FLAT, Flicker
 from .gauss_markov import GaussMarkov, GaussMarkov2
@@ -24,6 +24,7 @@ from .stage import Stage
 from .stages import NoiseLevelChange, Resolution, Saturation, Spikes, Stuck
 from .sum import Sum
 from .telegraph import Telegraph
+from .temperature import Temperature
 from .vibration import Vibration
 from .walk import RandomWalk
 from .wandering_level import WanderingLevel

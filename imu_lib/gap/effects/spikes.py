@@ -47,10 +47,10 @@ def mixture(y):
     weight = cut / max(len(near), 1)
 
     def loss(v):
-        p, a = 1 / (1 + np.exp(-v[0])), np.exp(2 * v[1])
+        none, one, a = -np.logaddexp(0.0, v[0]), -np.logaddexp(0.0, -v[0]), np.exp(2 * v[1])
 
         def ll(z):
-            return np.logaddexp(np.log1p(-p), np.log(p) - 0.5 * np.log1p(a) + 0.5 * z * a / (1 + a))
+            return np.logaddexp(none, one - 0.5 * np.log1p(a) + 0.5 * z * a / (1 + a))
 
         return -(ll(far).sum() + weight * ll(near).sum())
 
