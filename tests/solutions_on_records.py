@@ -6,12 +6,14 @@ import json
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, linregress, norm, t
+from scipy.stats import binomtest, chi2, linregress, norm, t
 
 import imu_lib as imu
 from conftest import ROOT
-from imu_lib import calibration, datasets, likelihood, published, timing, units, wavelet
+from imu_lib import allan, calibration, datasets, likelihood, published, timing, units, wavelet
 from imu_lib.fleet.spread import of_units
+from imu_lib.gap.effects.noise_level_change import unsteady
+from imu_lib.gap.verdict import distribution
 from imu_lib.processes import RandomWalk, Sinusoid, WhiteNoise
 
 
@@ -213,3 +215,67 @@ def fleet_few():
         found = of_units(c, 0.99 * c, 1.01 * c)
         above[units_] = found.worst / found.typical.value
     assert 1.3 < above[10] < 1.7 and above[4] > 1.5 * above[10]
+
+
+def gap_1():
+    """What alters single samples hardly moves the Allan curve, and changes which values occur."""
+    x = rng(31).standard_normal(100_000)
+    frozen = x.copy()
+    at = np.flatnonzero(rng(32).random(x.size) < 0.005)
+    frozen[np.minimum(at + 1, x.size - 1)] = x[at]
+    thrown = x + (rng(33).random(x.size) < 2e-4) * 15.0 * rng(34).standard_normal(x.size)
+    altered = (np.round(x / 0.6) * 0.6, np.clip(x, -2.4, 2.4), frozen, thrown)
+    values = (
+        lambda y: np.unique(y).size / y.size,
+        lambda y: np.abs(y).max(),
+        lambda y: np.mean(np.diff(y) == 0),
+        lambda y: np.abs(y).max(),
+    )
+    curve = allan.deviation(x, 100.0).adev
+    for y, value in zip(altered, values):
+        moved = np.abs(allan.deviation(y, 100.0).adev / curve - 1)
+        assert np.median(moved) < 0.03
+        before, after = value(x), value(y)
+        assert after < 0.7 * before or after > before + 0.004, (before, after)
+
+
+def gap_3():
+    """The gain of a jump goes with the product of both durations over their sum."""
+    n, noise = 1800, rng(35).standard_normal(1800)
+    gains = []
+    for time in (710, 1700):
+        y = noise + 3.0 * (np.arange(n) >= time)
+        parts = y[:time], y[time:]
+        gain = 0.5 * (y.var() * n - sum(p.var() * p.size for p in parts))
+        assert abs(gain / (0.5 * 9.0 * time * (n - time) / n) - 1) < 0.1
+        gains.append(gain)
+    assert gains[1] < 0.3 * gains[0] and 0.6 * n < 1700
+
+
+def gapscore_3():
+    """An hour at 100 Hz shows a per cent of bend or of swelling, and seldom a thousandth."""
+    t = np.arange(360_000) / 100.0
+    seen = {}
+    for depth in (0.01, 0.001):
+        found = []
+        for k in range(4):
+            x = rng([36, k]).standard_normal(t.size)
+            bent = x + depth * (x * x - 1)
+            swelling = x * (1 + depth * np.sin(2 * np.pi * t / 600.0))
+            found.append(min(check.log_p for check in distribution(bent)) < -4)
+            found.append(unsteady(swelling, 100.0)[0] < -4)
+        seen[depth] = np.mean(found)
+    assert seen[0.01] > 0.5 > seen[0.001]
+
+
+def fleet_cover():
+    """The share of intervals that hold, with its interval: 95 per cent lies inside."""
+    truth, held = {"N": 2e-4, "K": 1e-5}, []
+    model = WhiteNoise(N=truth["N"]) + RandomWalk(K=truth["K"])
+    for k in range(40):
+        found = likelihood.fit(
+            model.simulate(18_000, 20.0, rng([37, k])), 20.0, WhiteNoise() + RandomWalk()
+        )
+        held += [found[name].covers(value) for name, value in truth.items()]
+    low, high = binomtest(int(np.sum(held)), len(held)).proportion_ci(0.95)
+    assert low < 0.95 < high

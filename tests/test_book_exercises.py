@@ -32,7 +32,7 @@ from imu_lib.processes import (
 )
 
 #: Exercises whose solution is an argument in words, or needs a drive or a record that a test has not.
-IN_WORDS = {"ex-gapreal-2", "ex-gapreal-3", "ex-gapscore-3", "ex-gap-1", "ex-gap-3", "fleet-cover"}
+IN_WORDS = {"ex-gapreal-2", "ex-gapreal-3"}
 #: Those in test_book_exercises_motion.
 ELSEWHERE = {
     "ex-interval-2", "ex-interval-3", "ex-level-2", "ex-level-3", "ex-filter-2", "ex-filter-3",
@@ -223,7 +223,7 @@ def acf_3():
 SOLVED = {
     name: check
     for name, check in [*globals().items(), *vars(solutions_on_records).items()]
-    if re.fullmatch(r"(?!test_)[a-z_]+_([123]|short|few)", name) and callable(check)
+    if re.fullmatch(r"(?!test_)[a-z_]+_([123]|short|few|cover)", name) and callable(check)
 }
 
 
