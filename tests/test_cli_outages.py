@@ -58,7 +58,7 @@ def test_late_stamps_are_told_and_the_remedy_works(tmp_path, drive, capsys):
     assert flags[0] == "--latency" and float(flags[1]) == pytest.approx(0.5, abs=0.04)
     after = run(tmp_path, late, *flags)
     assert not any("--latency" in n for n in after["notes"])
-    assert max(_errors(after)) < 0.5 * min(_errors(before))
+    assert np.mean(_errors(after)) < 0.5 * np.mean(_errors(before))
 
 
 def test_a_model_file_says_what_is_held_of_the_drive(tmp_path, drive):
@@ -169,3 +169,12 @@ def test_every_flag_of_the_drive_is_taken(tmp_path, drive):
     )["models"]["18AV"]
     assert "speed_scale scale" in known["estimates"] and "accel_scale z" in known["estimates"]
     assert np.median(known["against"]["reference"]["max"]) < np.median(plain)
+
+
+def test_a_bias_left_at_switch_on_is_kept_by_a_model_that_forgets(tmp_path, drive):
+    # a Gauss-Markov process forgets it in minutes, an autoregressive one in seconds: 27AR then
+    # rejected 44 % of the velocities of a drive with nothing wrong, and was not ranked
+    biased = drive.with_(accel=drive.accel + 0.2, gyro=drive.gyro + 0.1 * DEG)
+    model = run(tmp_path, biased, "--models", "15AV")["models"]["15AV"]
+    assert model["states"] == 21 and model["ranked"]
+    assert model["nis"] < 1.3

@@ -105,7 +105,7 @@ def test_velocities_of_another_solution_do_not_hide_the_axes():
 def test_two_effects_are_found_named_and_added(tmp_path):
     drive = made(
         7, [("gnss_time_offset", {"offset": 0.2}), ("accel_scale", {"scale": [0.03, 0.0, 0.0]})],
-        duration=300.0,
+        duration=240.0,
     )  # fmt: skip
     found = gap_drive.close(drive, MODEL)
     names = {s["effect"] for s in found.steps}

@@ -6,7 +6,7 @@ import pytest
 
 from imu_lib.drive import from_arrays
 from imu_lib.errors import InputError
-from imu_lib.gap.drive import admission, steps
+from imu_lib.gap.drive import admission, left
 from imu_lib.health.driven import disagreements
 from imu_lib.navigation import gross
 
@@ -68,6 +68,6 @@ def test_fixes_are_found_that_are_most_of_a_minute_late():
 def test_a_noise_that_no_sensor_has_is_said():
     parameters = {"channel": "gyro_x", "process": "white_noise", "name": "N", "from": 1e-4}
     found = [{"effect": "bias_model", "parameters": {**parameters, "to": 2e-3}}]
-    assert steps.absurd(found) is None
+    assert left.absurd(found) is None
     found[0]["parameters"]["to"] = 2e-2
-    assert "200 times" in steps.absurd(found)
+    assert "200 times" in left.absurd(found)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from imu_lib.cli import gap_drive as told
 from imu_lib.drive import from_arrays
 from imu_lib.errors import InputError
-from imu_lib.gap.drive import admission, columns, evidence, posterior, select
+from imu_lib.gap.drive import admission, columns, evidence, left, posterior, select
 from imu_lib.health.driven import disagreements
 from imu_lib.navigation import gross, windows
 
@@ -139,3 +139,29 @@ def test_a_finding_says_who_is_late():
     assert "0.2 s early" in told.sentence(step) and "after t" in told.sentence(step)
     unseen = ({"effect": "accel_scale", "parameter": f"scale {a}"} for a in "yz")
     assert told._unseen(unseen) == ["accel_scale (y z)"]
+
+
+def test_the_delay_of_a_smoothed_velocity_is_no_time_offset():
+    kept = ("gnss_time_offset", left.SMOOTHED)
+    index = [i for e in kept for i in select.GROUPS[e]]
+
+    def held(position, velocity):
+        x = np.array([position, velocity, *[0.5] * (len(index) - 2)])
+        reg = SimpleNamespace(solve=lambda i: (x, 1e-4 * np.eye(len(index)), 0.0))
+        return left.smoothed_delay(SimpleNamespace(kept=kept, reg=reg))
+
+    assert held(0.01, 0.4) == 0.4
+    assert held(0.2, 0.4) is None  # the positions are late too: the stamps are
+
+
+def test_a_parameter_whose_usual_size_would_not_be_named_is_listed():
+    count = len(columns.ALL)
+    x, y, _ = columns.of("accel_scale")
+    information = np.zeros((count, count))
+    # what 0.03 promises: 3 nats along x, 60 along y
+    information[x, x], information[y, y] = 2 * 3.0 / 0.03**2, 2 * 60.0 / 0.03**2
+    reg = select.Regression(information, np.zeros(count), 1.0, 1000)
+    state = SimpleNamespace(reg=reg, kept=(), use=np.ones((9, 6), bool))
+    turned = np.zeros(3), np.full(3, 0.001)
+    listed = {(u["effect"], u["parameter"]) for u in left.invisible(state, turned)}
+    assert ("accel_scale", "scale x") in listed and ("accel_scale", "scale y") not in listed

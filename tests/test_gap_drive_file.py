@@ -19,7 +19,7 @@ ANGLES = {"roll": 0.03, "pitch": -0.1, "yaw": 0.4}  # rad: the arm is elsewhere 
 @pytest.fixture(scope="module")
 def drive():
     effects = [("mounting", ANGLES), ("lever_arm", {"arm": ARM})]
-    return from_arrays(generator.make(31, effects=effects, duration=400.0), "turned")
+    return from_arrays(generator.make(31, effects=effects, duration=300.0), "turned")
 
 
 @pytest.fixture(scope="module")

@@ -10,13 +10,14 @@ from imu_lib.gap.drive import (
     admission,
     alone,
     columns,
+    left,
     path,
     posterior,
+    prune,
     random_effects,
     readings,
     search,
     select,
-    steps,
 )
 from imu_lib.gap.drive.problem import Noise
 from imu_lib.gap.drive.state import Change
@@ -56,7 +57,7 @@ def test_start_from_noisy_positions():
 
 def test_noise_is_found_before_it_looks_like_effects():
     effects = [("gnss_noise", {"ratio": 2.5, "of": "position"})]
-    drive = made(52000, effects, velocity=False, gnss_rate=2.0)
+    drive = made(52000, effects, velocity=False, gnss_rate=2.0, duration=180.0)
     found = gap_drive.close(drive, MODEL, judge=False)
     assert [s["effect"] for s in found.steps] == ["gnss_noise"]
     low, high = found.steps[0]["intervals"]["ratio"]
@@ -107,7 +108,7 @@ def test_no_scale_factor_of_a_quarter():
     ids=["1 Hz, a gap, stops", "started in motion, tunnels", "leaning, a sky that changes"],
 )
 def test_nothing_is_found_where_nothing_is_hidden(options):
-    found = gap_drive.close(made(77, duration=200.0, **options), MODEL, judge=False)
+    found = gap_drive.close(made(77, duration=150.0, **options), MODEL, judge=False)
     assert not [s for s in found.steps if s["confidence"] >= 0.9]
     assert 0.8 < found.after.nis < 1.2
 
@@ -160,7 +161,7 @@ def test_a_strong_vibration_is_screened():
 
 def test_mounting_angles_that_are_not_seen_are_said():
     turned = np.radians([1.0, 0.5, 3.0]), np.radians([1.2, 0.4, 3.5])
-    unseen = steps._angles_unseen(turned)
+    unseen = left._angles_unseen(turned)
     assert [u["parameter"] for u in unseen] == ["yaw"]
     assert unseen[0]["upper_limit"] == pytest.approx(np.radians(3.0 + 1.96 * 3.5))
 
@@ -215,7 +216,7 @@ def test_noises_that_only_make_up_for_each_other_leave_together():
         state.changes.append(Change(change, values, 10.0, state.noise))
         state.noise = change.enter(state.noise, values)
     state.weigh()
-    search._prune(state, lambda text: None)
+    prune.noises(state, lambda text: None)
     assert not state.changes
 
 

@@ -77,7 +77,13 @@ def models(args, names, drive, arm):
     known = tuple(n for n in bases if n not in more)
     made = {
         **models.five(
-            base, static=static, rate=drive.rate, names=known, causal=args.causal, **options
+            base,
+            static=static,
+            rate=drive.rate,
+            names=known,
+            causal=args.causal,
+            constant=True,
+            **options,
         ),
         **more,
     }

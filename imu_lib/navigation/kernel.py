@@ -5,6 +5,8 @@ that moment run on without fixes. All the filter knows at a moment is in `struct
 in place.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -17,6 +19,34 @@ __all__ = ["POSITION", "RECOVERED", "REJECTED_POSITION", "REJECTED_VELOCITY", "V
 AVERAGE = 0.2  # s over which motion is averaged for the rows of the measurements' states
 
 
+class Body(NamedTuple):
+    """Motion over an interval: before (3,) velocity at its begin, middle (3, 3) mean attitude, force (3,)
+    specific force NED, spin (3,) turn rate, motion (3, 3) acceleration of the interval, its average and
+    the turn rate's over the last tenths of a second.
+    """
+
+    before: np.ndarray
+    middle: np.ndarray
+    force: np.ndarray
+    spin: np.ndarray
+    motion: np.ndarray
+
+
+class Work(NamedTuple):
+    """Of an interval: f, a, f2 (9, 9), d (9, 6) of `covariance.fill_transition`, weight (m,) of the sensor
+    states, white (6,) densities, x_new (m,); room to propagate in.
+    """
+
+    f: np.ndarray
+    a: np.ndarray
+    d: np.ndarray
+    f2: np.ndarray
+    weight: np.ndarray
+    white: np.ndarray
+    x_new: np.ndarray
+    room: Room
+
+
 @njit(cache=True, nogil=True)
 def run(begin, end, state, imu, sensors, fixes, speeds, how, logs, nodes, smooth):
     """Epochs begin+1 .. end (epoch k ends interval k-1 of `imu`); epoch `begin` is the state given.
@@ -25,116 +55,146 @@ def run(begin, end, state, imu, sensors, fixes, speeds, how, logs, nodes, smooth
     written. nodes' prior, phi and dx are for the smoother.
     """
     nav, x, p, road = state
-    dt, dtheta, dvel, extra_noise = imu
-    log, sd_log, driver, white_rest, white_speed = (
-        logs.nav,
-        logs.sd,
-        sensors.driver,
-        sensors.white,
-        sensors.white_speed,
-    )
-    fix_epoch, speed_epoch, node_epoch = fixes.epoch, speeds.epoch, nodes.epoch
-    m = x.size
-    n = 9 + m
-    c, middle, cv = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    f, a, d, f2 = np.empty((9, 9)), np.empty((9, 9)), np.empty((9, 6)), np.empty((9, 9))
-    room = Room(
-        np.empty((9, 9)), np.empty((9, m)), np.empty((6, m)), np.empty((9, 6)), np.empty((m, m))
-    )
+    m, n = x.size, 9 + x.size
+    c, cv, turn, push = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3)
+    body, work = _body(), _work(m, sensors)
     pieces = Pieces(np.empty((9, 9)), np.empty((9, m)), np.empty((m, m)))
     unpack(p, pieces)
-    nn = pieces.nn
     h, h6 = np.empty(n), np.empty((6, n))
-    gain, ph, dx, total = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    weight, white, x_new = sensors.output.copy(), sensors.white.copy(), np.empty(m)
-    turn, push, force, spin = np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
-    motion, v_before = np.zeros((3, 3)), np.empty(3)
-    phi = np.eye(n)
-    rejected = np.zeros(2, np.int64)
-    tail = sensors.first[6]
-    driven, moving = (driver >= 0).any(), (white_speed > 0.0).any()
-    fix = np.searchsorted(fix_epoch, begin, side="right")
-    speed_fix = np.searchsorted(speed_epoch, begin, side="right")
-    node = np.searchsorted(node_epoch, begin, side="right")
+    gain, ph, dx, total, phi = np.empty(n), np.empty(n), np.empty(n), np.zeros(n), np.eye(n)
+    rejected, tail = np.zeros(2, np.int64), sensors.first[6]
+    driven, moving = (sensors.driver >= 0).any(), (sensors.white_speed > 0.0).any()
+    fix = np.searchsorted(fixes.epoch, begin, side="right")
+    speed_fix = np.searchsorted(speeds.epoch, begin, side="right")
+    node = np.searchsorted(nodes.epoch, begin, side="right")
     attitude.fill_matrix(nav[6:10], c)
     measurement.fill_mounting_now(how, x, cv)
     for k in range(begin, end):
-        step, epoch, row = dt[k], k + 1, k - begin
-        correct(dtheta[k], dvel[k], step, x, sensors, driven, weight, turn, push)
-        for i in range(3):
-            v_before[i] = nav[3 + i]
-            for j in range(3):
-                middle[i, j] = c[i, j]
-        strapdown.step(nav[0:3], nav[3:6], nav[6:10], c, turn, push, nav[10:13], nav[13:16], step)
-        share = min(step / AVERAGE, 1.0)
-        for i in range(3):
-            nav[10 + i], nav[13 + i] = turn[i], push[i]
-            motion[0, i] = (nav[3 + i] - v_before[i]) / step
-            motion[1, i] += share * (motion[0, i] - motion[1, i])
-            motion[2, i] += share * (spin[i] - motion[2, i])  # without the noise of this interval
-            spin[i] = turn[i] / step
-            for j in range(3):
-                middle[i, j] = 0.5 * (middle[i, j] + c[i, j])
-        for i in range(3):
-            force[i] = (
-                middle[i, 0] * push[0] + middle[i, 1] * push[1] + middle[i, 2] * push[2]
-            ) / step
-        covariance.fill_dynamics(nav[0:3], nav[3:6], force, f)
-        covariance.fill_transition(f, middle, step, a, d, f2)
-        if moving:
-            square = nav[3] ** 2 + nav[4] ** 2 + nav[5] ** 2
-            for i in range(6):
-                white[i] = white_rest[i] + white_speed[i] * square
-        noise = 0.5 * step * extra_noise[k]
-        covariance.add_white(nn, middle, white, noise)
-        covariance.propagate(pieces, room, a, d, weight, sensors)
-        covariance.add_white(nn, middle, white, noise)
-        carry(x, x_new, sensors)
+        step, epoch = imu.dt[k], k + 1
+        correct(imu.dtheta[k], imu.dvel[k], step, x, sensors, driven, work.weight, turn, push)
+        _move(nav, c, turn, push, step, body)
+        _spread(nav, x, pieces, body, (step, imu.extra_noise[k], moving), sensors, work)
+        at_node = node < nodes.epoch.size and nodes.epoch[node] == epoch
         if smooth:
-            accumulate(phi, a, d, weight, sensors)
+            accumulate(phi, work.a, work.d, work.weight, sensors)
             zero(total)
-            if node < node_epoch.size and node_epoch[node] == epoch:
+            if at_node:
                 pack(pieces, nodes.prior[node])
-        while fix < fix_epoch.size and fix_epoch[fix] <= epoch:
-            moment = (c, cv, spin, motion, white, step)
-            used = take_fix(
+        while fix < fixes.epoch.size and fixes.epoch[fix] <= epoch:
+            moment = (c, cv, body.spin, body.motion, work.white, step)
+            if take_fix(
                 nav, x, pieces, how, tail, fixes, fix, moment, rejected, h6, gain, ph, dx, logs
-            )
-            if used:
+            ):
                 measurement.apply(nav, x, dx)
                 attitude.fill_matrix(nav[6:10], c)
                 if how.at[MOUNTING] >= 0:
                     measurement.fill_mounting_now(how, x, cv)
-                if smooth:
-                    add(total, dx)
+                add(total, dx)
                 constraint.learn(nav, c, how, road)
             fix += 1
-        while speed_fix < speed_epoch.size and speed_epoch[speed_fix] <= epoch:
+        while speed_fix < speeds.epoch.size and speeds.epoch[speed_fix] <= epoch:
             measurement.take_speed(nav, x, pieces, how, tail, speeds, speed_fix, h, gain, ph, dx)
             attitude.fill_matrix(nav[6:10], c)
-            if smooth:
-                add(total, dx)
+            add(total, dx)
             speed_fix += 1
         if constraint.due(nav, how, road, epoch):
-            constraint.use(nav, x, c, pieces, how, tail, road, spin, h, gain, ph, dx)
-            if smooth:
-                add(total, dx)
-        copy(nav, log[row])
-        for i in range(9):
-            sd_log[row, i] = np.sqrt(nn[i, i])
-        sd_log[row, 9] = nn[0, 1]
-        if node < node_epoch.size and node_epoch[node] == epoch:
-            copy(x, nodes.x[node])
-            copy(road, nodes.road[node])
-            pack(pieces, nodes.p[node])
-            if smooth:
-                copy(total, nodes.dx[node])
-                for i in range(n):
-                    for j in range(n):
-                        nodes.phi[node, i, j] = phi[i, j]
-                        phi[i, j] = 1.0 if i == j else 0.0
+            constraint.use(nav, x, c, pieces, how, tail, road, body.spin, h, gain, ph, dx)
+            add(total, dx)
+        _log(nav, pieces.nn, logs, k - begin)
+        if at_node:
+            _keep(x, road, pieces, total, phi, nodes, node, smooth)
             node += 1
     pack(pieces, p)
+
+
+@njit(cache=True)
+def _body():
+    return Body(np.empty(3), np.empty((3, 3)), np.empty(3), np.zeros(3), np.zeros((3, 3)))
+
+
+@njit(cache=True)
+def _work(m, sensors):
+    room = Room(
+        np.empty((9, 9)), np.empty((9, m)), np.empty((6, m)), np.empty((9, 6)), np.empty((m, m))
+    )
+    return Work(
+        np.empty((9, 9)), np.empty((9, 9)), np.empty((9, 6)), np.empty((9, 9)),
+        sensors.output.copy(), sensors.white.copy(), np.empty(m), room,
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _move(nav, c, turn, push, step, body):
+    """The strapdown over one interval, and what the measurements take of the motion."""
+    middle, spin, motion = body.middle, body.spin, body.motion
+    for i in range(3):
+        body.before[i] = nav[3 + i]
+        for j in range(3):
+            middle[i, j] = c[i, j]
+    strapdown.step(nav[0:3], nav[3:6], nav[6:10], c, turn, push, nav[10:13], nav[13:16], step)
+    share = min(step / AVERAGE, 1.0)
+    for i in range(3):
+        nav[10 + i], nav[13 + i] = turn[i], push[i]
+        motion[0, i] = (nav[3 + i] - body.before[i]) / step
+        motion[1, i] += share * (motion[0, i] - motion[1, i])
+        motion[2, i] += share * (spin[i] - motion[2, i])  # without the noise of this interval
+        spin[i] = turn[i] / step
+        for j in range(3):
+            middle[i, j] = 0.5 * (middle[i, j] + c[i, j])
+    for i in range(3):
+        body.force[i] = (
+            middle[i, 0] * push[0] + middle[i, 1] * push[1] + middle[i, 2] * push[2]
+        ) / step
+
+
+@njit(cache=True)
+def _spread(nav, x, pieces, body, interval, sensors, work):
+    """Covariance and sensor states over one interval: its length s, the factor of its noise, and
+    whether some of that follows the speed.
+    """
+    step, extra, moving = interval
+    covariance.fill_dynamics(nav[0:3], nav[3:6], body.force, work.f)
+    covariance.fill_transition(work.f, body.middle, step, work.a, work.d, work.f2)
+    if moving:
+        square = nav[3] ** 2 + nav[4] ** 2 + nav[5] ** 2
+        for i in range(6):
+            work.white[i] = sensors.white[i] + sensors.white_speed[i] * square
+    noise = 0.5 * step * extra
+    covariance.add_white(pieces.nn, body.middle, work.white, noise)
+    covariance.propagate(pieces, work.room, work.a, work.d, work.weight, sensors)
+    covariance.add_white(pieces.nn, body.middle, work.white, noise)
+    carry(x, work.x_new, sensors)
+
+
+@njit(cache=True)
+def _log(nav, nn, logs, row):
+    """What the filter says at an epoch."""
+    copy(nav, logs.nav[row])
+    for i in range(9):
+        logs.sd[row, i] = np.sqrt(nn[i, i])
+    logs.sd[row, 9] = nn[0, 1]
+
+
+@njit(cache=True)
+def _keep(x, road, pieces, total, phi, nodes, node, smooth):
+    """What the filter knows at a node."""
+    copy(x, nodes.x[node])
+    copy(road, nodes.road[node])
+    pack(pieces, nodes.p[node])
+    if smooth:
+        copy(total, nodes.dx[node])
+        copy_square(phi, nodes.phi[node])
+        for i in range(phi.shape[0]):
+            for j in range(phi.shape[0]):
+                phi[i, j] = 1.0 if i == j else 0.0
+
+
+@njit(cache=True)
+def copy_square(given, out):
+    """A square matrix into another."""
+    for i in range(given.shape[0]):
+        for j in range(given.shape[0]):
+            out[i, j] = given[i, j]
 
 
 @njit(cache=True, inline="always")

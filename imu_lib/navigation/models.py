@@ -113,6 +113,7 @@ def five(
     names=NAMES,
     causal=False,
     turn_on_sd=(0.0, 0.0),
+    constant=False,
     rng=None,
 ) -> dict:
     """The paper's models as filter models, by name.
@@ -128,6 +129,8 @@ def five(
     rate : float, Hz, of the drive
     names : the models wanted
     causal : whether the de-noising of 18AVWD may use the future (False: it may, as in the paper)
+    turn_on_sd, constant : as in `FilterModel`: a bias left at switch-on goes to the slowest state of a
+        channel, which a Gauss-Markov or autoregressive process forgets, or to one that keeps it
 
     Raises
     ------
@@ -139,15 +142,13 @@ def five(
         raise InputError(f"unknown model {unknown[0]!r}; the models are {', '.join(NAMES)}")
     model = preset("3dm-gx3-25-2013") if model is None else model
     plain = _plain(model)
-    made = {}
+    made, bias = {}, {"turn_on_sd": turn_on_sd, "constant": constant}
     if "15AV" in names:
-        made["15AV"] = FilterModel("15AV", without_walk(plain), turn_on_sd=turn_on_sd)
+        made["15AV"] = FilterModel("15AV", without_walk(plain), **bias)
     if "18AV" in names:
-        made["18AV"] = FilterModel("18AV", plain, turn_on_sd=turn_on_sd)
+        made["18AV"] = FilterModel("18AV", plain, **bias)
     if "18AVWD" in names:
-        made["18AVWD"] = FilterModel(
-            "18AVWD", plain, levels=levels_at(rate), causal=causal, turn_on_sd=turn_on_sd
-        )
+        made["18AVWD"] = FilterModel("18AVWD", plain, levels=levels_at(rate), causal=causal, **bias)
     orders = {"15AR": 1, "27AR": 3}
     if any(n in orders for n in names):
         if static is None:
@@ -167,9 +168,7 @@ def five(
         white = {c: plain[c].find("white_noise") for c in CHANNELS}
         for n in names:
             if n in orders:
-                made[n] = FilterModel(
-                    n, fit_autoregressive(record, rate, orders[n], white), turn_on_sd=turn_on_sd
-                )
+                made[n] = FilterModel(n, fit_autoregressive(record, rate, orders[n], white), **bias)
     return {n: made[n] for n in names}
 
 

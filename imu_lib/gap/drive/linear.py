@@ -61,10 +61,28 @@ def _restart(room, start):
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _predict_covariance(room, track, random, node):
-    k, p, top, es, low = node - 1, room.p, room.top, room.es, room.low
-    n, m = p.shape[0], random.weight.size
-    phi, gain = track.phi[k], track.gain[k]
+    k, m = node - 1, random.weight.size
     s, walk = random.powers[track.kind[k]], random.walks[track.kind[k]]
+    _rows(room, track.phi[k], track.gain[k], random, s)
+    _navigation(room, track, random, node, s)
+    p, low = room.p, room.low
+    for a in range(m):
+        for b in range(a + 1):
+            v = walk[a, b]
+            for r in range(m):
+                if s[b, r] != 0.0:
+                    v += low[a, 9 + r] * s[b, r]
+            p[9 + a, 9 + b] = v
+            p[9 + b, 9 + a] = v
+    if p.shape[0] > 9 + m:
+        _predict_fix_errors(room, m, random.decay[k], random.sigma)
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _rows(room, phi, gain, random, s):
+    """The transition times the covariance: its rows of navigation in room.top, of sensors in room.low."""
+    p, top, es, low = room.p, room.top, room.es, room.low
+    n, m = p.shape[0], random.weight.size
     es[:, :] = 0.0
     for a in range(m):
         c, w = random.channel[a], random.weight[a]
@@ -88,6 +106,13 @@ def _predict_covariance(room, track, random, node):
             if v != 0.0:
                 for j in range(n):
                     low[a, j] += v * p[9 + b, j]
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _navigation(room, track, random, node, s):
+    """Covariance of navigation, with itself and with the sensor states, from room.top."""
+    k, m, p, top = node - 1, random.weight.size, room.p, room.top
+    phi, gain = track.phi[k], track.gain[k]
     for i in range(9):
         for j in range(i + 1):
             v = 0.0
@@ -107,16 +132,6 @@ def _predict_covariance(room, track, random, node):
                     v += s[a, b] * top[i, 9 + b]
             p[i, 9 + a] = v
             p[9 + a, i] = v
-    for a in range(m):
-        for b in range(a + 1):
-            v = walk[a, b]
-            for r in range(m):
-                if s[b, r] != 0.0:
-                    v += low[a, 9 + r] * s[b, r]
-            p[9 + a, 9 + b] = v
-            p[9 + b, 9 + a] = v
-    if n > 9 + m:
-        _predict_fix_errors(room, m, random.decay[k], random.sigma)
 
 
 @njit(cache=True, nogil=True)

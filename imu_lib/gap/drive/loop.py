@@ -23,6 +23,7 @@ from . import (
     columns,
     correct,
     evidence,
+    left,
     outage,
     search,
     select,
@@ -140,7 +141,7 @@ def close(
     fitted = [] if given else _ratios(noise, drive)
     original = original.with_drive(tuple(fitted))
     whole = original.with_drive((*fitted, *_effects(found)))
-    unexplained = steps.unexplained(state, after)
+    unexplained = left.unexplained(state, after)
     result = None
     if windows and judge:
         say("outages before and after")
@@ -150,11 +151,11 @@ def close(
         notes += more
     if result is not None and (result.ratio() or {"low": 0.0})["low"] > 1.0:
         # nothing is taken that does not predict what the search has not seen
-        whole, unexplained = original, steps.worse(found, result.ratio()["value"], unexplained)
+        whole, unexplained = original, left.worse(found, result.ratio()["value"], unexplained)
     elif result is not None and result.ratio():
         notes += evidence.unproven(found, result.ratio())
     strange = state.restarts or any(e.startswith("other: ") for e in state.kept)
-    absurd = steps.absurd(found)
+    absurd = left.absurd(found)
     unexplained = "; ".join(t for t in (absurd, unexplained) if t) or None
     strange = strange or absurd is not None
     if after.index > evidence.UNSURE or strange:
@@ -162,7 +163,7 @@ def close(
     notes += evidence.share(found, select.ridges(state.reg, state.kept))
     notes += evidence.widening(found)
     return DriveReport(
-        drive, given, tuple(found), tuple(steps.invisible(state, turned)), whole, before, after, result,
+        drive, given, tuple(found), tuple(left.invisible(state, turned)), whole, before, after, result,
         unexplained, tuple(notes), state, first,
     )  # fmt: skip
 

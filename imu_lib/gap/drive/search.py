@@ -6,13 +6,13 @@ removal improves.
 """
 
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
 from imu_lib.navigation import gross
 
-from . import alone, random_effects, readings, select
+from . import alone, prune, random_effects, readings, select
+from .hold import held, refit
 from .problem import Problem
 from .side_by_side import each
 from .state import Change, State
@@ -20,9 +20,7 @@ from .state import Change, State
 ROUNDS = 14
 FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
-DOUBTED = 8.0  # times its price: effects that gain less are tried without
 LEAST_FAR = 0.06  # of the logarithm of the innovations' size
-SLACK = 2.0  # nats by which a path of its own may disappoint
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
 
@@ -58,7 +56,7 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
         # what gains most comes first: under a wrong noise, or past a shock, all looks like an effect
         promise = alone.promised(state, kept) if moved else 0.0
         if random and not moved:
-            _refit(state)
+            refit(state)
         noise = _noise_step(state, given) if random and (not moved or _far(state)) else None
         gain = noise.gain if noise is not None else 0.0
         shock = _shock_step(state)
@@ -72,7 +70,7 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
             say(f"{noise.change.key}: {noise.gain:.1f} nats")
             state.rebuild()
             continue
-        if moved and _held(state, kept):
+        if moved and held(state, kept):
             continue
         if moved and set(kept) - set(state.kept):
             refused |= set(kept) - set(state.kept)
@@ -83,9 +81,9 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
         alone.simplify(state, say)
         if not alone.exchange(state, say):
             break
-    _prune(state, say)
+    prune.noises(state, say)
     if state.changes:
-        _prune_linear(state, say)
+        prune.effects(state, say)
     return state
 
 
@@ -131,39 +129,6 @@ def _far(state):
     chance = np.sqrt(2.0 / max(state.use.sum(), 1))
     far = max(LEAST_FAR, 5.0 * chance)
     return abs(np.log(max(state.size(), 1e-6))) > far or state.reg.temper > 1.2
-
-
-def _held(state, kept, freely=False):
-    """Hold a set of effects and build the path anew, with half the change where the whole makes the
-    innovations worse, and with none where that does too (freely: the whole in any case): whether something was held.
-    """
-    theta, other = alone.values(state.reg, kept)
-    before, cost = replace(state), state.cost()
-    # what leaves need not have been worth more than its price
-    saved = max(select.price(state.reg, state.kept) - select.price(state.reg, kept), 0.0)
-    for share in (1.0, 0.5):
-        state.theta = before.theta + share * (theta - before.theta)
-        state.other = before.other + share * (other - before.other)
-        state.kept = tuple(kept)
-        state.rebuild()
-        if freely or state.cost() < cost + SLACK + saved:
-            return True
-    state.take(before)
-    return False
-
-
-def _refit(state):
-    """The accepted changes fitted again where the path has changed under them."""
-    short = replace(state, problem=state.problem.brief())
-    for found in state.changes:
-        start = replace(found.change, start=tuple(float(v) for v in found.values))
-        base = short.evaluate(state.noise).log_likelihood
-        values, gain, noise = start.fitted(short, state.noise, base)
-        if gain > 0.05 and short.problem is not state.problem:
-            gain = state.evaluate(noise).log_likelihood - state.result.log_likelihood
-        if gain > 0.05:
-            found.values, state.noise = values, noise
-            state.weigh()
 
 
 def _noise_step(state, given):
@@ -239,76 +204,3 @@ def _shock_step(state):
     excess = np.maximum(nis - freedom, 0.0)
     near = np.abs(block - worst) <= 2
     return (gain, when, excess[near].sum() > 0.5 * excess.sum()) if gain > 0.0 else None
-
-
-def _prune(state, say):
-    """Take out every restart and every change of what is random that is not worth its price."""
-    for when in state.restarts:
-        kept = state.problem.arrays
-        begins = kept["begins"].copy()
-        begins[np.searchsorted(kept["node_time"], when)] = False
-        state.problem.arrays = {**kept, "begins": begins}
-        value = state.evaluate(state.noise).log_likelihood
-        state.problem.arrays = kept
-        if state.result.log_likelihood - value < 25.0:
-            say(f"the shock at {when:.1f} s taken out again")
-            state.restarts = tuple(r for r in state.restarts if r != when)
-            state.rebuild()
-    while state.changes:
-        sets = _leaving(state.changes)
-        noises = [_without(state, out) for out in sets]
-        values = each(lambda noise: state.evaluate(noise).log_likelihood, noises)
-        worth = []
-        for out, value in zip(sets, values):
-            loss = state.result.log_likelihood - value
-            worth.append(sum(random_effects.penalty(c.change) for c in out) - loss)
-            if len(out) == 1:
-                out[0].gain = loss
-        best = int(np.argmax(worth))
-        if worth[best] <= 0.0:
-            break
-        say(", ".join(str(c.change.key) for c in sets[best]) + " taken out again")
-        state.noise = noises[best]
-        state.changes = [c for c in state.changes if c not in sets[best]]
-        state.weigh()
-
-
-def _leaving(changes):
-    """Changes that are tried without: each, each pair, as two may only make up for each other, and
-    all.
-    """
-    sets = [list(out) for size in (1, 2) for out in combinations(changes, size)]
-    return sets if len(changes) < 3 else [*sets, list(changes)]
-
-
-def _prune_linear(state, say):
-    """Take out every linear effect that a noise fitted without it makes up for: the two were found
-    one after the other, and what came first may have taken what belongs to the second.
-    """
-    for effect in state.kept:
-        part = select.GROUPS[effect]
-        without = replace(
-            state, other=state.other.copy(), changes=[replace(c) for c in state.changes]
-        )
-        without.other[part] = -state.theta[part]
-        loss = state.result.log_likelihood - without.evaluate(state.noise).log_likelihood
-        price = select.PER_PARAMETER * len(part) + select.PER_EFFECT
-        if loss > DOUBTED * price:
-            continue
-        without.weigh()
-        _refit(without)
-        _refit(without)
-        if state.result.log_likelihood - without.result.log_likelihood > price:
-            continue
-        say(f"{effect} taken out: the noise accounts for it")
-        state.noise, state.changes = without.noise, without.changes
-        _held(state, tuple(e for e in state.kept if e != effect), freely=True)
-
-
-def _without(state, out):
-    """The noise with changes undone: the others entered anew on the first hypothesis."""
-    noise = state.changes[0].before
-    for other in state.changes:
-        if other not in out:
-            noise = other.change.enter(noise, other.values)
-    return noise

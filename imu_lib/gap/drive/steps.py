@@ -5,16 +5,13 @@ from scipy.spatial.transform import Rotation
 
 from imu_lib.units import DEG
 
-from . import columns, correct, posterior, random_effects, select
-from .battery import SURE, battery
+from . import columns, posterior, random_effects, select
+from .battery import battery
 from .effects import CATALOGUE, LINEAR
+from .left import ANGLES, APART, TURNED, smoothed_delay
 
 SUREST = 0.999  # no confidence above this is claimed
 ALIKE = 3.0  # nats
-ABSURD = 100.0  # times the model's level
-ANGLES = ("roll", "pitch", "yaw")
-TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case is turned
-SEEN = 3.0 * DEG  # of a mounting angle: what the drive does not show of it is said
 
 
 def _step(effect, parameters, intervals, confidence, runner, alike, gaps, gain, where=None):
@@ -36,6 +33,8 @@ def _step(effect, parameters, intervals, confidence, runner, alike, gaps, gain, 
 def of(state, first, noise, rng, before):
     """Steps of the linear effects and of the changes of what is random, the largest gain first."""
     kept = [e for e in state.kept if e in LINEAR]
+    if smoothed_delay(state) is not None:
+        kept.remove("gnss_time_offset")
     index = [i for e in state.kept for i in select.GROUPS[e]]
     values, cov, total = state.reg.solve(index)
     sd = dict(zip(index, np.sqrt(np.diag(cov))))
@@ -47,7 +46,7 @@ def of(state, first, noise, rng, before):
         e: total - state.reg.solve([i for k in state.kept if k != e for i in select.GROUPS[k]])[2]
         for e in kept
     }
-    done = [e for e in state.kept if e not in LINEAR]
+    done = [e for e in state.kept if e not in kept]
     plain = state.problem.evaluate(noise, sens=True, use=state.use)
     reg = select.regression(state.problem, plain, state.theta, state.use)
     for effect in sorted(kept, key=gains.get, reverse=True):
@@ -94,7 +93,7 @@ def _one_offset(state, index, values, parameters, intervals):
     i, j = index.index(a), index.index(b)
     pair = cov[np.ix_([i, j], [i, j])]
     apart = values[b] - values[a]
-    if abs(apart) > 3.5 * np.sqrt(pair[0, 0] + pair[1, 1] - 2 * pair[0, 1]):
+    if abs(apart) > APART * np.sqrt(pair[0, 0] + pair[1, 1] - 2 * pair[0, 1]):
         return parameters, intervals
     weight = np.linalg.solve(pair, np.ones(2))
     one = float(weight @ [values[a], values[b]] / weight.sum())
@@ -218,92 +217,3 @@ def arm_of_vehicle(found, drive, mount):
             half = np.array([0.5 * (b - a) for a, b in step["intervals"]["arm"]])
             step["parameters"]["arm"] = [float(a) for a in arm]
             step["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]
-
-
-def invisible(state, turned):
-    """Parameters that the drive does not excite, with upper limits; turned: the mounting's angles and
-    their standard deviations, or None.
-    """
-    out = _angles_unseen(turned)
-    for effect in LINEAR.values():
-        if effect.name in ("gyro_bias", "accel_bias"):
-            continue
-        for i, x, sd in zip(effect.columns, *select.seen(state.reg, state.kept, effect.name)):
-            fixless = columns.ALL[i].component == "velocity_offset"
-            if fixless and not state.use[:, 3].any():
-                continue
-            if sd > 0.4 * columns.ALL[i].prior:
-                out.append(
-                    {
-                        "effect": effect.name,
-                        "parameter": columns.ALL[i].component,
-                        "why": effect.unexcited,
-                        "upper_limit": float(abs(x) + 1.96 * sd),
-                    }
-                )
-    return out
-
-
-def _angles_unseen(turned):
-    """Entries of the mounting's angles that would have to be larger than SEEN to be named."""
-    if turned is None:
-        why = "the drive is too slow for its direction to show the case's"
-        return [
-            {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(np.pi)}
-            for a in ANGLES[1:]
-        ]
-    why = "the path's own attitude is not known well enough: the fixes are too rough, or the drive turns and brakes too little"
-    return [
-        {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(abs(x) + 1.96 * s)}
-        for a, x, s, least in zip(ANGLES, *turned, TURNED)
-        if least * s > SEEN and abs(x) < least * s and a != "roll"
-    ]
-
-
-def unexplained(state, after):
-    """None, or what is left: where on the drive, and in which innovation."""
-    parts = []
-    for when in state.restarts:
-        parts.append(
-            f"a shock at {when:.0f} s: there the innovations are those of a filter that lost its motion at once, and of no effect in the catalogue"
-        )
-    for effect in state.kept:
-        if effect.startswith("other: "):
-            x, _, _ = state.reg.solve([i for e in state.kept for i in select.GROUPS[e]])
-            index = [i for e in state.kept for i in select.GROUPS[e]]
-            sizes = ", ".join(
-                f"{columns.ALL[i].component} {x[index.index(i)]:.3g}" for i in select.GROUPS[effect]
-            )
-            parts.append(
-                f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"
-            )
-    name, z = after.worst()
-    if abs(z) > SURE:
-        parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
-    return "; ".join(parts) or None
-
-
-def absurd(found):
-    """What is said where the only noise that accounts for the innovations is one that no sensor has,
-    or None.
-    """
-    for step in found:
-        p = step["parameters"]
-        if step["effect"] == "bias_model" and p["name"] != "correlation_time" and p["from"]:
-            if p["to"] > ABSURD * p["from"]:
-                return (
-                    f"{p['process']} of {p['channel']} would be {p['to'] / p['from']:.0f} times the model's, which is no noise of a sensor: "
-                    "the fixes and the readings are not of one time, body or unit, or the model is of another sensor"
-                )
-    return None
-
-
-def worse(found, ratio, left):
-    """What is said where the effects found make withheld outages worse: none of them is sure."""
-    for step in found:
-        step["confidence"] = min(step["confidence"], 0.5)
-    said = f"what was found makes withheld outages worse ({ratio:.1f} times the error), so that the model file does not hold it"
-    return said + (f"; {left}" if left else "")
-
-
-__all__ = ["correct", "of", "unexplained"]

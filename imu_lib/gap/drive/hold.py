@@ -1,0 +1,40 @@
+"""Taking values and noises over: a set of effects held on a path built for it, noises fitted again."""
+
+from dataclasses import replace
+
+from . import alone, select
+
+SLACK = 2.0  # nats by which a path of its own may disappoint
+
+
+def held(state, kept, freely=False):
+    """Hold a set of effects and build the path anew, with half the change where the whole makes the
+    innovations worse, and with none where that does too (freely: the whole in any case): whether something was held.
+    """
+    theta, other = alone.values(state.reg, kept)
+    before, cost = replace(state), state.cost()
+    # what leaves need not have been worth more than its price
+    saved = max(select.price(state.reg, state.kept) - select.price(state.reg, kept), 0.0)
+    for share in (1.0, 0.5):
+        state.theta = before.theta + share * (theta - before.theta)
+        state.other = before.other + share * (other - before.other)
+        state.kept = tuple(kept)
+        state.rebuild()
+        if freely or state.cost() < cost + SLACK + saved:
+            return True
+    state.take(before)
+    return False
+
+
+def refit(state):
+    """The accepted changes fitted again where the path has changed under them."""
+    short = replace(state, problem=state.problem.brief())
+    for found in state.changes:
+        start = replace(found.change, start=tuple(float(v) for v in found.values))
+        base = short.evaluate(state.noise).log_likelihood
+        values, gain, noise = start.fitted(short, state.noise, base)
+        if gain > 0.05 and short.problem is not state.problem:
+            gain = state.evaluate(noise).log_likelihood - state.result.log_likelihood
+        if gain > 0.05:
+            found.values, state.noise = values, noise
+            state.weigh()

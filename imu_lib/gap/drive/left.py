@@ -1,0 +1,121 @@
+"""What of a drive is left: parameters that it does not show, and what no effect accounts for."""
+
+import numpy as np
+
+from imu_lib.units import DEG
+
+from . import columns, select
+from .battery import SURE
+from .effects import LINEAR
+
+ABSURD = 100.0  # times the model's level
+SEEN = 3.0 * DEG  # of a mounting angle: what the drive does not show of it is said
+SMOOTHED = "other: receiver's velocity is smoothed"
+APART = 3.5  # standard deviations from which on two time offsets are two
+TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case is turned
+ANGLES = ("roll", "pitch", "yaw")
+
+
+def invisible(state, turned):
+    """Parameters that the drive does not excite, with upper limits; turned: the mounting's angles and
+    their standard deviations, or None.
+    """
+    out = _angles_unseen(turned)
+    for effect in LINEAR.values():
+        if effect.name in ("gyro_bias", "accel_bias"):
+            continue
+        price = select.PER_EFFECT + select.PER_PARAMETER * len(effect.columns)
+        for i, x, sd in zip(effect.columns, *select.seen(state.reg, state.kept, effect.name)):
+            fixless = columns.ALL[i].component == "velocity_offset"
+            if fixless and not state.use[:, 3].any():
+                continue
+            # one as large as is usual would not gain the price of its name
+            usual = 0.5 * max((columns.ALL[i].prior / sd) ** 2 - 1.0, 0.0)
+            if usual < price:
+                out.append(
+                    {
+                        "effect": effect.name,
+                        "parameter": columns.ALL[i].component,
+                        "why": effect.unexcited,
+                        "upper_limit": float(abs(x) + 1.96 * sd),
+                    }
+                )
+    return out
+
+
+def _angles_unseen(turned):
+    """Entries of the mounting's angles that would have to be larger than SEEN to be named."""
+    if turned is None:
+        why = "the drive is too slow for its direction to show the case's"
+        return [
+            {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(np.pi)}
+            for a in ANGLES[1:]
+        ]
+    why = "the path's own attitude is not known well enough: the fixes are too rough, or the drive turns and brakes too little"
+    return [
+        {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(abs(x) + 1.96 * s)}
+        for a, x, s, least in zip(ANGLES, *turned, TURNED)
+        if least * s > SEEN and abs(x) < least * s and a != "roll"
+    ]
+
+
+def unexplained(state, after):
+    """None, or what is left: where on the drive, and in which innovation."""
+    parts = []
+    for when in state.restarts:
+        parts.append(
+            f"a shock at {when:.0f} s: there the innovations are those of a filter that lost its motion at once, and of no effect in the catalogue"
+        )
+    for effect in state.kept:
+        if effect.startswith("other: "):
+            x, _, _ = state.reg.solve([i for e in state.kept for i in select.GROUPS[e]])
+            index = [i for e in state.kept for i in select.GROUPS[e]]
+            sizes = ", ".join(
+                f"{columns.ALL[i].component} {x[index.index(i)]:.3g}" for i in select.GROUPS[effect]
+            )
+            late = smoothed_delay(state) if effect == SMOOTHED else None
+            sizes += "" if late is None else f"; late by {late:.3g} s"
+            parts.append(
+                f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"
+            )
+    name, z = after.worst()
+    if abs(z) > SURE:
+        parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
+    return "; ".join(parts) or None
+
+
+def absurd(found):
+    """What is said where the only noise that accounts for the innovations is one that no sensor has,
+    or None.
+    """
+    for step in found:
+        p = step["parameters"]
+        if step["effect"] == "bias_model" and p["name"] != "correlation_time" and p["from"]:
+            if p["to"] > ABSURD * p["from"]:
+                return (
+                    f"{p['process']} of {p['channel']} would be {p['to'] / p['from']:.0f} times the model's, which is no noise of a sensor: "
+                    "the fixes and the readings are not of one time, body or unit, or the model is of another sensor"
+                )
+    return None
+
+
+def worse(found, ratio, left):
+    """What is said where the effects found make withheld outages worse: none of them is sure."""
+    for step in found:
+        step["confidence"] = min(step["confidence"], 0.5)
+    said = f"what was found makes withheld outages worse ({ratio:.1f} times the error), so that the model file does not hold it"
+    return said + (f"; {left}" if left else "")
+
+
+def smoothed_delay(state):
+    """s, by which velocities that the receiver smooths are late, where the positions are not: its
+    filter's own delay, and no offset of the stamps. None elsewhere.
+    """
+    if not {"gnss_time_offset", SMOOTHED} <= set(state.kept):
+        return None
+    index = [i for e in state.kept for i in select.GROUPS[e]]
+    x, cov, _ = state.reg.solve(index)
+    position, velocity = (index.index(i) for i in columns.of("gnss_time_offset"))
+    if abs(x[position]) > APART * np.sqrt(cov[position, position]):
+        return None
+    return float(x[velocity])
