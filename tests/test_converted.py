@@ -110,6 +110,29 @@ def test_parts_make_the_record_of_the_whole(name, record, small, tmp_path):
     assert any("delete that file" in note for note in again.notes)
 
 
+STAMPS = np.arange(9000) / 100 + 1.2345678
+CLOCKS = {
+    "one decimal": [f"{t:.1f}" for t in np.floor(STAMPS * 10) / 10],
+    "a system's tick": [f"{t:.6f}" for t in np.floor(STAMPS * 64) / 64],
+    "packets": [f"{k // 10 / 10 + 0.013 * (k // 10 * 7 % 5) / 5:.3f}" for k in range(9000)],
+    "six digits": [f"{t + 950:.6g}" for t in STAMPS],
+}
+
+
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_a_coarse_clock_makes_no_gaps_between_the_parts(clock, monkeypatch, small, tmp_path):
+    monkeypatch.setattr(parts, "TEXT", (1 << 18) + 1)  # the head, and a part behind it
+    values = np.random.default_rng(3).normal(0.01, 0.002, (9000, 3))
+    rows = (f"{t},{w[0]:.6f},{w[1]:.6f},{w[2]:.6f}\n" for t, w in zip(CLOCKS[clock], values))
+    (tmp_path / "a.csv").write_text("time,gx,gy,gz\n" + "".join(rows))
+    whole = read_record(tmp_path / "a.csv", gyro_unit="rad/s")
+    found = open_converted(tmp_path / "a.csv", least=5000, gyro_unit="rad/s")
+    assert found.rows == whole.n == 9000
+    np.testing.assert_array_equal(found.part(0, 9000).slots(), whole.slots())
+    assert found.rate == pytest.approx(whole.rate, rel=1e-4)
+    assert len(found.notes) < 5
+
+
 def test_what_is_wrong_is_told_by_its_line_and_leaves_nothing(record, small, tmp_path):
     path = tmp_path / "a.csv"
     write_record(record, path)

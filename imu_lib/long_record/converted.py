@@ -136,7 +136,7 @@ def _convert(path, kept, rate, reading, units, progress) -> bool:
                 raise InputError(mended(str(error), small)) from None
             if slow_kind(record):
                 return False
-            log.append(f"part {number} of {path}", record, raw.start)
+            log.append(f"part {number} of {path}", record, raw.start, raw.tick)
             if progress is not None:
                 progress(share)
         if log.rate is None:

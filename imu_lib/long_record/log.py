@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from imu_lib.errors import InputError
@@ -28,10 +30,12 @@ class Log:
         self.rows, self.slots, self.rate = 0, 0, None
         self.names, self.first, self.clock, self.restarts = None, None, None, []
         self.steps, self.bad, self.notes = [], [], {}
-        self.span, self.warm, self.began, self.begin = {}, None, None, None
+        self.span, self.warm, self.began, self.begin, self.tick = {}, None, None, None, 0.0
 
-    def append(self, file, record, start):
-        """The next record; `start` is its first stamp, s, or None."""
+    def append(self, file, record, start, tick=0.0):
+        """The next record; `start` is its first stamp, s, or None; `tick`, s, is how well the clock tells
+        it.
+        """
         names = record.channel_names
         if self.names is None:
             self.names, self.rate, self.first = names, record.rate, file
@@ -53,8 +57,9 @@ class Log:
                 "remove one of the two."
             )
         self.begin = begin
+        self.tick = max(self.tick, tick)
         slots = record.slots()
-        lost = self._between(file, start)
+        lost = self._between(file, start, tick)
         if lost:
             self.steps.append((self.rows, lost))
         for i in np.flatnonzero(np.diff(slots) > 1):
@@ -74,16 +79,20 @@ class Log:
         self.slots += lost + int(slots[-1]) + 1
         self.clock = None if start is None else start + float(slots[-1] + 1) / record.rate
 
-    def _between(self, file, start):
-        """Samples missing between what was read before and this."""
+    def _between(self, file, start, tick):
+        """Samples missing between what was read before and this: none where the clock's tick may hide
+        them.
+        """
         if self.rows == 0:
             return 0
         if start is None and self.clock is None and not self.of_files:
             return 0
-        if start is None or self.clock is None or start < self.clock - 0.5 / self.rate:
+        slack = 1.2 * tick if tick * self.rate > 0.4 else 0.0
+        if start is None or self.clock is None or start < self.clock - 0.5 / self.rate - slack:
             self.restarts.append(getattr(file, "name", str(file)))
             return FILL + 1
-        return max(round((start - self.clock) * self.rate), 0)
+        apart = start - self.clock
+        return max(round(apart * self.rate), 0) if apart > slack else 0
 
     def told(self) -> tuple[str, ...]:
         """What reading did, once for all parts that say it."""
@@ -108,9 +117,10 @@ class Log:
         """Samples per second, by the first and the last stamp where these belong together."""
         if self.of_files or self.restarts or self.clock is None:
             return self.rate
-        rate = self.slots / (self.clock - self.began)
+        span = self.clock - self.began
+        rate = self.slots / span
         whole = round(rate)
-        near = whole and abs(rate - whole) * (self.clock - self.began) < 0.5
+        near = whole and abs(rate - whole) * span < max(0.5, 1.2 * self.tick * rate)
         return float(whole) if near else rate
 
     def state(self) -> dict:
@@ -129,8 +139,9 @@ class Log:
 
 
 def _of_reading(record):
-    """Notes of a part but for those that count, which are told of the whole."""
-    return [n for n in record.notes if "samples missing" not in n and "no number in" not in n]
+    """Notes of a part but for those that count, which are told of the whole, or once without a count."""
+    told = [n for n in record.notes if "samples missing" not in n and "no number in" not in n]
+    return [re.sub(r"^[\d,]+ of [\d,]+ (time stamps)", r"Many \1", n) for n in told]
 
 
 def record_of(state: dict, path, column) -> LongRecord:

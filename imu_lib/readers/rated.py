@@ -27,10 +27,13 @@ def rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
     n = len(time)
     packed = _packets(raw, time) if ticking(time, coarser(time, tick)) is None else None
     if packed is not None:
+        raw.tick = (
+            1.5 * int(np.bincount(np.unique(time, return_counts=True)[1]).argmax()) / packed[1]
+        )
         _agree(raw, packed[1], rate)
         return Timing(*even(*packed), keep)
     printed = tick
-    tick = coarser(time, tick)
+    tick = raw.tick = coarser(time, tick)
     if tick > printed:
         raw.notes += (
             f"The stamps lose decimals as they grow: they are printed to {tick:.3g} s at the end.",
@@ -39,7 +42,7 @@ def rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
         if by_first is not None:
             _agree(raw, by_first[1], rate)
             return Timing(*even(*by_first), keep)
-    tick = ticking(time, tick) or tick
+    tick = raw.tick = ticking(time, tick) or tick
     same = np.flatnonzero(np.diff(time) == 0) + 1
     # a clock coarser than the sampling repeats as often as its tick holds more than one sample
     ticks = tick * (n - 1) / max(time[-1] - time[0], 1e-12)

@@ -64,6 +64,7 @@ class Raw:
     line: Callable[[int], str] = lambda row: f"sample {row + 1}"
     headings: dict[str, str] = field(default_factory=dict)
     described: list[Column] = field(default_factory=list)
+    tick: float = 0.0  # s, within which the clock of the stamps tells when a row was taken
     received: bool = False  # the rows are in order of receipt, as in a bag
     held_rows: float = 1.0  # rows for which each reading stood, where they were taken once
     unnamed_time: str | None = None  # what to say of a column that may be the time
