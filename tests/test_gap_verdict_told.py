@@ -120,6 +120,13 @@ def test_a_knock_that_is_the_pulse_of_a_tilt_is_told_once():
     assert told == [knock, handling, *tilts]
 
 
+def test_a_tilt_that_may_be_jumps_is_no_fact():
+    tilt = step("tilt", 0.8)
+    assert "it was moved at 99 s" in " ".join(said(of_record=[tilt])).lower()
+    told = " ".join(said(of_record=[replace(tilt, indistinguishable=["step"])])).lower()
+    assert "may have been moved at 99 s" in told and "was moved" not in told
+
+
 def test_a_process_whose_power_is_one_slow_change_is_doubted_and_a_walk_is_not():
     rng, t = np.random.default_rng(7), np.arange(N) / FS
     tilted = np.interp(t, [260.0, 380.0], [0.0, -0.05]) + 0.01 * rng.standard_normal(N)

@@ -127,13 +127,28 @@ def _touched(steps) -> list[str]:
     knocks = sorted(s.parameters["start"] for s in steps if s.effect == "disturbance")
     if knocks:
         parts.append(f"it was touched at {_times(knocks)} s")
-    if tilts:
-        sizes = [float(np.linalg.norm(s.parameters["angles"])) for s in tilts]
-        least, most = angle_in_words(min(sizes)), angle_in_words(max(sizes))
-        by = least if least == most else f"{least} to {most}"
-        at = _times([s.parameters["time"] for s in tilts])
-        parts.append(f"it was moved at {at} s (tilted by {by})")
+    parts += [
+        text.format(at=_times([s.parameters["time"] for s in some]), by=_sizes(some))
+        for text, some in (
+            (
+                "it was moved at {at} s (tilted by {by})",
+                [s for s in tilts if not s.indistinguishable],
+            ),
+            (
+                "it may have been moved at {at} s (tilted by {by}, or these levels jumped)",
+                [s for s in tilts if s.indistinguishable],
+            ),
+        )
+        if some
+    ]
     return parts
+
+
+def _sizes(tilts) -> str:
+    """The angles of tilts in words."""
+    sizes = [float(np.linalg.norm(s.parameters["angles"])) for s in tilts]
+    least, most = angle_in_words(min(sizes)), angle_in_words(max(sizes))
+    return least if least == most else f"{least} to {most}"
 
 
 def _times(at) -> str:
