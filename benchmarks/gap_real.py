@@ -3,6 +3,7 @@
     python benchmarks/gap_real.py --log real.jsonl          # resumes; stores the table
     python benchmarks/gap_real.py --names vn100_still --simulations 100 --print
     python benchmarks/gap_real.py --again          # one sensor's model on its other records
+    python benchmarks/gap_real.py --pictures       # the curves of stored models
 
 No model is given. Ten minutes of the long ones, all of the others. Needs the folder of recorded data,
 IMU_LIB_DATA. The table goes to benchmarks/results/gap_real.json.
@@ -13,10 +14,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 import time
 from datetime import date
 from pathlib import Path
+from types import SimpleNamespace
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 ROOT = Path(__file__).resolve().parents[1]
@@ -24,6 +27,8 @@ sys.path[:0] = [str(ROOT)]
 
 from imu_lib import datasets, read_record  # noqa: E402
 from imu_lib.gap import close  # noqa: E402
+from imu_lib.model import Model  # noqa: E402
+from imu_lib.plots import recorded_curves  # noqa: E402
 
 RESULTS = ROOT / "benchmarks" / "results"
 #: File, what it needs to be read, and the stretch that is looked at, s.
@@ -117,6 +122,34 @@ def again(data: Path, channel: str = "gyro_x", simulations: int = 20) -> list[di
     return out
 
 
+#: Channel of each record whose picture is stored.
+PICTURES = {
+    "vn100_still": "gyro_x",
+    "sony_cxd5602": "accel_y",
+    "xsens_dot": "gyro_x",
+    "memsense_gyros": "gyro_x",
+    "xsens_mtx": "gyro_y",
+    "mpu6050_10min": "gyro_z",
+    "hipnuc_ch104": "gyro_x",
+    "sbg_ig500n": "accel_y",
+    "adis16405_1": "accel_z",
+    "phone": "accel_z",
+}
+
+
+def pictures(data: Path) -> dict:
+    """The curves of one channel of each record, with its stored model."""
+    rows = json.loads((RESULTS / "gap_real.json").read_text())["records"]
+    out = {}
+    for row in rows:
+        name = row["record"]
+        if name in PICTURES:
+            found = SimpleNamespace(record=opened(data, name), model=Model.from_json(row["model"]))
+            curves = recorded_curves(found, PICTURES[name])
+            out[name] = {"channel": PICTURES[name], "curves": curves}
+    return out
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--names", default=",".join(RECORDS))
@@ -124,6 +157,7 @@ def main():
     parser.add_argument("--log", help="JSON lines; what is there already is not run again")
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
     parser.add_argument("--again", action="store_true", help="only other records of one sensor")
+    parser.add_argument("--pictures", action="store_true", help="only the curves of stored models")
     parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
     data, log = Path(os.environ["IMU_LIB_DATA"]), Path(args.log) if args.log else None
@@ -131,6 +165,8 @@ def main():
     started = time.time()
     if args.again:
         return _keep({"another_record": again(data)})
+    if args.pictures:
+        return _keep({"pictures": pictures(data)})
     for name in args.names.split(","):
         if any(r["record"] == name for r in rows) or time.time() - started > 60 * args.minutes:
             continue
@@ -155,7 +191,14 @@ def _keep(content: dict):
     """Store what was found beside what is stored of other runs."""
     path = RESULTS / "gap_real.json"
     old = json.loads(path.read_text()) if path.exists() else {}
-    path.write_text(json.dumps(old | content, indent=1) + "\n")
+    text = json.dumps(old | content, indent=1)
+    # curves on one line each
+    text = re.sub(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]", _flat, text)
+    path.write_text(text + "\n")
+
+
+def _flat(match) -> str:
+    return "[" + ", ".join(part.strip() for part in match[1].split(",")) + "]"
 
 
 if __name__ == "__main__":

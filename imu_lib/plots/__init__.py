@@ -19,6 +19,7 @@ _HOME = {
     "unstable_response": "errata",
     "outage_ratios": "errata",
     "recorded": "recorded",
+    "recorded_curves": "recorded",
     "record_signals": "record",
     "record_lateness": "record",
     "record_levels": "record",

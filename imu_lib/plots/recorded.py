@@ -10,72 +10,110 @@ from imu_lib.errors import UndefinedFormError
 from imu_lib.plots import style
 from imu_lib.processes import Sum
 
-#: Segments of the spectrum, and points of the time series, at the most.
-SEGMENT, POINTS = 8192, 3000
+#: Segments of the spectrum, and points of the time series and of the spectrum, at the most.
+SEGMENT, POINTS, BINS = 8192, 600, 500
 #: Lines that are drawn faintly where there are as many.
 MANY = 40
 
 
 @style.styled
 def recorded(found, channel, *, axes=None):
-    """Three panels of one channel of a `gap.Report` (or of anything with its `record` and grown
-    `model`): the samples with the times of vibrations
-    shaded, the spectrum with their lines marked, the Allan deviation; the grown model's noise over
-    the latter two.
+    """Three panels of one channel: the samples with the times of vibrations shaded, the spectrum
+    with their lines marked, the Allan deviation; the grown model's noise over the latter two.
+
+    `found` is a `gap.Report`, or what `recorded_curves` made of one.
     """
     if axes is None:
         axes = style.grid(1, 3, size=(10.5, 3.0))
     axes = np.ravel(axes)
+    curves = found if isinstance(found, dict) else recorded_curves(found, channel)
+    _in_time(axes[0], curves)
+    _spectrum(axes[1], curves)
+    _deviation(axes[2], curves)
+    axes[0].set_title(channel, loc="left")
+    return axes
+
+
+def recorded_curves(found, channel) -> dict:
+    """The curves of the three panels, in lists of four digits: they are a picture of a record where
+    that is not at hand. `found` has a `record` and its grown `model`.
+    """
     x, fs = np.asarray(found.record.channels[channel], float), found.record.rate
     x = np.interp(np.arange(len(x)), np.flatnonzero(~np.isnan(x)), x[~np.isnan(x)])
     noise = Sum(tuple(t for t in found.model[channel].terms if not t.deterministic))
     for stage in found.model[channel].stages:
         noise = noise + stage if stage.name in ("low_pass", "spikes") else noise
     felt = [p for p in (v.of(channel) for v in found.model.record if v.name == "vibration") if p]
-    _in_time(axes[0], x, fs, felt)
-    _spectrum(axes[1], x, fs, noise, felt)
-    _deviation(axes[2], x, fs, noise)
-    axes[0].set_title(channel, loc="left")
-    return axes
+    m = max(1, -(-len(x) // POINTS))
+    part = (x[: len(x) // m * m] - x.mean()).reshape(-1, m)
+    f, power = _binned(*welch(x, fs, nperseg=min(SEGMENT, len(x) // 4)))
+    curve = allan.deviation(x, fs, per_decade=8)
+    lines = [v for p in felt for v, s in zip(p.frequencies, p.shape) if s > 0 and v < 0.5 * fs]
+    out = {
+        "time": (np.arange(len(part)) + 0.5) * m / fs,
+        "least": part.min(axis=1),
+        "most": part.max(axis=1),
+        "mean": part.mean(axis=1),
+        "frequency": f,
+        "power": power,
+        "tau": curve.tau,
+        "deviation": curve.adev,
+        "lines": np.array(lines),
+        "spans": np.array([t for p in felt if p.start is not None for t in (p.start, p.stop)]),
+        "model_power": _form(lambda: noise.psd(f, fs)),
+        "model_deviation": _form(lambda: np.sqrt(noise.avar(curve.tau, fs))),
+    }
+    return {k: [float(f"{v:.4g}") for v in values] for k, values in out.items()}
 
 
-def _in_time(ax, x, fs, felt):
-    m = max(1, len(x) // POINTS)
-    k = len(x) // m
-    part = (x[: k * m] - x.mean()).reshape(k, m)
-    t = (np.arange(k) + 0.5) * m / fs
-    ax.fill_between(t, part.min(axis=1), part.max(axis=1), color=style.SKY, lw=0)
-    ax.plot(t, part.mean(axis=1), color=style.BLUE, lw=0.6)
-    for p in felt:
-        if p.start is not None:
-            ax.axvspan(p.start, p.stop, color=style.ORANGE, alpha=0.3, lw=0)
+def _form(closed):
+    """A closed form, or nothing where there is none."""
+    try:
+        return closed()
+    except UndefinedFormError:
+        return np.zeros(0)
+
+
+def _binned(f, power):
+    """The spectrum without its mean, in no more than `BINS` bins: the loudest ordinate of each."""
+    f, power = f[1:], power[1:]
+    k = -(-len(f) // BINS)
+    if k < 2:
+        return f, power
+    first = 200  # the slow end as it is
+    at = np.arange(first, len(f) - k + 1, k)
+    best = at + np.array([int(np.argmax(power[a : a + k])) for a in at])
+    keep = np.r_[np.arange(first), best]
+    return f[keep], power[keep]
+
+
+def _in_time(ax, c):
+    ax.fill_between(c["time"], c["least"], c["most"], color=style.SKY, lw=0)
+    ax.plot(c["time"], c["mean"], color=style.BLUE, lw=0.6)
+    for start, stop in zip(c["spans"][::2], c["spans"][1::2]):
+        ax.axvspan(start, stop, color=style.ORANGE, alpha=0.3, lw=0)
     ax.set_xlabel("time, s")
     ax.set_ylabel("signal less its mean, SI")
 
 
-def _spectrum(ax, x, fs, noise, felt):
-    f, power = welch(x, fs, nperseg=min(SEGMENT, len(x) // 4))
-    ax.loglog(f[1:], power[1:], color=style.DATA, lw=0.7)
-    try:
-        ax.loglog(f[1:], noise.psd(f[1:], fs), color=style.THEORY, lw=1.2)
-    except UndefinedFormError:
-        pass
+def _spectrum(ax, c):
+    ax.loglog(c["frequency"], c["power"], color=style.DATA, lw=0.7)
+    if c["model_power"]:
+        ax.loglog(c["frequency"], c["model_power"], color=style.THEORY, lw=1.2)
     low, high = ax.get_ylim()
-    for p in felt:
-        lines = [f for f, strength in zip(p.frequencies, p.shape) if strength > 0 and f < fs / 2]
-        faint = 0.7 if len(lines) < MANY else 0.1
-        ax.vlines(lines, low, high, color=style.ORANGE, lw=0.6, alpha=faint, zorder=0)
+    if len(c["lines"]) < MANY:
+        for line in c["lines"]:
+            ax.axvline(line, color=style.ORANGE, lw=0.6, alpha=0.7, zorder=0)
+    else:
+        ax.vlines(c["lines"], low, high, color=style.ORANGE, lw=0.6, alpha=0.1, zorder=0)
     ax.set_ylim(low, high)
     ax.set_xlabel("frequency, Hz")
     ax.set_ylabel("one-sided PSD, SI/Hz")
 
 
-def _deviation(ax, x, fs, noise):
-    curve = allan.deviation(x, fs, per_decade=8)
-    ax.loglog(curve.tau, curve.adev, color=style.DATA, marker=".", ls="none")
-    try:
-        ax.loglog(curve.tau, np.sqrt(noise.avar(curve.tau, fs)), color=style.THEORY, lw=1.2)
-    except UndefinedFormError:
-        pass
+def _deviation(ax, c):
+    ax.loglog(c["tau"], c["deviation"], color=style.DATA, marker=".", ls="none")
+    if c["model_deviation"]:
+        ax.loglog(c["tau"], c["model_deviation"], color=style.THEORY, lw=1.2)
     ax.set_xlabel("averaging time, s")
     ax.set_ylabel("Allan deviation, SI")
