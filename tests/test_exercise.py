@@ -129,6 +129,11 @@ def test_on_the_command_line(tmp_path, capsys):
     assert (tmp_path / "marks/feedback_01.md").exists()
 
 
+def answer(effect, parameters):
+    step = f'{{"effect": "{effect}", "parameters": {parameters}}}'
+    return f'{{"student": "01", "channels": {{"gyro_x": [{step}]}}}}'
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
@@ -137,6 +142,13 @@ def test_on_the_command_line(tmp_path, capsys):
         ('{"student": "01"}', 'there is no "channels"'),
         ('{"student": "01", "channels": {"gyro_x": 3}}', "are no list of effects"),
         ('{"student": "01", "channels": {"gyro_x": [{"name": "step"}]}}', 'has no "effect"'),
+        ("", "is empty"),
+        ("3", "are no answers"),
+        ('{"student": "01", "channels": {"gyrox": []}}', "is gyro_x meant?"),
+        (answer("sinus", "{}"), "is sinusoid meant?"),
+        (answer("step", '{"time": "12 s"}'), 'time is "12 s"; a number in SI units'),
+        (answer("step", '{"time": NaN}'), "time is nan, which is no number"),
+        ('{"student": "01", "channels": {"gyro_x": [], "gyro_x": []}}', '"gyro_x" stands twice'),
     ],
 )
 def test_bad_answers_are_told_in_a_sentence(tmp_path, capsys, content, said):
@@ -146,6 +158,35 @@ def test_bad_answers_are_told_in_a_sentence(tmp_path, capsys, content, said):
     assert main(["exercise", "mark", str(path)]) == 2
     told = capsys.readouterr().err
     assert said in told and len(told.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_what_is_meant_is_marked(tmp_path, encoding):
+    """However an editor saves it: other letters, a number in quotes, 1 for 01, one without a list."""
+    hidden = [{"channel": c, "effect": e, "parameters": p} for c, e, p in HIDDEN]
+    key = {"minutes": 30.0, "students": {"01": hidden}}
+    (tmp_path / "key.json").write_text(json.dumps(key))
+    given = {
+        "student": 1,
+        "channels": {
+            "Gyro X": {"effect": "Step", "parameters": {"amplitude": "1e-4", "time": 700}},
+            "accel_z": [{"effect": "sinusoid", "parameters": HIDDEN[1][2]}],
+        },
+    }
+    (tmp_path / "answers.json").write_bytes(json.dumps(given).encode(encoding))
+    marks = mark_all(tmp_path, tmp_path / "key.json")
+    assert marks["01"].points == pytest.approx(100.0)
+
+
+def test_one_faulty_file_does_not_stop_a_class(tmp_path, capsys):
+    write_class(tmp_path / "class", 3, 3, minutes=5.0)
+    (tmp_path / "class/student_02/answers.json").write_text("{")
+    assert main(["exercise", "mark", str(tmp_path / "class"), "--out", str(tmp_path / "m")]) == 0
+    told = capsys.readouterr()
+    assert told.err.startswith("not marked: ") and len(told.err.strip().splitlines()) == 1
+    assert (tmp_path / "m/marks.csv").read_text().count("\n") == 3
+    named_twice = mark(HIDDEN, answered(*HIDDEN, HIDDEN[0]), length=LENGTH)
+    assert "more often" in named_twice.feedback[-1] and named_twice.points < 100
 
 
 def test_a_folder_that_is_there_is_not_written_over(tmp_path, capsys):

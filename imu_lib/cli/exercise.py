@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -73,7 +74,8 @@ def marks(args) -> int:
     common.check_out(args.out)
     key = args.key or key_of(answers)
     named.refuse_overwriting(args, [key])
-    found = mark_all(answers, key)
+    faulty: dict = {}
+    found = mark_all(answers, key, faulty=faulty)
     print("student  points  hidden  named  wrong")
     for name, m in found.items():
         print(f"{name:>7}  {m.points:6.1f}  {m.hidden:6}  {m.named:5}  {m.wrong:5}")
@@ -81,6 +83,8 @@ def marks(args) -> int:
         print(*next(iter(found.values())).feedback, sep="\n")
     else:
         print(f"mean {sum(m.points for m in found.values()) / len(found):.1f} of 100")
+    for sentence in faulty.values():
+        print(f"not marked: {sentence}", file=sys.stderr)
     if args.out:
         write_marks(found, args.out)
     if args.json:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from imu_lib.errors import InputError
+from imu_lib.exercise.answers import listed
 
 NAME_SHARE, FALSE_COST, NONE_FROM = 0.6, 0.2, 3.0
 #: Tolerances, relative to the true value; those of times are relative to the record's length.
@@ -72,36 +72,15 @@ def mark(hidden: Sequence, answers: Mapping, *, length: float, where: str = "the
         earned += NAME_SHARE + (1.0 - NAME_SHARE) * shares
         feedback.append(f"{channel}: {effect} named; {words}.")
     wrong = [(c, e) for i, (c, e, _) in enumerate(given) if i not in used]
-    feedback += [f"{c}: there was no {e}." for c, e in wrong]
+    there = {(c, e) for c, e, _ in hidden}
+    feedback += [
+        f"{c}: {e} named more often than it was there."
+        if (c, e) in there
+        else f"{c}: there was no {e}."
+        for c, e in wrong
+    ]
     earned = max(0.0, earned - FALSE_COST * len(wrong))
     return Mark(100.0 * earned / len(hidden), len(hidden), named, len(wrong), tuple(feedback))
-
-
-def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
-    """(channel, effect, parameters) of every answer."""
-    channels = answers.get("channels") if isinstance(answers, Mapping) else None
-    if isinstance(answers, Mapping) and "drive" in answers:
-        channels = {"drive": answers["drive"], **(channels or {})}
-    if not isinstance(channels, Mapping):
-        raise InputError(
-            f'{where}: there is no "channels"; answers look like '
-            '{"channels": {"gyro_x": [{"effect": "step", "parameters": {"time": 12.0}}]}}.'
-        )
-    out = []
-    for channel, entry in channels.items():
-        steps = entry.get("steps", ()) if isinstance(entry, Mapping) else entry
-        if not isinstance(steps, Sequence) or isinstance(steps, str):
-            raise InputError(f"{where}: the answers for {channel} are no list of effects.")
-        for step in steps:
-            effect = step.get("effect") if isinstance(step, Mapping) else None
-            parameters = step.get("parameters") or {} if isinstance(step, Mapping) else {}
-            if not isinstance(effect, str) or not isinstance(parameters, Mapping):
-                raise InputError(
-                    f'{where}: an answer for {channel} has no "effect", or parameters that are '
-                    "no names with numbers."
-                )
-            out.append((channel, effect.strip().lower().replace(" ", "_"), dict(parameters)))
-    return out
 
 
 def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, str]:
@@ -120,7 +99,9 @@ def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, st
             continue
         if not isinstance(answer, (int, float)) or isinstance(answer, bool):
             shares.append(0.0)
-            words.append(f"{name} is missing, it was {value:.4g}")
+            other = ", ".join(k for k in given if k not in true)
+            said = f" (given: {other})" if other else ""
+            words.append(f"{name} is missing{said}, it was {value:.4g}")
             continue
         tolerance = TOLERANCE.get(name, USUAL)
         scale = length if name == "time" else abs(value)

@@ -11,6 +11,7 @@ import numpy as np
 from imu_lib.errors import InputError
 from imu_lib.exercise import drives
 from imu_lib.exercise import hidden as blind
+from imu_lib.exercise.answers import read_json, student_of
 from imu_lib.exercise.marking import mark
 from imu_lib.writers import arrays, check_folder
 
@@ -139,32 +140,42 @@ def key_of(answers: Path) -> Path:
     )
 
 
-def mark_all(answers, key) -> dict:
-    """Student -> Mark of a file of answers, or of every `answers*.json` in a folder."""
+def mark_all(answers, key, *, faulty: dict | None = None) -> dict:
+    """Student -> Mark of a file of answers, or of every `answers*.json` in a folder.
+
+    With `faulty` a file that cannot be marked does not stop the others: it becomes path -> sentence
+    there. Where none can be marked, or without `faulty`, the first raises InputError.
+    """
     answers = Path(answers)
     if not answers.exists():
         raise InputError(f"{answers} does not exist; name a file of answers or their folder.")
-    content = _read_json(Path(key))
+    content = read_json(Path(key))
     if not isinstance(content, dict) or not isinstance(content.get("students"), dict):
         raise InputError(f"{key} is no key of an exercise; name the one that was written with it.")
     paths = sorted(answers.rglob("answers*.json")) if answers.is_dir() else [answers]
     if not paths:
         raise InputError(f"{answers} holds no file answers*.json.")
-    length, marks = 60.0 * content["minutes"], {}
+    marks, faults = {}, {}
     for path in paths:
-        given = _read_json(path)
-        name = given.get("student") if isinstance(given, dict) else None
-        name = str(name) if name is not None else path.parent.name.removeprefix("student_")
-        if name not in content["students"]:
-            raise InputError(
-                f'{path}: there is no student {name!r} in {key}; "student" has to be the number '
-                "on the sheet."
-            )
-        if name in marks:
-            raise InputError(f"{path}: student {name} has answered in another file already.")
-        truth = [(h["channel"], h["effect"], h["parameters"]) for h in content["students"][name]]
-        marks[name] = mark(truth, given, length=length, where=str(path))
+        try:
+            name, found = _marked(path, content, key)
+            if name in marks:
+                raise InputError(f"{path}: student {name} has answered in another file already.")
+            marks[name] = found
+        except InputError as problem:
+            faults[path] = str(problem)
+    if faults and (faulty is None or not marks):
+        raise InputError(next(iter(faults.values())))
+    if faulty is not None:
+        faulty |= faults
     return marks
+
+
+def _marked(path: Path, content: dict, key) -> tuple:
+    given = read_json(path)
+    name = student_of(given, path, content["students"], key)
+    truth = [(h["channel"], h["effect"], h["parameters"]) for h in content["students"][name]]
+    return name, mark(truth, given, length=60.0 * content["minutes"], where=str(path))
 
 
 def write_marks(marks: dict, folder) -> None:
@@ -180,13 +191,6 @@ def write_marks(marks: dict, folder) -> None:
     for name, m in marks.items():
         lines = [f"# Student {name}: {m.points:.0f} of 100", "", *(f"- {t}" for t in m.feedback)]
         (folder / f"feedback_{name}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _read_json(path: Path):
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, UnicodeDecodeError) as problem:
-        raise InputError(f"{path} is not valid JSON: {problem}.") from None
 
 
 def _write_json(path: Path, content) -> None:

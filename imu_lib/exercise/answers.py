@@ -1,0 +1,127 @@
+"""Files of answers: what students write, read with one sentence for each mistake."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from imu_lib.errors import InputError
+from imu_lib.exercise import drives, hidden
+from imu_lib.record import CHANNELS
+
+FORM = '{"channels": {"gyro_x": [{"effect": "step", "parameters": {"time": 12.0}}]}}'
+
+
+def read_json(path: Path):
+    """The content of a JSON file, as editors write it: UTF-8 or UTF-16, with a mark or without."""
+    raw = path.read_bytes()
+    try:
+        text = raw.decode("utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not text in UTF-8: save it again as UTF-8.") from None
+    if not text.strip():
+        raise InputError(f"{path} is empty.")
+    try:
+        return json.loads(text, object_pairs_hook=lambda pairs: _once(pairs, path))
+    except ValueError as problem:
+        raise InputError(f"{path} is not valid JSON: {problem}.") from None
+
+
+def _once(pairs, path):
+    names = [name for name, _ in pairs]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(
+            f'{path}: "{twice}" stands twice in one place; write it once, with all that belongs to it.'
+        )
+    return dict(pairs)
+
+
+def student_of(given, path: Path, students, key) -> str:
+    """The student whose answers these are; 1 is 01."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"{path}: these are no answers; answers look like {FORM}.")
+    folder = path.parent.name
+    name = given.get("student", folder.removeprefix("student_") if "student_" in folder else None)
+    if name is None:
+        raise InputError(f'{path}: "student" is missing; it is the number on the sheet.')
+    found = [s for s in students if s == str(name) or s.lstrip("0") == str(name)]
+    if len(found) != 1:
+        raise InputError(
+            f"{path}: there is no student {str(name)!r} in {key}; "
+            '"student" has to be the number on the sheet.'
+        )
+    return found[0]
+
+
+def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
+    """(channel, effect, parameters) of every answer; InputError where one cannot be meant."""
+    channels = answers.get("channels") if isinstance(answers, Mapping) else None
+    if isinstance(answers, Mapping) and "drive" in answers:
+        channels = {"drive": answers["drive"], **(channels or {})}
+    if not isinstance(channels, Mapping):
+        raise InputError(f'{where}: there is no "channels"; answers look like {FORM}.')
+    out = []
+    for name, entry in channels.items():
+        channel = _known(name, (*CHANNELS, "drive"), "channel", where)
+        if isinstance(entry, Mapping) and "effect" in entry:  # one, without the brackets of a list
+            entry = [entry]
+        steps = entry.get("steps") if isinstance(entry, Mapping) else entry
+        if not isinstance(steps, Sequence) or isinstance(steps, str):
+            raise InputError(f"{where}: the answers for {channel} are no list of effects.")
+        for step in steps:
+            effect = step.get("effect") if isinstance(step, Mapping) else None
+            parameters = (step.get("parameters") or {}) if isinstance(step, Mapping) else {}
+            if not isinstance(effect, str) or not isinstance(parameters, Mapping):
+                raise InputError(
+                    f'{where}: an answer for {channel} has no "effect", or parameters that are '
+                    "no names with numbers."
+                )
+            effect = _effect(effect, channel, where)
+            place = f"{where}, {channel}, {effect}"
+            out.append((channel, effect, {k: _value(v, k, place) for k, v in parameters.items()}))
+    return out
+
+
+def _known(name: str, names, what: str, where: str) -> str:
+    plain = name.strip().lower().replace(" ", "_").replace("-", "_")
+    if plain not in names:
+        near = get_close_matches(plain, names, 1, 0.5)
+        hint = f"; is {near[0]} meant?" if near else f"; choose from {', '.join(names)}."
+        raise InputError(f'{where}: there is no {what} "{name}"{hint}')
+    return plain
+
+
+def _effect(name: str, channel: str, where: str) -> str:
+    sheet = tuple(drives.EFFECTS if channel == "drive" else hidden.EFFECTS)
+    plain = name.strip().lower().replace(" ", "_").replace("-", "_")
+    return plain if plain in sheet or plain in _others() else _known(name, sheet, "effect", where)
+
+
+def _others():
+    """Names that the workflow gives beyond those on the sheets."""
+    from imu_lib import drive_effects
+    from imu_lib.gap.effects import CATALOGUE
+
+    return {*CATALOGUE, *drive_effects.EFFECTS, "parameter_change"}
+
+
+def _value(value, name: str, place: str):
+    """A number or a list of numbers; a number in quotes is one, a number with a unit is none."""
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_value(v, name, place) for v in value]
+    if isinstance(value, str):
+        try:
+            value = float(value)
+        except ValueError:
+            if not any(letter.isdigit() for letter in value):
+                return value  # a channel
+            raise InputError(
+                f'{place}: {name} is "{value}"; a number in SI units is asked for, without its unit.'
+            ) from None
+    if isinstance(value, float) and not math.isfinite(value):
+        raise InputError(f"{place}: {name} is {value}, which is no number.")
+    return value
