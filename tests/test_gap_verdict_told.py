@@ -127,6 +127,14 @@ def test_a_tilt_that_may_be_jumps_is_no_fact():
     assert "may have been moved at 99 s" in told and "was moved" not in told
 
 
+def test_of_doubtful_names_the_likeliest_are_told_once():
+    spikes, jump = step("spikes", 0.4), step("step", 0.3)
+    told = " ".join(said([spikes, jump, jump, step("stuck", 0.02)]))
+    assert "In doubt: spikes on gyro_x, step on gyro_x." in told and "stuck" not in told
+    many = [step(e, 0.4) for e in ("spikes", "step", "stuck", "saturation", "telegraph")]
+    assert "2 more in the table" in " ".join(said(many))
+
+
 def test_a_process_whose_power_is_one_slow_change_is_doubted_and_a_walk_is_not():
     rng, t = np.random.default_rng(7), np.arange(N) / FS
     tilted = np.interp(t, [260.0, 380.0], [0.0, -0.05]) + 0.01 * rng.standard_normal(N)

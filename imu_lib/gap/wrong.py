@@ -12,6 +12,8 @@ FAULTS = ("dropout", "held", "time_gaps", "jitter", "rate_error", "stuck", "spik
 LOST = ("dropout", "time_gaps")
 TOUCHED = ("disturbance", "tilt")
 JUMPS = ("step", "telegraph")
+#: Confidence below which a name is not told at all (the table has it), and how many doubtful ones are.
+LEAST, DOUBTS = 0.1, 3
 #: m/s^2.
 GRAVITY = 9.80665
 #: Times and parts that are told.
@@ -80,12 +82,15 @@ def sentence(steps, sure: float, left_out=(), *, named: bool = False) -> str:
             parts.append(_lost(s))
         elif s.confidence >= sure or where == "record":
             parts.append(text(s.parameters, on))
-        else:
+        elif s.confidence >= LEAST:
             doubtful.append(f"{s.effect.replace('_', ' ')}{on}")
     parts += _touched([s for _, s in steps if s.effect in TOUCHED])
     parts = list(dict.fromkeys(parts))
     if len(parts) > PARTS:
         parts = [*parts[:PARTS], f"and {len(parts) - PARTS} more of the kind in the table"]
+    doubtful = list(dict.fromkeys(doubtful))
+    if len(doubtful) > DOUBTS:
+        doubtful = [*doubtful[:DOUBTS], f"{len(doubtful) - DOUBTS} more in the table"]
     if doubtful:
         parts.append(f"in doubt: {', '.join(doubtful)}")
     if not parts:
