@@ -177,3 +177,20 @@ def test_the_hum_of_the_mains_on_one_channel_is_one_cause():
     assert item.process.channels == ("gyro_z",) and item.process.harmonics == 3
     # of any other frequency it is a periodic signal that has no name
     assert found_in({**raw, "gyro_x": other}, fs) == []
+
+
+def test_a_band_that_comes_in_bursts_is_said_to():
+    """Steps on a floor: every twenty seconds one for a second, on two channels."""
+    rng = np.random.default_rng(12)
+    n, fs = 40_000, 50.0
+    band = signal.sosfilt(
+        signal.butter(4, [14, 20], "band", fs=fs, output="sos"), rng.standard_normal(n)
+    )
+    raw = still(n, rng)
+    for loud, words in (
+        (np.ones(n), ""),
+        (4.0 * (np.arange(n) / fs % 20 < 1), "in bursts, half of it"),
+    ):
+        felt = {c: raw[c] + 2e-3 * loud * band for c in ("gyro_x", "gyro_y")}
+        (item,) = [i for i in found_in({**raw, **felt}, fs) if i.process.band]
+        assert (words in item.evidence) if words else item.evidence == ""

@@ -62,12 +62,13 @@ def vibration_step(found) -> Step:
         "vibration",
         parameters,
         found.intervals,
-        found.where,
+        found.where + (f", {found.evidence}" if found.evidence else ""),
         sure,
         {"effect": "sinusoid", "confidence": 0.0},
         [],
         gain=found.gain,
         cause=VIBRATION.cause,
+        evidence=found.evidence,
     )
 
 

@@ -161,10 +161,10 @@ def _character(model: Sum, record: Record) -> tuple[float | None, float | None, 
 
 def _environment(found: Report) -> str:
     parts = []
-    shaken: dict[Any, list[dict[str, Any]]] = {}
+    shaken: dict[Any, list[Step]] = {}
     for _, step in sorted(_steps(found, ("vibration",)), key=lambda item: -(item[1].gain or 0.0)):
         p = step.parameters
-        shaken.setdefault((p["frequency"], tuple(p["channels"])), []).append(p)
+        shaken.setdefault((p["frequency"], tuple(p["channels"])), []).append(step)
     parts += [_shook(episodes) for episodes in list(shaken.values())[:3]]
     if len(shaken) > 3:
         parts.append(f"{len(shaken) - 3} weaker vibrations beside")
@@ -182,9 +182,10 @@ def _environment(found: Report) -> str:
     return f"Of the environment: {'; '.join(parts)}."
 
 
-def _shook(episodes: list[dict[str, Any]]) -> str:
+def _shook(steps: list[Step]) -> str:
     """One vibration, with all the times at which it was there."""
-    p = episodes[0]
+    episodes = [s.parameters for s in steps]
+    p, how = episodes[0], steps[0].evidence
     what = f"at {p['frequency']:.4g} Hz"
     half = p["bandwidth"] / 2
     if p.get("lines") and len(p["lines"]) > FOREST:
@@ -201,7 +202,8 @@ def _shook(episodes: list[dict[str, Any]]) -> str:
         return f"the hum of the mains, {what}, is on {_channels(p['channels'])}"
     times = sorted((e["from"], e["to"]) for e in episodes if e.get("from") is not None)
     when = _listed([f"from {a:.0f} to {b:.0f} s" for a, b in times]) if times else ""
-    return f"it shook {what}{' ' + when if when else ''} on {_channels(p['channels'])}"
+    where = f"{' ' + when if when else ''} on {_channels(p['channels'])}"
+    return f"it shook {what}{where}{', ' + how if how else ''}"
 
 
 def _hums(p: dict[str, Any]) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.gap import forest, narrow_band, shared_band
-from imu_lib.gap.behaviour import BREATHES, SWEEPS
+from imu_lib.gap.behaviour import BREATHES, BURSTS, SWEEPS, half_in
 from imu_lib.gap.families import grouped, of_mains
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
@@ -82,6 +82,7 @@ class Vibration(Effect):
             item = Finding(self, shake.process, shake.gain, shake.where, shake.intervals)
             item.places, item.signal, item.bands = looked_at, shake.signal, shake.bands
             item.doubt = shake.doubt or None
+            item.evidence = _in_bursts(shake.process, quick, fs)
             item.held = any(_alike(item.process, p) for p in _held(given))
             out.append(item)
         return out
@@ -147,6 +148,21 @@ class Vibration(Effect):
 
 VIBRATION = Vibration()
 EFFECTS = (VIBRATION,)
+
+
+def _in_bursts(p: Process, quick, fs: float) -> str:
+    """Words for a wide band whose power comes in bursts, as of steps on a floor."""
+    if not p.band or p.start is not None:
+        return ""
+    name = max(p.channels, key=lambda c: _loudness(p, c, quick))
+    half = p.bandwidth / 2
+    share = half_in(quick[name], fs, p.frequency - half, p.frequency + half)
+    return f"in bursts, half of it in {100 * share:.2g} % of the time" if share < BURSTS else ""
+
+
+def _loudness(p: Process, channel: str, quick) -> float:
+    """Amplitude over the scatter of the channel."""
+    return p.amplitude[p.channels.index(channel)] / float(np.std(quick[channel]))
 
 
 def _with_bands(shakes, quick, fs: float) -> list[Shake]:
