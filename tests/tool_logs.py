@@ -78,6 +78,11 @@ def texts():
     out["sources_row.csv"] = (table("timestamp,elapsed_time,lateral_acc,x_acc,y_acc,z_acc,x_rate_of_rotation,y_rate_of_rotation,z_rate_of_rotation\nunix time,s,G,G,G,G,deg/s,deg/s,deg/s\n,,calc,101: acc,101: acc,101: acc,102: gyro,102: gyro,102: gyro", ["%.2f" % (1773483693.25 + t) for t in T], T, T * 0, IN_G, DPS), "", 100)
     out["turning_speeds.txt"] = (table("% Imu's timestamp   IMU_X_ACC   IMU_Y_ACC   IMU_Z_ACC   IMU_YAW_VEL   IMU_PITCH_VEL   IMU_ROLL_VEL", ["%.6f" % (1261228749.91859 + t) for t in T], ACCEL, GYRO[:, ::-1], sep=" "), SI, 100)
     out["blanks_over_tabs.txt"] = (table("accX accY accZ gyroX gyroY gyroZ roll gyroXangle", ACCEL, GYRO, T, T, sep="\t"), SI + " --rate 50", 50)
+    out["typed_units.csv"] = (table("#t[s:double],w.x[rad/s:double],w.y[rad/s:double],w.z[rad/s:double],a.x[m/s^2:double],a.y[m/s^2:double],a.z[m/s^2:double]", T + 8123.4, GYRO, ACCEL), "", 100)
+    serial = "(LGR S/N: 10012345, SEN S/N: 10012345)"
+    out["serial_numbers.csv"] = ('"Plot Title: 10012345"\n' + table(f'"#","Date Time, GMT+01:00","X Accel, g {serial}","Y Accel, g {serial}","Z Accel, g {serial}"', I + 1, clock((10, 21, 33), form="%m/%d/%y %I:%M:%S.%f"), IN_G), "", 100)
+    out["stamp_lines.txt"] = ("*** Booting ***\n" + _lines(lambda k, w, a: f"[0:{k // 600:02d}:{k / 10 % 60:06.3f}]:29.6 Cel\n  accel {_three(a, '%.6f', ' ')} m/s/s\n  gyro  {_three(w, '%.8f', ' ')} rad/s\n"), "", 10)
+    out["user_beside.csv"] = (table("Index,Arrival_Time,x,y,z,User,Device", I, I * 20 + 1424696633908, ACCEL, ["a"] * N, ["phone_1"] * N), "--accel-unit m/s^2", 50)
     # fmt: on
     return out
 
@@ -91,6 +96,8 @@ def binaries(folder):
     frame = pd.DataFrame(dict(zip(names, [I * 10000 + 10**15, *ACCEL.T, *GYRO.T])))
     frame.to_feather(folder / "a.feather")
     yield folder / "a.feather", SI, 100
+    np.save(folder / "three.npy", ACCEL)
+    yield folder / "three.npy", "--accel-unit m/s^2 --rate 100", 100
     with h5py.File(folder / "matlab.mat", "w", userblock_size=512) as file:
         for name, x in (("t", T), ("wb", DPS), ("fb", IN_G)):
             file[f"imu/{name}"] = np.atleast_2d(x).T if x.ndim == 1 else x.T

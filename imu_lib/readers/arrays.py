@@ -23,6 +23,8 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
         if leaf_is_rate(key) and value.size == 1 and value.dtype.kind in "fiu":
             raw.rate = float(value.ravel()[0])
     flat = _expanded(source, arrays, columns, signal)
+    if signal in ("gyro", "accel") and not columns and len(arrays) == 1 and len(flat) == 3:
+        flat = [(axis, x) for axis, (_, x) in zip("xyz", flat)]  # one matrix of one sensor
     headings = [
         Heading(_told(name, signal), "text" if x.dtype.kind in "OUS" else "number")
         for name, x in flat
@@ -43,6 +45,7 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
                 ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
             )
             hint = _hint(flat)
+            hint += "" if raw.rate or "time" in hint else ", and the rate with --rate HZ"
             raise InputError(
                 f"{source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or name the {len(flat)} columns"
                 f" by position with --columns{hint}."

@@ -11,7 +11,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers import instances, names, time_columns
-from imu_lib.readers.asking import Heading
+from imu_lib.readers.asking import Heading, Unnamed
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
 
@@ -97,7 +97,7 @@ def pivoted(
             )
         rows[found.quantity], stated[found.quantity] = labels == label, found.unit
     if not rows:
-        raise InputError(
+        raise Unnamed(
             f"{raw.source}: `{headings[long.label].name}` names no gyro or accelerometer ({', '.join(np.unique(labels)[:6])}); "
             "keep the rows of one sensor and give the file as --gyro FILE or --accel FILE."
         )

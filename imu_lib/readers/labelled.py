@@ -27,6 +27,7 @@ _LABEL = re.compile(r'"?([^\W\d_][^=:,;|\t\n"]*?)"?\s*(?:[=:]\s*|(?=\[\s*[+-]?[\
 _VALUE = re.compile(
     rf"\s*[\[({{\"']?\s*({NUMBER})(?:(?=(?:us|ms|ns|s|g|mg|dps|mdps|rad/s|deg/s|m/s)\b)|(?![\w:]))[\"']?"
 )
+_THREE = re.compile(rf"^\s*([A-Za-z]\w*)\s+({NUMBER})\s+({NUMBER})\s+({NUMBER})(?:\s+(\S+))?\s*$")
 #: Labels that name several readings at once.
 _GROUPS = {
     "a/g": "accel_x accel_y accel_z gyro_x gyro_y gyro_z",
@@ -123,7 +124,12 @@ def _is_pairs(lines) -> bool:
         numbers = len(re.findall(rf"(?<![\w.+-]){NUMBER}(?![\w.])", rest))
         return found >= 1 and found >= 0.5 * numbers
 
-    return share(lines, labelled) > 0.8
+    def stamped(line):  # a stamp on a line of its own, perhaps with a temperature
+        stamp, rest = without_stamp(line)
+        return bool(stamp) and len(re.findall(NUMBER, rest)) < 2 and not _scan(rest)
+
+    rest = [line for line in lines if not stamped(line)]
+    return len(rest) > 0.5 * len(lines) and share(rest, labelled) > 0.8
 
 
 def _prefixed(lines) -> Table | None:
@@ -157,6 +163,10 @@ def _scan(line: str) -> list[tuple[str, str]]:
     """
     if not re.search(r"[=:\[]", line):  # gx 0.1 gy 0.2
         pairs = re.findall(rf"([^\W\d]\w*)[ \t]+({NUMBER})(?![\w.])", line)
+        three = _THREE.match(line)  # accel 0.1 0.2 9.8 m/s/s
+        if three and names.meaning(f"{three[1]} x").quantity:
+            unit = f" [{three[5]}]" if three[5] and names.unit_of(three[5]) else ""
+            return [(f"{three[1]} {a}{unit}", three[i]) for i, a in enumerate("xyz", 2)]
         return [tuple(p) for p in pairs] if len(pairs) > 2 else []
     out: list[list[str]] = []
     at, sensor = 0, ""
@@ -219,20 +229,23 @@ def _pairs(lines) -> Table | None:
     """name = value pairs, all of a sample in one line or spread over several."""
     blocks: list[tuple[dict[str, str], int]] = []
     block: dict[str, str] = {}
-    place, unstamped = 0, True
+    place, alone = 0, None
     for number, line in enumerate(lines, 1):
         stamp, rest = without_stamp(line)
         found = _scan(rest)
         if not found:
+            alone = (stamp, line) if stamp else alone  # a stamp on a line of its own
             continue
         if found[0][0] in block:
             blocks.append((block, place))
             block = {}
         if not block:
             place = number
+            if not stamp and alone:
+                stamp, line = alone
             if stamp:
                 block[stamp_head(line)] = stamp
-                unstamped = False
+            alone = None
         block.update(found)
     if block:
         blocks.append((block, place))
@@ -243,5 +256,4 @@ def _pairs(lines) -> Table | None:
     if len(keys) < 2 or shape[1] < 0.5 * len(blocks):
         return None
     kept = [([b[k] for k in keys], p) for b, p in blocks if set(keys) <= set(b)]
-    del unstamped
     return as_table(list(keys), kept, len(blocks) - len(kept))

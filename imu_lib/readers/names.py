@@ -51,6 +51,7 @@ def _split(name: str) -> tuple[str, str | None, str | None]:
     piped = re.match(r'^([^|]+?)"?\|"?([^|"]*)"?\|', text)
     if piped and unit_of(piped[2]):  # a logger's name|unit|least|most|rate
         text, unit = piped[1], piped[2]
+    text = re.sub(r"\s*\([^)]*\bS/?N\b[^)]*\)", "", text)  # a logger's serial numbers
     brackets = [b.strip() for b in re.findall(r"[\[({<]([^\])}>]*)[\])}>]", text)]
     for spelled in sorted(brackets, key=lambda b: unit_of(b) is None):  # a known unit goes first
         if re.fullmatch(r"[xyzXYZ0-3]", spelled):

@@ -136,6 +136,7 @@ def unwrapped(text: str) -> str:
 def unit_of(text: str) -> str | None:
     """The canonical unit that a text spells, or None."""
     text = plain(unwrapped(text))
+    text = re.sub(r":(?:double|float|u?int|real|[fiu])\d*$", "", text)  # the type of the numbers
     if text in ("G", "g"):
         return "g"
     if text == "K":
