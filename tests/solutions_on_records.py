@@ -205,6 +205,17 @@ def fleet_short():
         found = likelihood.fit(model.simulate(n, 20.0, rng(n)), 20.0, WhiteNoise())["N"]
         errors.append((found.high - found.low) / found.value)
     assert abs(errors[1] / errors[0] - np.sqrt(6)) < 0.3
+    # logarithms of forty units: scatter 0.15 known to 0.6 %, then 0.3 known to 23 %
+    for tau, error, grows in ((0.15, 0.006, False), (0.3, 0.23, True)):
+        units_, noise = rng(38).standard_normal((2, 40))
+        plain, width = [], []
+        for s in (error, error * np.sqrt(6)):
+            c = np.exp(tau * units_ + s * noise)
+            found = of_units(c, c * np.exp(-1.96 * s), c * np.exp(1.96 * s)).scatter
+            assert found.covers(tau)
+            plain.append(np.log(c).std())
+            width.append(found.high - found.low)
+        assert (plain[1] > 1.4 * plain[0]) == grows and (width[1] > 1.2 * width[0]) == grows
 
 
 def fleet_few():

@@ -79,6 +79,7 @@ def test_every_page_is_there_and_of_all_axes(page):
 def test_nothing_speaks_of_another_record(page):
     for path in page.parent.glob("*.html"):
         assert not OTHERS.search(words(path)), (path.name, OTHERS.search(words(path)))
+        assert "Axes:" not in words(path), path.name  # what a figure is called in Python
     for name in ("own_record.md", "own_drive.md"):
         text = (ROOT / "book" / name).read_text(encoding="utf-8")
         assert not OTHERS.search(text), OTHERS.search(text)
@@ -113,6 +114,7 @@ def test_a_drive_gets_a_drives_book(tmp_path):
         assert (pages / f"{name}.html").is_file()
     for path in pages.glob("*.html"):
         assert not OTHERS.search(words(path)), (path.name, OTHERS.search(words(path)))
+        assert "Axes:" not in words(path), path.name
 
 
 def subject(path):
@@ -133,6 +135,8 @@ def test_what_a_record_cannot_carry_is_said(tmp_path):
     assert slugs[0] == "verdict" and len(slugs) > 4
     page = (tmp_path / "verdict.ipynb").read_text(encoding="utf-8")
     assert "Left out on this record (3 samples" in page and str(tmp_path) not in page
+    last = (tmp_path / f"{slugs[-1]}.ipynb").read_text(encoding="utf-8")
+    assert "2000" in last  # what builds on it says the same, and is no page without a word
     assert said[0].endswith("reading the record") and said[-1].startswith(f"[{len(said)}/")
 
 

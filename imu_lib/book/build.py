@@ -60,10 +60,10 @@ def workplace(out: Path):
         shutil.rmtree(work, ignore_errors=True)
 
 
-def stage(work: Path):
-    """Copy what the book is made of."""
+def stage(work: Path, *, chapters: bool = True):
+    """Copy what the book is made of, or what pages without its chapters need."""
     root = contents.source()
-    for pattern in contents.SOURCES:
+    for pattern in contents.SOURCES if chapters else ("book/*.*", "book/_static/*"):
         for path in sorted(root.glob(pattern)):
             if path.is_file():
                 target = work / path.relative_to(root)
@@ -71,7 +71,10 @@ def stage(work: Path):
                 shutil.copyfile(path, target)
     (work / "book/_static").mkdir(parents=True, exist_ok=True)
     shutil.copyfile(plotly_script(), work / "book/_static/plotly.min.js")
-    derive(work)
+    if chapters:
+        derive(work)
+    else:
+        glossary.write(work)
 
 
 def plotly_script() -> Path:

@@ -75,7 +75,7 @@ def explain(notebook, about: str, *, summary: bool = True) -> list[str]:
     `about`: the record in a few words, as in "300 samples, 3 s"; `summary`: whether the top says how
     many steps are left out.
     """
-    cells, reasons, lost, builds = [], [], set(), 0
+    cells, reasons, lost, builds = [], [], {}, 0
     for cell in notebook.cells:
         cells.append(cell)
         error = next((o for o in cell.get("outputs", []) if o.output_type == "error"), None)
@@ -88,11 +88,12 @@ def explain(notebook, about: str, *, summary: bool = True) -> list[str]:
         name = re.search(r"name '(\w+)' is not defined", error.evalue)
         if error.ename == "NameError" and name and name.group(1) in lost:
             builds += 1
-            text = f"*Left out as well: it builds on* `{name.group(1)}`."
+            why = lost[name.group(1)]
         else:
-            reasons.append(reason(error.ename, error.evalue, cell.source, line))
-            text = f":::{{admonition}} Left out on this record ({about})\n:class: note\n{reasons[-1]}\n:::"
-        lost.update(forgotten(cell.source, line))
+            why = reason(error.ename, error.evalue, cell.source, line)
+            reasons.append(why)
+        lost.update(dict.fromkeys(forgotten(cell.source, line), why))
+        text = f":::{{admonition}} Left out on this record ({about})\n:class: note\n{why}\n:::"
         cells.append(nbformat.v4.new_markdown_cell(text, id=f"left-out-{len(cells)}"))
     if reasons and summary:
         count = len(reasons) + builds

@@ -53,7 +53,7 @@ def book(subject: Subject, template: str, out: Path, *, progress=None) -> Path:
     """
     build.check_target(out)
     with build.workplace(out) as work:
-        build.stage(work)
+        build.stage(work, chapters=False)
         text = (work / f"book/{template}.md").read_text(encoding="utf-8")
         notebook = notebook_of(filled(text, subject))
         (work / "own").mkdir()
@@ -93,7 +93,10 @@ def notebook_of(text: str):
     cells, at = [], 0
     for match in FENCE.finditer(text):
         cells += texts(text[at : match.start()])
-        cell = nbformat.v4.new_code_cell(match["code"].strip())
+        code = match["code"].strip()
+        if code.splitlines()[-1].startswith("plots."):
+            code += ";"  # as in the chapters: a figure without the names of its axes in Python
+        cell = nbformat.v4.new_code_cell(code)
         cell.metadata["tags"] = ["remove-input"] if match["hidden"] else []
         cells.append(cell)
         at = match.end()

@@ -103,12 +103,14 @@ def _drive(args):
 
 def _of_record(args, record, folder):
     from imu_lib.book import own
+    from imu_lib.gap.faulty import LEAST
     from imu_lib.writers import arrays
 
     path = Path(folder) / f"{own.safe_name(record.name)}.npz"
     np.savez(path, **arrays(record))
     about = own.described(record.n, record.duration)
     temperature = "recorded" if record.temperature is not None else "not recorded"
+    gap = ("gap {} --out gap",) if record.n >= LEAST else ()  # a command that is shown works
     return own.Subject(
         title=args.title or record.name or path.stem,
         shown=shlex.quote(args.file or args.gyro or args.accel),
@@ -126,7 +128,7 @@ def _of_record(args, record, folder):
         commands=(
             "check {}",
             "characterise {} --out results --export kalibr",
-            "gap {} --out gap",
+            *gap,
             "book {}",
         ),
     )
