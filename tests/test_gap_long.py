@@ -7,6 +7,8 @@ import pytest
 
 from imu_lib import gap, long_record
 from imu_lib.gap import long
+from imu_lib.gap.long import looked_at
+from imu_lib.gap.steps import Step
 from imu_lib.gap.summary import sentences
 from imu_lib.model import Model
 from imu_lib.record import Record
@@ -86,3 +88,35 @@ def test_both_views_and_the_windows_unlike_the_rest(small, tmp_path):
     tau = np.array([300.0])
     assert found.model["gyro_x"].avar(tau, FS) > 10 * MODEL["gyro_x"].avar(tau, FS)
     assert found.model["gyro_x"].low_pass == MODEL["gyro_x"].low_pass
+
+
+def test_two_levels_of_a_long_record_are_named_where_no_model_was_given(small, tmp_path):
+    """A Gauss-Markov process has the same spectrum: the base of the block means is free."""
+    rng = np.random.default_rng(12)
+    t = np.arange(N) / FS
+    x = 2e-4 * np.sqrt(FS) * rng.standard_normal(N)
+    flips = np.cumsum(rng.exponential(150.0, 200))
+    record = opened({"gyro_x": x + 2e-4 * (-1.0) ** np.searchsorted(flips, t)}, tmp_path)
+    found = gap.close(record, simulations=0, jobs=1)
+    (step,) = found.channels["gyro_x"].result.steps
+    assert step.effect == "telegraph"
+    assert abs(step.parameters["amplitude"] / 4e-4 - 1) < 0.1
+    assert abs(np.log(step.parameters["rate"] * 150.0)) < np.log(2)
+    terms = [p.name for p in found.model["gyro_x"].terms]
+    assert sorted(terms) == ["telegraph", "white_noise"]
+
+
+def step_of(begin, end, frequency=17.3):
+    p = {"frequency": frequency, "from": begin, "to": end}
+    return Step("vibration", p, {}, "", "", 1.0, {})
+
+
+def test_a_vibration_over_several_stretches_is_one_and_one_with_a_pause_is_two():
+    known = [step_of(1000.0, 1200.0)]
+    for more in ((1200.0, 5000.0), (400.0, 1000.0), (8000.0, 8200.0)):
+        known = looked_at.together(known, [step_of(*more)])
+    assert [(s.parameters["from"], s.parameters["to"]) for s in known] == [
+        (400.0, 5000.0),
+        (8000.0, 8200.0),
+    ]
+    assert len(looked_at.together(known, [step_of(400.0, 5000.0, 31.0)])) == 3

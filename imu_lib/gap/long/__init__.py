@@ -25,7 +25,7 @@ from imu_lib.gap.long import joined, looked_at, views
 from imu_lib.gap.long.scan import scan
 from imu_lib.gap.long.windows import stretches, typical_run
 from imu_lib.model import Model
-from imu_lib.processes import Sum
+from imu_lib.processes import GaussMarkov, Sum, Telegraph
 
 #: Samples of the part at the full rate, and block means at the most.
 PART, MEANS = 1 << 19, 1 << 18
@@ -86,6 +86,10 @@ def close(
     names = [n for n in names if n in fast.channels]
     rate = fs / block
     given = _with_bases(model, fast, scans, rate)
+    own = [s for s in scans if s.name in names]
+    means = views.averages(record, own, _warmth(record, runs, block))
+    free = [n for n in names if model is None or n not in model]
+    given = _between_levels(means, given, free, block, options)
     kept = {n: joined.kept(given[n], fast.model[n], rate) for n in names}
     # -- windows unlike the rest
     steps = joined.of_part(fast, rate, start)
@@ -96,7 +100,7 @@ def close(
     for k, found in enumerate(unlike[: looked_at.MOST]):
         say.at(50 + k, f"{k + 1} of {len(unlike)} stretches unlike the rest")
         seen = looked_at.look(record, grown, found, window, rate, seed)
-        steps += [s for s in seen.steps if not any(looked_at.alike(s, t) for t in steps)]
+        steps = looked_at.together(steps, seen.steps)
         notes.append(f"{seen.sentence[0].upper()}{seen.sentence[1:]}.")
         if seen.left:
             left.append(seen.sentence)
@@ -107,8 +111,6 @@ def close(
         )
     # -- the whole record as means
     say.at(60, "the whole record")
-    own = [s for s in scans if s.name in names]
-    means = views.averages(record, own, _warmth(record, runs, block))
     common = tuple(p for p in fast.model.record if p.name == "common_mode")
     slow_given = Model(
         {n: views.averaged(kept[n], block, fs)[0] for n in names}, record=common, rate=rate
@@ -188,6 +190,32 @@ def _with_bases(model, fast, scans, rate) -> Model:
     if model is None:
         return Model(found, rate=fast.record.rate)
     return replace(model, channels={**model.channels, **found})
+
+
+def _between_levels(means, given: Model, free, block: int, options) -> Model:
+    """The model without the Gauss-Markov processes that two levels explain better, of the channels
+    `free` whose slow processes nobody gave: the spectrum of both is the same.
+    """
+    bare = {}
+    for n in free:
+        entry = given[n]
+        slow = [
+            t for t in entry.terms if isinstance(t, GaussMarkov) and views.is_slow(t, means.rate)
+        ]
+        if slow:
+            bare[n] = Sum(tuple(t for t in entry.terms if t not in slow), entry.stages)
+    if not bare:
+        return given
+    begun = {n: views.averaged(entry, block, means.rate * block)[0] for n, entry in bare.items()}
+    found = loop.close(
+        means, Model(begun, rate=means.rate), channels=list(bare), **options | {"simulations": 0}
+    )
+    levels = {
+        n: bare[n]
+        for n, c in found.channels.items()
+        if any(s.effect == Telegraph.name for s in c.result.steps)
+    }
+    return replace(given, channels={**given.channels, **levels})
 
 
 def _slow_terms(means, rate):

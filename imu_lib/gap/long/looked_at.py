@@ -116,6 +116,38 @@ def process_of(step: Step) -> Process:
     return from_json({"process": step.effect, **step.parameters}, on_record=True)
 
 
+def together(steps: list[Step], more) -> list[Step]:
+    """The steps with those of one more stretch: a vibration that goes on, or was there before, is one
+    from its first to its last second; one with a pause between is another.
+    """
+    out = list(steps)
+    for s in more:
+        same = [i for i, t in enumerate(out) if alike(s, t)]
+        if s.effect != "vibration":
+            out += [] if same else [s]
+            continue
+        span = _span(s)
+        touching = [i for i in same if _touch(span, _span(out[i]))]
+        for i in touching:
+            span = min(span[0], _span(out[i])[0]), max(span[1], _span(out[i])[1])
+        first = out[touching[0]] if touching else s
+        if np.isfinite(span).all():
+            first = replace(first, parameters={**first.parameters, "from": span[0], "to": span[1]})
+        out = [t for i, t in enumerate(out) if i not in touching] + [first]
+    return out
+
+
+def _span(step: Step) -> tuple[float, float]:
+    """Seconds from and to which a vibration is there, all the time without them."""
+    p = step.parameters
+    begin, end = p.get("from"), p.get("to")
+    return -np.inf if begin is None else begin, np.inf if end is None else end
+
+
+def _touch(a, b) -> bool:
+    return a[0] <= b[1] + 1.0 and b[0] <= a[1] + 1.0
+
+
 def alike(a: Step, b: Step) -> bool:
     """Whether two views have found one thing."""
     if a.effect != b.effect:
