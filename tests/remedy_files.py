@@ -164,6 +164,7 @@ def files(folder):
     text["two_rates.csv"] = f"time [s],{SIX}\n" + "".join(
         f"{k / 100},{','.join('%.8f' % v for v in GYRO[k])},{accel[k]}\n" for k in I
     )
+    text["stated_rate.csv"] = "sampling rate: 50\n" + table("time [s],gx,gy,gz", T, GYRO)
     text["g.csv"] = table("time [s],x,y,z", T, GYRO)
     text["turns.txt"] = "".join(f"{k},{k % 3},0.1,0.2,9.8\n" for k in range(N))
     text["a_later.csv"] = table("time [s],x,y,z", [f"{v:.3f}" for v in 1e9 + 3.99 + T], ACCEL)

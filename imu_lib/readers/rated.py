@@ -84,12 +84,21 @@ def _slips(step, tick) -> bool:
 
 def _agree(raw, measured, rate) -> None:
     """InputError where the rate of the stamps is not the one that the call or the file states."""
-    for value, name in ((rate, "--rate"), (raw.rate, "the rate the file states,")):
-        if value is not None and not 0.95 < value / measured < 1.05:
-            raise InputError(
-                f"{raw.source}: its time stamps tell {measured:.6g} Hz, {name} {value:g} Hz does not fit; "
-                "correct it, or leave the stamps out with --time-unit none --rate HZ."
-            )
+    if rate is not None and not 0.95 < rate / measured < 1.05:
+        raise InputError(
+            f"{raw.source}: its time stamps tell {measured:.6g} Hz, --rate {rate:g} Hz does not fit; "
+            "correct it, or leave the stamps out with --time-unit none --rate HZ."
+        )
+    if raw.rate is None or 0.95 < raw.rate / measured < 1.05:
+        return
+    if rate is None:
+        raise InputError(
+            f"{raw.source}: its time stamps tell {measured:.6g} Hz, the file states {raw.rate:g} Hz; give --rate {measured:.6g} if the stamps are right, "
+            "or leave them out with --time-unit none --rate HZ."
+        )
+    raw.notes += (
+        f"The file states {raw.rate:g} Hz; --rate {rate:g}, which its stamps tell too, was taken.",
+    )
 
 
 def _by_the_fine_ones(time, tick):

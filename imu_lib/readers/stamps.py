@@ -58,7 +58,7 @@ def settle(
     if "time" in raw.columns:
         found = _numeric(raw, given, time_unit, lenient, trust, rate)
     elif "date" in raw.columns or "clock" in raw.columns:
-        found = _calendar(raw, given, lenient)
+        found = _calendar(raw, given, rate, lenient)
     else:
         found = _untimed(raw, given, n)
     if not raw.simulated:
@@ -190,7 +190,7 @@ def _evidence(raw, canonical) -> str:
     return next((c.evidence for c in raw.described if c.read_as == canonical), "")
 
 
-def _calendar(raw, given, lenient) -> Timing:
+def _calendar(raw, given, rate, lenient) -> Timing:
     time, raw.epoch, minutes_only = calendar.seconds(raw)
     heading = " and ".join(f"`{raw.headings[c]}`" for c in ("date", "clock") if c in raw.columns)
     raw.start = raw.epoch
@@ -223,4 +223,4 @@ def _calendar(raw, given, lenient) -> Timing:
             f"{raw.source}, {heading}: minutes and seconds are all that a spreadsheet left of the stamps, and {100 * repeated:.0f} % of the "
             "rows repeat the stamp before; give --rate HZ."
         )
-    return rated(raw, time, keep, grain(time, 1.0), given, given, lenient)
+    return rated(raw, time, keep, grain(time, 1.0), given, rate, lenient)
