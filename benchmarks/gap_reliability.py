@@ -4,8 +4,8 @@
 
 Counts every finding of the stored tables gap_score, gap_score_free, gap_score_pairs and
 gap_injected: its confidence, and whether what it names had been hidden in that channel. Findings
-beside something that was left unexplained, and names whose weight among their rivals was stored,
-are counted with the confidence that `gap/measured.py` gives them now. The table goes to
+beside something that was left unexplained, slopes beside a filter, and names whose weight among
+their rivals was stored, are counted with the confidence that `gap/measured.py` gives them now. The table goes to
 benchmarks/results/gap_reliability.json.
 """
 
@@ -25,12 +25,25 @@ from gap_score import RESULTS, matches, same_spectrum, wilson  # noqa: E402
 
 from imu_lib.gap import measured  # noqa: E402
 from imu_lib.gap.effects import COMPETITORS  # noqa: E402
+from imu_lib.gap.effects.competitor import SLOPE_BESIDE_FILTER  # noqa: E402
 
 SCORES = ("gap_score", "gap_score_free", "gap_score_pairs")
 #: Names of the record, which nothing that is left on a channel speaks against, and what comes with
 #: what was put in: who tilts a sensor touches it.
-OF_RECORD = ("common_mode", "disturbance", "dropout", "jitter", "tilt", "time_gaps", "vibration")
+OF_RECORD = (
+    "common_mode",
+    "disturbance",
+    "dropout",
+    "jitter",
+    "rate_error",
+    "tilt",
+    "time_gaps",
+    "vibration",
+)
 SEEN_AS = {"disturbance": ("tilt",)}
+#: Noises that are strongest near half the sampling rate, and the confidence at the most that they had
+#: beside a filter when the tables were stored.
+SLOPED, FORMER = ("autoregressive", "quantization"), 0.8
 #: Names that compete with rivals.
 RIVALS = {e.name for e in COMPETITORS}
 #: Bounds of the bins of confidence.
@@ -51,6 +64,8 @@ def findings(strict=True):
                 sure = s["confidence"]
                 if s["effect"] in RIVALS and not s.get("calibrated"):
                     sure = measured.calibrated(sure)
+                if s["effect"] in SLOPED and s["confidence"] == FORMER:  # beside a filter
+                    sure = min(sure, SLOPE_BESIDE_FILTER)
                 yield s["effect"], sure, right, left, name
     path = RESULTS / "gap_injected.json"
     for case in json.loads(path.read_text())["cases"] if path.exists() else ():
@@ -64,6 +79,8 @@ def findings(strict=True):
                 if effect in told:
                     continue
                 told.add(effect)
+            if effect in SLOPED and sure == FORMER:  # beside a filter
+                sure = min(sure, SLOPE_BESIDE_FILTER)
             yield effect, sure, right, left, "gap_injected"
 
 
