@@ -8,7 +8,7 @@ counts for the naming rate if it is detectable: the innovations' log-likelihood 
 effect at its true parameters is 20 or more. Two drives of three are strange: other vehicles, rough
 roads, turned cases, gaps, tunnels, centimetre fixes, a sky that changes, 200 Hz. With --outages,
 errors in withheld outages under the model found are held against those under the true one. Results
-go to benchmarks/results/drive_gap_score.json.
+go to benchmarks/results/NAME.json (--store).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ import numpy as np
 from drive_gap_cases import KINDS, KNOWN, ROOT, UNKNOWN, case
 from statsmodels.stats.proportion import proportion_confint
 
-RESULTS = ROOT / "benchmarks" / "results" / "drive_gap_score.json"
+RESULTS = ROOT / "benchmarks" / "results"
 SURE, DETECTABLE = 0.9, 20.0
 BINS = (0.0, 0.5, 0.8, 0.9, 0.99, 1.0)  # of the confidence
 
@@ -134,6 +134,7 @@ def main():
     parser.add_argument("--first", type=int, default=5000)
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--log", default="drive_gap_cases.jsonl")
+    parser.add_argument("--store", default="drive_gap_score", metavar="NAME")
     parser.add_argument("--outages", action="store_true")
     parser.add_argument("--print", action="store_true", dest="show")
     args = parser.parse_args()
@@ -161,7 +162,9 @@ def main():
     }  # fmt: skip
     print(json.dumps(result, indent=1))
     if not args.show:
-        RESULTS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+        (RESULTS / f"{args.store}.json").write_text(
+            json.dumps(result, indent=1) + "\n", encoding="utf-8"
+        )
 
 
 if __name__ == "__main__":
