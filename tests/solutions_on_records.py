@@ -10,7 +10,7 @@ from scipy.stats import binomtest, chi2, linregress, norm, t
 
 import imu_lib as imu
 from conftest import ROOT
-from imu_lib import allan, calibration, datasets, likelihood, published, timing, units, wavelet
+from imu_lib import allan, calibration, datasets, gap, likelihood, published, timing, units, wavelet
 from imu_lib.fleet.spread import of_units
 from imu_lib.gap.effects.noise_level_change import unsteady
 from imu_lib.gap.verdict import distribution
@@ -226,6 +226,36 @@ def fleet_few():
         found = of_units(c, 0.99 * c, 1.01 * c)
         above[units_] = found.worst / found.typical.value
     assert 1.3 < above[10] < 1.7 and above[4] > 1.5 * above[10]
+
+
+def recorded(name):
+    if not datasets.available(name):
+        pytest.skip(f"the record {name} is not at hand")
+    return datasets.load(name)
+
+
+def gapreal_2():
+    """The steps of the output and what the clock does are in both halves, the warming in the first."""
+    desk = recorded("mpu6050_10min")
+    halves = [
+        gap.close(desk.slice(a, a + 300.0), simulations=0, jobs=1, channels=["accel_z"])
+        for a in (0.0, 300.0)
+    ]
+    first, second = ({step.effect for _, step in half.steps} for half in halves)
+    assert {"resolution", "jitter"} <= first & second
+    assert first - second and first - second <= {"temperature", "warm_up", "step", "ramp"}
+
+
+def gapreal_3():
+    """Steps of the output and filter belong to the unit; another axis has other parameters."""
+    record = recorded("adis16405_1").continuous().slice(600.0, 840.0)
+    unit = gap.close(record, simulations=0, jobs=1, channels=["gyro_x"])
+    other = imu.Record({"gyro_x": record["gyro_y"]}, record.rate)
+    found = [step for _, step in gap.close(other, unit.model, simulations=0, jobs=1).steps]
+    assert {"resolution", "low_pass"} <= {step.effect for _, step in unit.steps}
+    assert not {"resolution", "low_pass"} & {step.effect for step in found}
+    noise = next(s.parameters for s in found if s.parameters.get("process") == "white_noise")
+    assert 1.04 < noise["to"] / noise["from"] < 1.09
 
 
 def gap_1():
