@@ -63,16 +63,3 @@ def test_two_levels_are_not_taken_for_a_red_noise_of_the_base(taps):
     assert sure == {"telegraph"} | ({"low_pass"} if taps > 1 else set())
     (step,) = (s for s in found.steps if s.effect == "telegraph")
     assert abs(step.parameters["amplitude"] / 0.8 - 1) < 0.1  # three standard deviations
-
-
-def test_two_levels_beside_an_ordinary_walk_are_no_gauss_markov_process():
-    """The drift that they are decoded beside is that of the likeliest base without their twin."""
-    rng, fs = np.random.default_rng(20261130), 3.0
-    n = int(6 * 3600 * fs)
-    x = 2e-4 * np.sqrt(fs) * rng.standard_normal(n)
-    x += np.cumsum(2e-6 / np.sqrt(fs) * rng.standard_normal(n))
-    flips = np.cumsum(rng.exponential(200.0, size=200))
-    x += 1.5e-4 * (-1.0) ** np.searchsorted(flips, np.arange(n) / fs)
-    found = analyse("gyro_x", x, fs, None, seed=1)
-    (step,) = (s for s in found.steps if s.effect == "telegraph")
-    assert step.confidence > 0.9 and abs(step.parameters["amplitude"] / 3e-4 - 1) < 0.1

@@ -153,7 +153,7 @@ def _two_levels(best: State, families: list[State]) -> State:
     alone = families[:2]  # white noise, and a walk beside it
     bases = [*alone, *(s for s in families[2:] if _names(s) == _names(best))]
     bases = [s for s in bases if not any(c.signal is not None for c in s.items)]
-    trials = [s.plus(c) for s in bases for e in COMPETITORS for c in e.candidates_in_base(s, best)]
+    trials = [s.plus(c) for s in bases for e in COMPETITORS for c in e.candidates_in_base(s)]
     top = max(trials, key=_worth, default=best)
     return top if _worth(top) > _worth(best) + MIN_EVIDENCE else best
 

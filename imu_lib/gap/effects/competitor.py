@@ -44,10 +44,8 @@ class Competitor(Effect):
         """Where it may be in place of other candidates, which have been weighed."""
         return []
 
-    def candidates_in_base(self, state, likeliest) -> list[Candidate]:
-        """Where it may be in what a fitted base, or the `likeliest` of all, may have taken for a red
-        noise of its own.
-        """
+    def candidates_in_base(self, state) -> list[Candidate]:
+        """Where it may be in what a fitted base may have taken for a red noise of its own."""
         return []
 
     def path(self, state, term) -> np.ndarray | None:

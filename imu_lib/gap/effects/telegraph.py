@@ -43,19 +43,9 @@ class Telegraph(Competitor):
         """Two levels instead of the noises that would otherwise explain a red spectrum."""
         return self._decoded(state, self._starts(state, weighed))
 
-    def candidates_in_base(self, state, likeliest):
+    def candidates_in_base(self, state):
         duration, sd = state.data.duration, state.cleaned.slow_sd
-        starts = [(2 * sd, flips / duration) for flips in FLIPS]
-        out = self._decoded(state, starts)
-        for term in likeliest.fit.terms:
-            if isinstance(
-                term, TWIN.process
-            ):  # with the drift beside it, which theirs would be else
-                start = Process(amplitude=2 * term.sigma, rate=0.5 / term.correlation_time)
-                found = decoded(*self._seen(likeliest, start, term))
-                if found is not None and found.flips >= MIN_FLIPS:
-                    out.append(self._candidate(state, found, 0.0))
-        return out
+        return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
 
     def path(self, state, term):
         """The levels of a telegraph that is given, where the samples show them, and show no other
