@@ -78,6 +78,8 @@ def texts():
     out["sources_row.csv"] = (table("timestamp,elapsed_time,lateral_acc,x_acc,y_acc,z_acc,x_rate_of_rotation,y_rate_of_rotation,z_rate_of_rotation\nunix time,s,G,G,G,G,deg/s,deg/s,deg/s\n,,calc,101: acc,101: acc,101: acc,102: gyro,102: gyro,102: gyro", ["%.2f" % (1773483693.25 + t) for t in T], T, T * 0, IN_G, DPS), "", 100)
     out["turning_speeds.txt"] = (table("% Imu's timestamp   IMU_X_ACC   IMU_Y_ACC   IMU_Z_ACC   IMU_YAW_VEL   IMU_PITCH_VEL   IMU_ROLL_VEL", ["%.6f" % (1261228749.91859 + t) for t in T], ACCEL, GYRO[:, ::-1], sep=" "), SI, 100)
     out["blanks_over_tabs.txt"] = (table("accX accY accZ gyroX gyroY gyroZ roll gyroXangle", ACCEL, GYRO, T, T, sep="\t"), SI + " --rate 50", 50)
+    days = clock((23, 59, 58), form="%Y-%m-%d %H:%M:%S.%f")
+    out["dated_commas.txt"] = (table("date time gyro_x gyro_y gyro_z accel_x accel_y accel_z\n- - mrad/s mrad/s mrad/s mg mg mg", [d.replace(".", "DOT") for d in days], GYRO * 1000, IN_G * 1000, sep=" ").replace(".", ",").replace("DOT", "."), "", 100)
     out["typed_units.csv"] = (table("#t[s:double],w.x[rad/s:double],w.y[rad/s:double],w.z[rad/s:double],a.x[m/s^2:double],a.y[m/s^2:double],a.z[m/s^2:double]", T + 8123.4, GYRO, ACCEL), "", 100)
     serial = "(LGR S/N: 10012345, SEN S/N: 10012345)"
     out["serial_numbers.csv"] = ('"Plot Title: 10012345"\n' + table(f'"#","Date Time, GMT+01:00","X Accel, g {serial}","Y Accel, g {serial}","Z Accel, g {serial}"', I + 1, clock((10, 21, 33), form="%m/%d/%y %I:%M:%S.%f"), IN_G), "", 100)

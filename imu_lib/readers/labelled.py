@@ -112,6 +112,11 @@ def _is_prefixed(lines) -> bool:
         if not m:
             return False
         apart = "," in line[m.end() :] and line[m.end() - 1] == " " and "-" in m[1]
+        tokens = line[m.end() :].split()
+        if len(tokens) > 2 and all(
+            re.fullmatch(r"[+-]?\d+(?:,\d+)?(?:[eE][+-]?\d+)?", t) for t in tokens
+        ):
+            return False  # decimal commas, with blanks between the numbers
         return bool(m[2] in ("->", "=>", ">") or line.lstrip()[0] in "[(" or apart)
 
     return share(lines, arrow) > 0.6
