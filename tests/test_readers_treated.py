@@ -27,9 +27,9 @@ def manager(*columns):
 def labview(*columns):
     rows = table("X_Value\t" + "\t".join(("Gyro X", "Gyro Y", "Gyro Z", "Accel X", "Accel Y", "Accel Z", "Comment")), T, *columns, sep="\t")  # fmt: skip
     units = (
-        "Y_Unit_Label\tdeg/s\tdeg/s\tdeg/s\tg\tg\tg\nX_Dimension\tTime\nX0\t0.0\nDelta_X\t0.01\n"
+        "Y_Unit_Label\tdeg/s\tdeg/s\tdeg/s\tg\tg\tg\t\nX_Dimension\tTime\nX0\t0.0\nDelta_X\t0.01\n"
     )
-    return f"LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\n\t\nChannels\t6\n{units}***End_of_Header***\n{rows}"
+    return f"LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n***End_of_Header***\t\n\t\nChannels\t6\n{units}***End_of_Header***\n{rows}"
 
 
 FIXED = {

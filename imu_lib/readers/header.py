@@ -95,7 +95,7 @@ def header_of(lines, first, delimiter, width):
                 continue
         lab = re.match(r"^Y_Unit_Label[\t,;](.*)$", line)
         if lab:  # LabVIEW: a unit for each channel, none for the abscissa before them
-            found = fields(lab[1], lab[0][12])
+            found = fields(lab[1].rstrip("\t,; "), lab[0][12])  # a blank for the comments
             if unit_row is None and len(found) in (width - 1, width - 2):
                 unit_row = ("", *found, *[""] * (width - 1 - len(found)))
             continue

@@ -11,7 +11,9 @@ import numpy as np
 
 from imu_lib.readers.raw import Raw
 
-_PAIR = re.compile(r'^\s*"?([A-Za-z]\w*)"?\s*[,:=;\t]\s*"?([+-]?[\d.]+(?:[eE][+-]?\d+)?)"?\s*$')
+_PAIR = re.compile(
+    r'^\s*"?([A-Za-z]\w*)"?\s*[,:=;\t]\s*"?([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"?\s*$'
+)
 #: What a factor of the name makes of a number: rad/s, g and seconds.
 _GYROFLOW = {"gscale": ("gyro", "rad/s"), "ascale": ("accel", "g")}
 _TICKS = {1.0: "s", 1e-3: "ms", 1e-6: "us", 1e-9: "ns"}
