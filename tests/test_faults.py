@@ -191,3 +191,19 @@ def test_zero_is_a_level_of_the_coarsest_grid(step):
     share = np.mean(x == 0)
     assert 1e-4 < share < 0.02
     assert not [f for f in faults.find(Record({"gyro_x": x}, 100.0)) if f.kind == "dropout"]
+
+
+def test_a_knock_between_chance_samples_is_as_long_as_it_is():
+    """Means of seconds see it too; a single large sample seconds before is the noise's."""
+    rng, n, fs = np.random.default_rng(11), 15_000, 50.0
+    t = np.arange(n) / fs
+    ring = np.where(t >= 120.3, np.exp(-np.clip(t - 120.3, 0, None) / 0.15), 0.0)
+    ring *= np.sin(2 * np.pi * 9 * (t - 120.3))
+    channels = {}
+    for kind, sd, strength in (("gyro", 7e-4, 0.1), ("accel", 8e-3, 2.0)):
+        for axis in "xyz":
+            x = sd * rng.standard_normal(n)
+            x[[5793, 6230]] += 4.3 * sd * (axis == "x")
+            channels[f"{kind}_{axis}"] = x + strength * ring
+    (found,) = [f for f in faults.find(Record(channels, fs)) if f.kind == "disturbance"]
+    assert abs(found.start - 120.3) < 0.2 and found.stop - found.start < 1.0

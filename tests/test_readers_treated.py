@@ -29,7 +29,8 @@ def labview(*columns):
     units = (
         "Y_Unit_Label\tdeg/s\tdeg/s\tdeg/s\tg\tg\tg\t\nX_Dimension\tTime\nX0\t0.0\nDelta_X\t0.01\n"
     )
-    return f"LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n***End_of_Header***\t\n\t\nChannels\t6\n{units}***End_of_Header***\n{rows}"
+    head = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+    return f"{head}***End_of_Header***\t\n\t\nChannels\t6\n{units}***End_of_Header***\n{rows}"
 
 
 FIXED = {

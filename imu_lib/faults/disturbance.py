@@ -230,7 +230,7 @@ def _edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
     n = len(channels[names[0]].x)
     reach = max(4, int(0.3 * rate))
     low, high = max(0, hit.low - reach), min(n, hit.high + reach)
-    loud = np.zeros(high - low, bool)
+    loud = np.zeros(high - low, int)
     for c in hit.channels:
         # against the level of both sides: a moving mean has the knock in it
         ready, near = channels[names[c]], max(20, reach)
@@ -238,10 +238,10 @@ def _edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
         level = [float(np.median(part)) for part in sides if len(part) >= 4]
         if level:
             line = np.linspace(level[0], level[-1], high - low)
-            loud |= np.abs(ready.x[low:high] - line) > LARGE * ready.sigma[low]
+            loud += np.abs(ready.x[low:high] - line) > LARGE * ready.sigma[low]
     if not loud.any():
         return _slow_edges(hit, channels, names, rate)
-    first, last = np.flatnonzero(loud)[[0, -1]]
+    first, last = _without_chance(loud, max(2, round(JOINED * rate)))
     margin = max(1, int(0.05 * rate))
     fast = max(0, low + int(first) - margin), min(n, low + int(last) + 1 + margin)
     if hit.slow:  # means over short blocks are blunt: only what is longer by more is theirs
@@ -249,6 +249,16 @@ def _edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
         if slow[1] - slow[0] > fast[1] - fast[0] + 1.5 * rate + 4:
             return slow
     return fast
+
+
+def _without_chance(loud: np.ndarray, reach: int) -> tuple[int, int]:
+    """First and last row of which `loud` counts large samples, without the single ones that lie
+    apart by more than `reach` rows: noise makes such in a long window.
+    """
+    rows = np.flatnonzero(loud)
+    groups = np.split(rows, np.flatnonzero(np.diff(rows) > reach) + 1)
+    crowd = [g for g in groups if loud[g].sum() > 1] or groups
+    return int(crowd[0][0]), int(crowd[-1][-1])
 
 
 def _slow_edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
