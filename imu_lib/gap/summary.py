@@ -17,7 +17,7 @@ from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.shakes import FOREST
 from imu_lib.gap.verdict import TAIL
 from imu_lib.gap.wrong import LOST, sentence
-from imu_lib.processes import Resolution, Sum
+from imu_lib.processes import Resolution, Sum, Telegraph
 
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report
@@ -33,7 +33,12 @@ WHOLE = 0.99
 #: Rows that are lost at the most without a cause that is worth looking for.
 FEW = 2.5
 #: Effects that the figures of noise are without, in words.
-NO_NOISE = {"spikes": "spikes", "step": "steps", "vibration": "vibrations"}
+NO_NOISE = {
+    "spikes": "spikes",
+    "step": "steps",
+    "vibration": "vibrations",
+    "telegraph": "flips between two levels",
+}
 
 
 def sentences(found: Report) -> list[str]:
@@ -142,7 +147,7 @@ def _character(model: Sum, record: Record) -> tuple[float | None, float | None, 
     """(N, B, averaging time in s) of a channel: density near a twentieth of the rate, least Allan
     deviation over 0.664 where the record reaches it; None where there is none.
     """
-    noise = Sum(tuple(t for t in model.terms if not t.deterministic))
+    noise = Sum(tuple(t for t in model.terms if not (t.deterministic or isinstance(t, Telegraph))))
     fs = record.rate
     try:
         density = float(np.sqrt(noise.psd(np.array([min(1.0, 0.05 * fs)]), fs)[0] / 2))
