@@ -18,6 +18,7 @@ from imu_lib.processes import (
     LowPass,
     Quantization,
     RandomWalk,
+    Sinusoid,
     Spikes,
     Stuck,
     Sum,
@@ -197,3 +198,30 @@ def test_a_given_path_that_is_half_seen_is_judged_as_noise_as_well():
     x += levels.amplitude * (flips % 2) + slow.simulate(n, fs, rng)
     found = analyse("gyro_x", x, fs, Sum((noise, slow, levels)), seed=1)
     assert [s.effect for s in found.steps] == [] and found.unexplained is None
+
+
+def a_line(amplitude, phase, n=15_000, fs=50.0):
+    rng, t = np.random.default_rng(21), np.arange(n) / fs
+    x = 1e-4 * np.sqrt(fs) * rng.standard_normal(n)
+    return x + amplitude * np.sin(2 * np.pi * 7.0 * t + phase), fs
+
+
+HUM = WhiteNoise(1e-4) + Sinusoid(amplitude=3.5e-4, frequency=6.99995, phase=0.09)
+
+
+@pytest.mark.parametrize("phase", [0.09, 1.2, 3.2])
+def test_a_line_in_another_phase_is_the_line_that_was_given(phase):
+    """A model grown on one day keeps the phase of that day."""
+    x, fs = a_line(3.5e-4, phase)
+    found = analyse("gyro_x", x, fs, HUM)
+    assert not found.steps and found.unexplained is None
+    assert abs(np.exp(1j * found.model.find("sinusoid").phase) - np.exp(1j * phase)) < 0.2
+
+
+def test_a_line_that_is_gone_or_stronger_is_told():
+    x, fs = a_line(0.0, 0.0)
+    assert [s.effect for s in analyse("gyro_x", x, fs, HUM).steps] == ["sinusoid"]
+    x, fs = a_line(7e-4, 1.2)
+    (step,) = analyse("gyro_x", x, fs, HUM).steps
+    assert step.effect == "sinusoid"
+    assert abs(step.parameters["amplitude"] / 3.5e-4 - 1) < 0.1

@@ -12,6 +12,7 @@ import numpy as np
 from imu_lib.gap import effects, electronics, held_out, noise_level
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.base import ChannelView, Finding
+from imu_lib.gap.in_phase import in_phase
 from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.processes import CommonMode, Constant, NoiseLevelChange, Process, Sum
@@ -121,6 +122,7 @@ def undone(
     channel: Channel, given: Sum | None, rng: np.random.Generator, *, integral: bool
 ) -> Undone:
     """The channel without its electronics, the changes of its noise level and its lines."""
+    given = in_phase(given, channel.raw, channel.fs)
     clean = electronics.undo(
         channel.raw, channel.fs, given, rng, integral=integral, known=channel.of_record.known
     )
