@@ -11,7 +11,7 @@ import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
-from imu_lib.gap import told
+from imu_lib.gap import known_before, told
 from imu_lib.gap.families import of_mains
 from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.shakes import FOREST
@@ -43,12 +43,21 @@ NO_NOISE = {
 
 def sentences(found: Report) -> list[str]:
     """Three to six sentences about a `gap.Report`."""
+    gone = known_before.absent(found)
+    steps = [(w, s) for w, s in found.steps if not any(s is t for _, t in gone)]
     out = [
         _good_for(found),
-        sentence(found.steps, SURE, _left_out(found), named=bool(told.relevant(found.steps))),
+        sentence(steps, SURE, _left_out(found), named=bool(told.relevant(found.steps))),
         _sensor(found),
         " ".join(
-            filter(None, (told.sentence(found.steps, SURE, _of_sensor(found)), _environment(found)))
+            filter(
+                None,
+                (
+                    told.sentence(steps, SURE, _of_sensor(found)),
+                    known_before.sentence(found, gone),
+                    _environment(found, steps),
+                ),
+            )
         ),
     ]
     out += [_left(found), _next(found)]
@@ -70,11 +79,11 @@ def _of_sensor(found: Report) -> set[tuple[str, str]]:
     }
 
 
-def _steps(found: Report, names: Iterable[str]) -> list[tuple[str, Step]]:
+def _of(steps: list[tuple[str, Step]], names: Iterable[str]) -> list[tuple[str, Step]]:
     """(channel or "record", step) of the effects of these names that are sure or the record's."""
     return [
         (where, s)
-        for where, s in found.steps
+        for where, s in steps
         if s.effect in names and (s.confidence >= SURE or where == "record")
     ]
 
@@ -164,10 +173,10 @@ def _character(model: Sum, record: Record) -> tuple[float | None, float | None, 
     return density, float(deviation[i] / 0.664), float(tau[i])
 
 
-def _environment(found: Report) -> str:
+def _environment(found: Report, seen: list[tuple[str, Step]]) -> str:
     parts = []
     shaken: dict[Any, list[Step]] = {}
-    for _, step in sorted(_steps(found, ("vibration",)), key=lambda item: -(item[1].gain or 0.0)):
+    for _, step in sorted(_of(seen, ("vibration",)), key=lambda item: -(item[1].gain or 0.0)):
         p = step.parameters
         shaken.setdefault((p["frequency"], tuple(p["channels"])), []).append(step)
     parts += [_shook(episodes) for episodes in list(shaken.values())[:3]]
@@ -179,11 +188,14 @@ def _environment(found: Report) -> str:
         ("wandering_level", "the noise rises and falls on {}"),
         ("noise_level_change", "the noise changed its level on {}"),
     ):
-        on = [w for w, _ in _steps(found, (effect,))]
+        on = [w for w, _ in _of(seen, (effect,))]
         if on:
             parts.append(text.format(_names(on)))
     if not parts:
-        return "" if told.relevant(found.steps) else "Of the environment it shows nothing."
+        if told.relevant(found.steps):
+            return ""
+        more = " more" if known_before.sentence(found, []) else ""
+        return f"Of the environment it shows nothing{more}."
     return f"Of the environment: {'; '.join(parts)}."
 
 

@@ -1,0 +1,70 @@
+"""What a given model holds, told beside what was found: an event of another day that this record
+does not have comes back as its opposite, and what the record does have is no finding.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.gap.steps import Step
+from imu_lib.processes import Process
+
+#: Nearness to the opposite of what is given: of the amplitudes, as a share; of the times, in shares
+#: of the record.
+ALIKE, NEAR = 0.25, 0.02
+#: What is no cause of its own: noises and electronics, which the sensor's sentence tells.
+OF_SENSOR = (
+    "constant", "white_noise", "quantization", "flicker", "random_walk", "gauss_markov",
+    "gauss_markov_2", "autoregressive", "low_pass", "resolution", "common_mode",
+)  # fmt: skip
+
+
+def absent(found) -> list[tuple[str, Step]]:
+    """(channel, step) of what was found and only takes back what the given model holds."""
+    if not found.given:
+        return []
+    return [
+        (name, s)
+        for name, c in found.channels.items()
+        for s in c.result.steps
+        if any(_takes_back(s, t, found.record.duration) for t in c.result.base.terms)
+    ]
+
+
+def _takes_back(step: Step, term: Process, duration: float) -> bool:
+    amplitude = getattr(term, "amplitude", None)
+    if term.name != step.effect or not term.deterministic or not amplitude:
+        return False
+    p = step.parameters
+    change = p.get("amplitude", 0.0) / amplitude
+    if "frequency" in p:  # its phase says that it is the opposite
+        turn = np.cos(p.get("phase", 0.0) - (getattr(term, "phase", None) or 0.0))
+        return turn < 0 and abs(change - 1) < ALIKE and abs(p["frequency"] - term.frequency) * duration < 2  # fmt: skip
+    when = [abs(p[k] - getattr(term, k)) for k in ("time",) if k in p]
+    return abs(change + 1) < ALIKE and all(dt < NEAR * duration for dt in when)
+
+
+def sentence(found, gone) -> str:
+    """The sentence on what the given model holds: what this record has not, and what it has."""
+    if not found.given:
+        return ""
+    taken = {(name, s.effect) for name, s in gone}
+    lacks = [f"{_words(s.effect)} on {name}" for name, s in gone]
+    holds = [
+        f"{_words(t.name)} on {name}"
+        for name, c in found.channels.items()
+        for t in (*c.result.base.terms, *c.result.base.stages)
+        if t.name not in OF_SENSOR and (name, t.name) not in taken
+    ]
+    holds += [_words(p.name) for p in found.base.record if p.name not in OF_SENSOR]
+    parts = []
+    if lacks:
+        parts.append(f"the record does not have the given model's {', '.join(lacks)}")
+    if holds:
+        parts.append(f"the given model already holds {', '.join(dict.fromkeys(holds))}")
+    text = "; ".join(parts)
+    return f"{text[:1].upper()}{text[1:]}." if text else ""
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
