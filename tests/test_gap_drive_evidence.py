@@ -165,3 +165,15 @@ def test_a_parameter_whose_usual_size_would_not_be_named_is_listed():
     turned = np.zeros(3), np.full(3, 0.001)
     listed = {(u["effect"], u["parameter"]) for u in left.invisible(state, turned)}
     assert ("accel_scale", "scale x") in listed and ("accel_scale", "scale y") not in listed
+
+
+def test_a_component_that_the_drive_does_not_show_is_printed_without_a_value():
+    from imu_lib.cli.gap_drive import values
+
+    step = {
+        "effect": "lever_arm",
+        "parameters": {"arm": [-1.5, 0.6, 1.7]},
+        "intervals": {"arm": [[-1.6, -1.4], [0.5, 0.7], [0.5, 2.8]]},
+    }
+    unseen = [{"effect": "lever_arm", "parameter": "arm z"}, {"effect": "other", "parameter": "x"}]
+    assert values(step, unseen) == "x -1.5 [-1.6, -1.4], y 0.6 [0.5, 0.7] m, z not visible"

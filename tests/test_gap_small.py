@@ -6,6 +6,7 @@ from scipy.stats import norm
 
 from imu_lib import gap
 from imu_lib.gap import verdict
+from imu_lib.gap.channel import analyse
 from imu_lib.gap.check import Check
 from imu_lib.gap.summary import sentences
 from imu_lib.gap.table import table
@@ -60,3 +61,15 @@ def test_beside_an_effect_on_single_samples_every_departure_counts(named, small)
     tests = [Check("distribution", -9.0, "shape", 0.4), Check("psd", -1.0, "level")]
     worst, said = verdict.weighed(tests, named)
     assert (worst.where, said) == (("level", ["shape"]) if small else ("shape", []))
+
+
+@pytest.mark.parametrize(("minutes", "period"), [(5, 60.0), (5, 30.0), (2, 21.0)])
+def test_a_slow_wave_in_a_short_record_is_no_noise(minutes, period):
+    """Some cycles in minutes, too few for a line of the spectrum."""
+    fs = 50.0
+    t = np.arange(round(minutes * 60 * fs)) / fs
+    x = 1.2e-3 * np.sqrt(fs) * np.random.default_rng(5).standard_normal(t.size)
+    found = analyse("accel_x", x + 0.01 * np.sin(2 * np.pi * t / period + 0.4), fs, None)
+    (step,) = found.steps
+    assert step.effect == "sinusoid" and step.confidence > 0.9
+    assert abs(step.parameters["frequency"] * period - 1) < 0.02

@@ -62,8 +62,11 @@ UNITS = {
 }
 
 
-def values(step) -> str:
-    """Parameters of a step in a line, with their intervals, units and axes."""
+def values(step, invisible=()) -> str:
+    """Parameters of a step in a line, with their intervals, units and axes; of components that are
+    `invisible` on the drive, that they are.
+    """
+    unseen = {e["parameter"].split()[-1] for e in invisible if e["effect"] == step["effect"]}
     parts = []
     for key, value in step["parameters"].items():
         interval = step["intervals"].get(key)
@@ -71,11 +74,15 @@ def values(step) -> str:
         factor = 1.0 / DEG if unit.startswith("deg") else 1.0
         if isinstance(value, list) and interval:
             axes = "xyz" if len(value) == 3 else [""] * len(value)
-            parts += [
-                f"{axis} {_told(v, ends, factor)}".strip()
-                for axis, v, ends in zip(axes, value, interval, strict=True)
+            named = list(zip(axes, value, interval, strict=True))
+            shown = [
+                f"{a} {_told(v, ends, factor)}".strip() for a, v, ends in named if a not in unseen
             ]
-        elif isinstance(value, list):
+            if shown and unit:
+                shown[-1] += f" {unit}"
+            parts += shown + [f"{a} not visible" for a, *_ in named if a in unseen]
+            continue
+        if isinstance(value, list):
             parts.append(" ".join(f"{v}" for v in value))
         elif isinstance(value, float):
             parts.append(f"{key.replace('_', ' ')} {_told(value, interval, factor)}")
@@ -108,7 +115,7 @@ def text(found) -> str:
         lines.append("Nothing is missing that the innovations would show.")
     for step in found.steps:
         lines.append(
-            f"{step['effect']}: {values(step)}\n    {_lines(step)}\n"
+            f"{step['effect']}: {values(step, found.invisible)}\n    {_lines(step)}\n"
             f"    confidence {step['confidence']:.3g}, runner-up {step['runner_up']['effect']}; "
             f"log-likelihood gain {step['log_likelihood_gain']:.0f}; gap {step['gap_before']:.1f} to {step['gap_after']:.1f}"
         )

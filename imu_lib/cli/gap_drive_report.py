@@ -43,7 +43,10 @@ def write(found, path) -> None:
             lines.append(
                 "This drive cannot tell it from: " + ", ".join(step["indistinguishable"]) + "."
             )
-        parts += [report.heading(f"{step['effect']}: {values(step)}", 3), report.bullets(lines)]
+        parts += [
+            report.heading(f"{step['effect']}: {values(step, found.invisible)}", 3),
+            report.bullets(lines),
+        ]
     if not found.steps:
         parts.append(report.paragraph("Nothing is missing that the innovations would show."))
     parts.append(

@@ -13,6 +13,13 @@ from .sinusoid import FIRST
 FEWEST = 3
 #: Trial phases over half a turn.
 PHASES = 6
+#: Share of the orders of a drift's cosine coefficients that hold a wave: its skirts need the others.
+SHARE = 0.4
+
+
+def _most(data) -> float:
+    """Most cycles in a record of which the coefficients of drifts show a wave."""
+    return min(FIRST + 1.0, SHARE * data.orders)
 
 
 class SlowSinusoid(Drift):
@@ -22,12 +29,10 @@ class SlowSinusoid(Drift):
     shape = "frequency"
 
     def bounds(self, data):
-        return np.log(FEWEST / data.duration), np.log((FIRST + 1) / data.duration)
+        return np.log(FEWEST / data.duration), np.log(_most(data) / data.duration)
 
     def shapes(self, data):
-        cycles = np.arange(FEWEST, FIRST + 1.25, 0.5)
-        if cycles[-1] > 0.4 * data.orders:
-            return []
+        cycles = np.arange(FEWEST, _most(data) + 0.25, 0.5)
         return [
             Process(amplitude=1.0, frequency=float(c / data.duration), phase=float(p))
             for c in cycles
