@@ -4,7 +4,6 @@ time and by coefficient.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -130,7 +129,7 @@ def compare(
     jobs = [(i, c) for c in common for i, x in enumerate(parts) if not isinstance(x, Model)]
     tasks = [(_task(parts[i], c), c, tau, i) for i, c in jobs]
     many = sum(parts[i].n for i, _ in jobs) > 100_000
-    workers = min(len(jobs), os.cpu_count() or 1) if many else 1
+    workers = min(len(jobs), scheduler.cores()) if many else 1
     sides = {}
     for i, c, side in tell(scheduler.shared(_side, tasks, workers), total=len(jobs)):
         sides[i, c] = side

@@ -86,8 +86,12 @@ def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
     return out
 
 
+def _plain(name: str) -> str:
+    return name.strip().lower().replace(" ", "_").replace("-", "_")
+
+
 def _known(name: str, names, what: str, where: str) -> str:
-    plain = name.strip().lower().replace(" ", "_").replace("-", "_")
+    plain = _plain(name)
     if plain not in names:
         near = get_close_matches(plain, names, 1, 0.5)
         hint = f"; is {near[0]} meant?" if near else f"; choose from {', '.join(names)}."
@@ -97,7 +101,7 @@ def _known(name: str, names, what: str, where: str) -> str:
 
 def _effect(name: str, channel: str, where: str) -> str:
     sheet = tuple(drives.EFFECTS if channel == "drive" else hidden.EFFECTS)
-    plain = name.strip().lower().replace(" ", "_").replace("-", "_")
+    plain = _plain(name)
     return plain if plain in sheet or plain in _others() else _known(name, sheet, "effect", where)
 
 

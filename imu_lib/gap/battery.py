@@ -17,6 +17,9 @@ from scipy.fft import rfft
 #: Bands of equal width that the range up to half the sampling rate is divided into, for the
 #: spectrum and its lines.
 BANDS = 64
+#: Seconds of the blocks whose means and mean squares are taken, and how many of them at a time the
+#: latter are taken over.
+BLOCK, JOINED = 2.0, (1, 5, 15, 75)
 
 
 def edges(n: int) -> np.ndarray:
@@ -153,7 +156,7 @@ def _allan(x) -> np.ndarray:
 
 def _fast_part(x, fs: float) -> tuple:
     """Means of blocks of two seconds, mean squares about them, and what the deviations say."""
-    n, b = len(x), max(2, int(2 * fs))
+    n, b = len(x), max(2, int(BLOCK * fs))
     level, energy, r, third, fourth, same, tops, bottoms = _pass(x, b)
     var = energy.mean()
     sd = np.sqrt(var)
@@ -194,7 +197,7 @@ def _means(level) -> np.ndarray:
 def _energies(e) -> np.ndarray:
     """Scatter and largest of the mean squares over spans of some lengths, and of the halves."""
     k, values = len(e), []
-    for join in (1, 5, 15, 75):
+    for join in JOINED:
         g = k // join
         if g >= 6:
             v = e[: g * join].reshape(g, join).mean(axis=1)

@@ -84,11 +84,26 @@ def folded(x, unit, low_pass, fs: float) -> np.ndarray:
     """White samples `x` (n,) of the density of the process `unit` with the spectrum that it has behind
     a filter that runs at its own rate, what folds in included.
     """
-    size = next_fast_len(len(x), real=True)
-    size += size % 2
-    f = np.maximum(np.arange(size // 2 + 1), 1) * fs / size
-    gain = Sum((unit,), (low_pass,)).psd(f, fs) / unit.psd(f, fs)
-    return irfft(rfft(x, size) * np.sqrt(gain), size)[: len(x)]
+    size = _even(len(x))
+    return irfft(rfft(x, size) * _response(unit, low_pass, size, fs), size)[: len(x)]
+
+
+def _even(n: int) -> int:
+    """Samples, `n` or more and even, that transform fast."""
+    size = next_fast_len(n, real=True)
+    return size + size % 2
+
+
+def _ordinates(size: int, fs: float) -> np.ndarray:
+    """Hz, the first in the place of zero, where red spectra have no value."""
+    return np.maximum(np.arange(size // 2 + 1), 1) * fs / size
+
+
+@lru_cache(maxsize=32)
+def _response(unit, low_pass, size: int, fs: float) -> np.ndarray:
+    """Root of the folded spectrum of a process behind a filter over its own, at the ordinates."""
+    f = _ordinates(size, fs)
+    return np.sqrt(Sum((unit,), (low_pass,)).psd(f, fs) / unit.psd(f, fs))
 
 
 @lru_cache(maxsize=32)
@@ -96,16 +111,14 @@ def _amplitudes(unit, low_pass, size: int, fs: float) -> np.ndarray:
     """Root of the folded spectrum of a process behind a filter at the ordinates of `size` samples,
     times the root of size / 4 fs.
     """
-    f = np.maximum(np.arange(size // 2 + 1), 1) * fs / size
-    return np.sqrt(Sum((unit,), (low_pass,)).psd(f, fs) * fs * size / 4)
+    return np.sqrt(Sum((unit,), (low_pass,)).psd(_ordinates(size, fs), fs) * fs * size / 4)
 
 
 def behind(unit, low_pass, n: int, fs: float, rng) -> np.ndarray:
     """A stationary process of short memory behind a filter that runs at its own rate, from the
     folded spectrum, shape (n,).
     """
-    size = next_fast_len(n + 4096, real=True)
-    size += size % 2
+    size = _even(n + 4096)
     z = rng.standard_normal(size + 2).view(complex) * _amplitudes(unit, low_pass, size, fs)
     z[0] = z[0].real * np.sqrt(2.0)
     z[-1] = z[-1].real * np.sqrt(2.0)

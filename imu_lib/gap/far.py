@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from imu_lib.gap.battery import edges
+from imu_lib.gap.battery import BLOCK, JOINED, edges
 
-#: Seconds of the blocks of the battery, and how many of them its levels are taken over.
-BLOCK, JOINED = 2.0, (1, 5, 15, 75)
 #: Simulations outside the told range, on either side.
 OUTSIDE = 0.05
 

@@ -4,12 +4,11 @@ which it was fitted, amplitude and frequency are the sensor's or its surrounding
 
 from __future__ import annotations
 
-import numpy as np
-
 from imu_lib.arrays import Array
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.sinusoid import FIRST
 from imu_lib.gap.effects.sinusoid import Sinusoid as Effect
+from imu_lib.gap.ensemble import filled
 from imu_lib.processes import Sinusoid, Sum
 
 #: Share of a line's amplitude below which the record does not have it.
@@ -27,11 +26,10 @@ def in_phase(given: Sum | None, raw: Array, fs: float) -> Sum | None:
     lines = [line for line in lines if line.phase is not None]
     if not lines:
         return given
-    good = np.isfinite(raw)
-    x = np.interp(np.arange(len(raw)), np.flatnonzero(good), raw[good])
-    changed = {}
+    x = filled(raw)
+    data, changed = Data(x - x.mean(), fs), {}
     for line in lines:
-        own, _ = Effect().refine(Data(x - x.mean(), fs), line.frequency)
+        own, _ = Effect().refine(data, line.frequency)
         if own.amplitude > THERE * line.amplitude:
             changed[id(line)] = line.with_(frequency=own.frequency, phase=own.phase)
     return Sum(tuple(changed.get(id(t), t) for t in given.terms), given.stages)

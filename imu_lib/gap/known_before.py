@@ -40,8 +40,8 @@ def _takes_back(step: Step, term: Process, duration: float) -> bool:
     if "frequency" in p:  # its phase says that it is the opposite
         turn = np.cos(p.get("phase", 0.0) - (getattr(term, "phase", None) or 0.0))
         return turn < 0 and abs(change - 1) < ALIKE and abs(p["frequency"] - term.frequency) * duration < 2  # fmt: skip
-    when = [abs(p[k] - getattr(term, k)) for k in ("time",) if k in p]
-    return abs(change + 1) < ALIKE and all(dt < NEAR * duration for dt in when)
+    apart = abs(p["time"] - term.time) if "time" in p else 0.0
+    return abs(change + 1) < ALIKE and apart < NEAR * duration
 
 
 def sentence(found, gone) -> str:

@@ -45,6 +45,7 @@ def sentences(found: Report) -> list[str]:
     """Three to six sentences about a `gap.Report`."""
     gone = known_before.absent(found)
     steps = [(w, s) for w, s in found.steps if not any(s is t for _, t in gone)]
+    held = known_before.sentence(found, gone)
     out = [
         _good_for(found),
         sentence(steps, SURE, _left_out(found), named=bool(told.relevant(found.steps))),
@@ -54,8 +55,8 @@ def sentences(found: Report) -> list[str]:
                 None,
                 (
                     told.sentence(steps, SURE, _of_sensor(found)),
-                    known_before.sentence(found, gone),
-                    _environment(found, steps),
+                    held,
+                    _environment(found, steps, " more" if held else ""),
                 ),
             )
         ),
@@ -173,7 +174,7 @@ def _character(model: Sum, record: Record) -> tuple[float | None, float | None, 
     return density, float(deviation[i] / 0.664), float(tau[i])
 
 
-def _environment(found: Report, seen: list[tuple[str, Step]]) -> str:
+def _environment(found: Report, seen: list[tuple[str, Step]], more: str) -> str:
     parts = []
     shaken: dict[Any, list[Step]] = {}
     for _, step in sorted(_of(seen, ("vibration",)), key=lambda item: -(item[1].gain or 0.0)):
@@ -194,7 +195,6 @@ def _environment(found: Report, seen: list[tuple[str, Step]]) -> str:
     if not parts:
         if told.relevant(found.steps):
             return ""
-        more = " more" if known_before.sentence(found, []) else ""
         return f"Of the environment it shows nothing{more}."
     return f"Of the environment: {'; '.join(parts)}."
 

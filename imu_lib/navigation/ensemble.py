@@ -22,34 +22,32 @@ def monte_carlo(task, count, *, seed, backend="loky", workers=2, client=None, pr
     if count < 1:
         raise ValueError(f"`count` must be at least 1, not {count}")
     generators = np.random.default_rng(seed).spawn(count)
-    bar = tqdm(total=count, disable=not progress, leave=False)
-    out = [None] * count
-    with bar:
-        for number, result in _ended(task, generators, backend, workers, client):
-            if isinstance(result, scheduler.Lost):
-                raise RuntimeError(
-                    f"run {number} of {count} has ended every process that took it up"
-                )
-            out[number] = result
+    tasks = [(task, generator, number) for number, generator in enumerate(generators)]
+    with tqdm(total=count, disable=not progress, leave=False) as bar:
+        if backend == "threading":
+            return _on_threads(tasks, workers, bar)
+        return scheduler.every(
+            _one,
+            tasks,
+            workers=1 if backend == "sequential" else workers,
+            address=_address(client) if backend == "dask" else None,
+            progress=lambda _: bar.update(1),
+        )
+
+
+def _on_threads(tasks, workers, bar):
+    out = []
+    with parallel_config(backend="threading", n_jobs=workers):
+        for result in Parallel(return_as="generator")(delayed(_one)(*t) for t in tasks):
+            out.append(result)
             bar.update(1)
     return out
 
 
-def _ended(task, generators, backend, workers, client):
-    """(number, result) of each run as it ends."""
-    tasks = [(task, generator, number) for number, generator in enumerate(generators)]
-    if backend == "threading":
-        with parallel_config(backend=backend, n_jobs=workers):
-            yield from enumerate(Parallel(return_as="generator")(delayed(_one)(*t) for t in tasks))
-        return
-    address = None
-    if backend == "dask":
-        from distributed import get_client
+def _address(client):
+    from distributed import get_client
 
-        address = (client or get_client()).scheduler.address
-    yield from scheduler.run(
-        _one, tasks, workers=1 if backend == "sequential" else workers, address=address
-    )
+    return (client or get_client()).scheduler.address
 
 
 def _one(task, generator, number):

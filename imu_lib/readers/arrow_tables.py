@@ -24,13 +24,7 @@ def read_parquet(path, *, columns=None, signal=None) -> Raw:
                 )
             return file.read()
 
-    return from_arrays(
-        str(path),
-        _arrays(path, _whole(path, load, "Parquet"), columns, signal),
-        columns,
-        signal,
-        contract=False,
-    )
+    return _raw(path, _whole(path, load, "Parquet"), columns, signal)
 
 
 def read_feather(path, *, columns=None, signal=None) -> Raw:
@@ -41,13 +35,12 @@ def read_feather(path, *, columns=None, signal=None) -> Raw:
 
         return feather.read_table(path, memory_map=False)
 
-    return from_arrays(
-        str(path),
-        _arrays(path, _whole(path, load, "Feather"), columns, signal),
-        columns,
-        signal,
-        contract=False,
-    )
+    return _raw(path, _whole(path, load, "Feather"), columns, signal)
+
+
+def _raw(path, table, columns, signal) -> Raw:
+    arrays = _arrays(path, table, columns, signal)
+    return from_arrays(str(path), arrays, columns, signal, contract=False)
 
 
 def _whole(path, load, kind: str):

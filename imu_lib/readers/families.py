@@ -43,16 +43,15 @@ def _by_unit(told: list[Meaning], headings) -> list[Meaning]:
     for kind in ("gyro", "accel"):
         if any(m.quantity == kind and m.axis for m in out):
             continue
-        found: dict[str, dict[str, int]] = {}
+        found: dict[str, dict[str, tuple[int, str]]] = {}
         for i, (m, h) in enumerate(zip(out, headings)):
             unit = names.unit_of(h.unit or names.spelled_unit(h.name) or "")
             head, axis = names.stem(h.name)
             short = len(head) <= 2 and m.why == names.UNKNOWN and h.kind == "number"
             if short and axis and unit in names.UNITS[kind]:
-                found.setdefault(head, {})[axis] = i
+                found.setdefault(head, {})[axis] = i, unit
         whole = [three for three in found.values() if set(three) == set("xyz")]
-        for axis, i in whole[0].items() if len(whole) == 1 else ():
-            unit = names.unit_of(headings[i].unit or names.spelled_unit(headings[i].name) or "")
+        for axis, (i, unit) in whole[0].items() if len(whole) == 1 else ():
             out[i] = Meaning(kind, axis, unit, 2, why=f"one of three axes in {unit}")
     return out
 

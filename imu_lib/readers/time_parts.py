@@ -12,6 +12,9 @@ from imu_lib.readers import names
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
 
+#: Units of a part of a second in one.
+PER_SECOND = {"ns": 1_000_000_000, "us": 1_000_000, "ms": 1_000, "cs": 100}
+
 
 def pairs(told, headings, values) -> list[Meaning]:
     """Whole seconds and a fraction that stays below one second put together in the former's column."""
@@ -22,7 +25,7 @@ def pairs(told, headings, values) -> list[Meaning]:
             if not is_pair(out[whole], out[sub], values.get(whole), values.get(sub), whole, sub):
                 continue
             unit = out[sub].unit
-            factor = {"ns": 1_000_000_000, "us": 1_000_000, "ms": 1_000, "cs": 100}[unit]
+            factor = PER_SECOND[unit]
             seconds = np.rint(np.asarray(values[whole], dtype=np.float64)).astype(np.int64)
             rest = np.rint(np.asarray(values[sub], dtype=np.float64)).astype(np.int64)
             values[whole] = seconds * factor + rest
@@ -41,14 +44,14 @@ def is_pair(whole: Meaning, sub: Meaning, seconds, fraction, a: int, b: int) -> 
     """Whether two columns are the seconds and the fraction of one stamp: whole seconds, and a
     fraction that stays below one second.
     """
-    if a == b or sub.unit not in ("ns", "us", "ms", "cs") or sub.part != "sub" or seconds is None:
+    if a == b or sub.unit not in PER_SECOND or sub.part != "sub" or seconds is None:
         return False
     if whole.unit not in ("s", None) or whole.rank != sub.rank:
         return False
     seconds, fraction = np.asarray(seconds, dtype=float), np.asarray(fraction, dtype=float)
     if not (np.isfinite(seconds).all() and np.isfinite(fraction).all()) or len(seconds) < 2:
         return False
-    limit = {"ns": 1e9, "us": 1e6, "ms": 1e3, "cs": 1e2}[sub.unit]
+    limit = PER_SECOND[sub.unit]
     integers = (seconds == np.rint(seconds)).all() and seconds.max() < 1e11
     falls = (np.diff(fraction) < 0).any() or (seconds == seconds[0]).all()
     return bool(integers and fraction.min() >= 0 and fraction.max() < limit and falls)
@@ -88,7 +91,7 @@ def subseconds(raw: Raw, told, headings, values) -> list[Meaning]:
         if m.quantity != "time" or m.unit not in ("ms", "us", "ns") or m.part != "sub":
             continue
         x = np.asarray(values[i], dtype=float)
-        limit = {"ns": 1e9, "us": 1e6, "ms": 1e3}[m.unit]
+        limit = PER_SECOND[m.unit]
         if np.isfinite(x).all() and x.min() >= 0 and x.max() < limit and (np.diff(x) < 0).any():
             raw.subseconds = x / limit
             out[i] = Meaning(why=f"its {m.unit} were added to `{headings[moving[0]].name}`")

@@ -68,8 +68,8 @@ def unexplained(state, after):
         )
     for effect in state.kept:
         if effect.startswith("other: "):
-            x, _, _ = state.reg.solve([i for e in state.kept for i in select.GROUPS[e]])
-            index = [i for e in state.kept for i in select.GROUPS[e]]
+            index = _index(state)
+            x, _, _ = state.reg.solve(index)
             sizes = ", ".join(
                 f"{columns.ALL[i].component} {x[index.index(i)]:.3g}" for i in select.GROUPS[effect]
             )
@@ -82,6 +82,11 @@ def unexplained(state, after):
     if abs(z) > SURE:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
     return "; ".join(parts) or None
+
+
+def _index(state):
+    """Numbers of the columns of all that is held."""
+    return [i for e in state.kept for i in select.GROUPS[e]]
 
 
 def absurd(found):
@@ -113,7 +118,7 @@ def smoothed_delay(state):
     """
     if not {"gnss_time_offset", SMOOTHED} <= set(state.kept):
         return None
-    index = [i for e in state.kept for i in select.GROUPS[e]]
+    index = _index(state)
     x, cov, _ = state.reg.solve(index)
     position, velocity = (index.index(i) for i in columns.of("gnss_time_offset"))
     if abs(x[position]) > APART * np.sqrt(cov[position, position]):

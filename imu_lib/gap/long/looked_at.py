@@ -128,8 +128,8 @@ def together(steps: list[Step], more) -> list[Step]:
             continue
         span = _span(s)
         touching = [i for i in same if _touch(span, _span(out[i]))]
-        for i in touching:
-            span = min(span[0], _span(out[i])[0]), max(span[1], _span(out[i])[1])
+        begins, ends = zip(span, *(_span(out[i]) for i in touching))
+        span = min(begins), max(ends)
         first = out[touching[0]] if touching else s
         if np.isfinite(span).all():
             first = replace(first, parameters={**first.parameters, "from": span[0], "to": span[1]})
