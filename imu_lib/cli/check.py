@@ -108,94 +108,95 @@ def _has_gnss(path) -> bool:
 
 def report(health) -> str:
     """The health as text, in datasheet units."""
-    from imu_lib import units
-
-    clock, motion = health.clock, health.motion
-    stamps = (
-        "perfectly even, or none in the file"
-        if not clock.stamped
-        else f"jitter {clock.jitter * 1e3:.3g} ms" + (", in bursts" if clock.bursts else "")
-    )
-    rest = (
-        motion.state
-        if motion.state in ("at rest", "touched", "moved")
-        else f"{motion.state}, {100 * motion.moving_share:.3g} % of the seconds"
-    )
-    facts = [
-        ("record", health.source),
-        ("samples", f"{clock.samples:,}"),
-        ("rate", f"{clock.rate:.6g} Hz"),
-        ("duration", _duration(clock.duration)),
-        ("time stamps", stamps),
-        (
-            "gaps",
-            f"{clock.gap_count} ({clock.missing:,} samples missing)" if clock.gap_count else "none",
-        ),
-        ("repeated stamps", f"{clock.repeats:,}"),
-        ("motion", rest),
-    ]
-    if motion.gravity is not None:
-        facts.append(
-            ("specific force", f"{motion.gravity:.4g} m/s^2, {motion.gravity / units.G:.4g} g")
-        )
-    if health.temperature:
-        t = health.temperature
-        facts.append(("temperature", f"{t['low']:.4g} to {t['high']:.4g} degC"))
-    if health.gnss:
-        g = health.gnss
-        facts += [
-            (
-                "fixes",
-                f"{g['fixes']:,} at {g['rate']:.4g} Hz, {g['from']:.4g} to {g['to']:.4g} s"
-                + (", with velocity" if g["velocity"] else ""),
-            ),
-            ("reference", "yes" if g["reference"] else "none"),
-        ]
-        if "fix_codes" in g:
-            facts.append(("fix codes", ", ".join(f"{c}: {n:,}" for c, n in g["fix_codes"].items())))
+    facts = _facts(health)
     width = max(len(k) for k, _ in facts)
     lines = [f"{k.ljust(width)}  {v}" for k, v in facts]
-    rows = []
-    for name, c in health.channels.items():
-        factor = units.DEG_PER_S if name.startswith("gyro") else units.G
-        noise, unit = units.datasheet("N", name)
-        grid = "-" if c.resolution is None else f"{c.resolution / factor:.3g}"
-        rows.append(
-            (
-                name,
-                "deg/s" if name.startswith("gyro") else "g",
-                f"{c.mean / factor:.4g}",
-                f"{c.sd / factor:.3g}",
-                grid,
-                f"{c.noise / noise:.3g} {unit}",
-                c.nan,
-                c.saturated,
-                c.frozen,
-            )
-        )
-    lines += [
-        "",
-        common.table(
-            rows,
-            (
-                "channel",
-                "unit",
-                "mean",
-                "sd",
-                "step",
-                "short-time noise",
-                "NaN",
-                "clipped",
-                "frozen",
-            ),
-        ),
-    ]
+    lines += ["", common.table([_row(n, c) for n, c in health.channels.items()], CHANNEL_COLUMNS)]
     for title, sentences in (("Reading", health.notes), ("Attention", health.findings)):
         if sentences:
             lines += ["", title] + [f"  - {s}" for s in sentences]
     if not health.findings:
         lines += ["", "Nothing to object to."]
     return "\n".join(lines)
+
+
+def _facts(health):
+    """(what, value) of the clock, the motion, the temperature and the fixes."""
+    from imu_lib import units
+
+    clock, motion = health.clock, health.motion
+    stamps = "perfectly even, or none in the file"
+    if clock.stamped:
+        stamps = f"jitter {clock.jitter * 1e3:.3g} ms" + (", in bursts" if clock.bursts else "")
+    gaps = "none"
+    if clock.gap_count:
+        gaps = f"{clock.gap_count} ({clock.missing:,} samples missing)"
+    rest = motion.state
+    if motion.state not in ("at rest", "touched", "moved"):
+        rest = f"{motion.state}, {100 * motion.moving_share:.3g} % of the seconds"
+    facts = [
+        ("record", health.source),
+        ("samples", f"{clock.samples:,}"),
+        ("rate", f"{clock.rate:.6g} Hz"),
+        ("duration", _duration(clock.duration)),
+        ("time stamps", stamps),
+        ("gaps", gaps),
+        ("repeated stamps", f"{clock.repeats:,}"),
+        ("motion", rest),
+    ]
+    if motion.gravity is not None:
+        force = f"{motion.gravity:.4g} m/s^2, {motion.gravity / units.G:.4g} g"
+        facts.append(("specific force", force))
+    if health.temperature:
+        t = health.temperature
+        facts.append(("temperature", f"{t['low']:.4g} to {t['high']:.4g} degC"))
+    return facts + (_fixes(health.gnss) if health.gnss else [])
+
+
+def _fixes(gnss):
+    with_velocity = ", with velocity" if gnss["velocity"] else ""
+    span = f"{gnss['from']:.4g} to {gnss['to']:.4g} s"
+    facts = [
+        ("fixes", f"{gnss['fixes']:,} at {gnss['rate']:.4g} Hz, {span}{with_velocity}"),
+        ("reference", "yes" if gnss["reference"] else "none"),
+    ]
+    if "fix_codes" in gnss:
+        codes = ", ".join(f"{c}: {n:,}" for c, n in gnss["fix_codes"].items())
+        facts.append(("fix codes", codes))
+    return facts
+
+
+CHANNEL_COLUMNS = (
+    "channel",
+    "unit",
+    "mean",
+    "sd",
+    "step",
+    "short-time noise",
+    "NaN",
+    "clipped",
+    "frozen",
+)
+
+
+def _row(name, channel):
+    """One channel's line of the table, in deg/s or g."""
+    from imu_lib import units
+
+    is_gyro = name.startswith("gyro")
+    factor = units.DEG_PER_S if is_gyro else units.G
+    noise, unit = units.datasheet("N", name)
+    return (
+        name,
+        "deg/s" if is_gyro else "g",
+        f"{channel.mean / factor:.4g}",
+        f"{channel.sd / factor:.3g}",
+        "-" if channel.resolution is None else f"{channel.resolution / factor:.3g}",
+        f"{channel.noise / noise:.3g} {unit}",
+        channel.nan,
+        channel.saturated,
+        channel.frozen,
+    )
 
 
 def _duration(seconds: float) -> str:

@@ -60,10 +60,39 @@ def add_arguments(parser):
 def run(args) -> int:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    from imu_lib.cli import common
-    from imu_lib.errors import InputError
+    from imu_lib.cli import common, gap_drive
     from imu_lib.gap import close
     from imu_lib.model import Model
+
+    _refuse_numbers(args)
+    model = Model.load(args.model) if args.model else None
+    if gap_drive.asked(args):
+        return gap_drive.run(args, model)
+    common.refuse_without_effect(
+        args,
+        ("heading", "gnss_offset"),
+        f"{args.file or args.gyro or args.accel} is a record without fixes, and this is of a "
+        "drive; leave it out, or add the fixes with --gnss FILE.",
+    )
+    record = common.open_either(args)
+    if model is not None:
+        _fits(model, record, args.model)
+    found = close(
+        record,
+        model,
+        seed=args.seed,
+        simulations=args.simulations,
+        jobs=args.jobs,
+        progress=_progress,
+    )
+    _write(found, args)
+    return 0
+
+
+def _refuse_numbers(args):
+    """Outputs that cannot be written and numbers out of range, before anything is read."""
+    from imu_lib.cli import common
+    from imu_lib.errors import InputError
 
     common.check_writable(args.json)
     common.check_out(args.out)
@@ -75,46 +104,31 @@ def run(args) -> int:
         raise InputError(f"--seed {args.seed} must be 0 or above.")
     if args.jobs is not None and args.jobs < 1:
         raise InputError(f"--jobs {args.jobs} is not above 0.")
-    model = Model.load(args.model) if args.model else None
-    from imu_lib.cli import gap_drive
 
-    if gap_drive.asked(args):
-        return gap_drive.run(args, model)
-    common.refuse_without_effect(
-        args,
-        ("heading", "gnss_offset"),
-        f"{args.file or args.gyro or args.accel} is a record without fixes, and this is of a drive; leave it out, or add "
-        "the fixes with --gnss FILE.",
-    )
-    record = common.open_either(args)
-    if model is not None:
-        absent = [c for c in record.channel_names if c not in model]
-        if len(absent) == len(record.channel_names):
+
+def _fits(model, record, path):
+    """Refuse a model that has nothing to say about this record, and say what it leaves open."""
+    from imu_lib.errors import InputError
+
+    absent = [c for c in record.channel_names if c not in model]
+    if len(absent) == len(record.channel_names):
+        names = ", ".join(record.channel_names)
+        raise InputError(f"{path} has none of the channels of the record ({names}).")
+    if absent:
+        print(f"note: {path} has no {', '.join(absent)}; their base is fitted.", file=sys.stderr)
+    for name, channel in model.channels.items():
+        follows = any(t.name == "temperature" for t in channel.terms)
+        if follows and record.temperature is None and name in record:
             raise InputError(
-                f"{args.model} has none of the channels of the record ({', '.join(record.channel_names)})."
+                f"{path} has a temperature term for {name}, but the record has no temperature."
             )
-        if absent:
-            print(
-                f"note: {args.model} has no {', '.join(absent)}; their base is fitted.",
-                file=sys.stderr,
-            )
-        for name, channel in model.channels.items():
-            if (
-                any(t.name == "temperature" for t in channel.terms)
-                and record.temperature is None
-                and name in record
-            ):
-                raise InputError(
-                    f"{args.model} has a temperature term for {name}, but the record has no temperature."
-                )
-    found = close(
-        record,
-        model,
-        seed=args.seed,
-        simulations=args.simulations,
-        jobs=args.jobs,
-        progress=_progress,
-    )
+
+
+def _write(found, args):
+    """Notes, JSON, model and page of a result, and its table last."""
+    from imu_lib.cli import common
+    from imu_lib.gap.table import table
+
     for note in found.notes:
         print(f"note: {note}", file=sys.stderr)
     if args.json:
@@ -125,10 +139,7 @@ def run(args) -> int:
 
             found.model.save(folder / "model.json")
             write(found, folder / "report.html")
-    from imu_lib.gap.table import table
-
     print(table(found))
-    return 0
 
 
 _TOLD = [0.0]  # when the last line of progress was written

@@ -5,71 +5,80 @@ from __future__ import annotations
 from imu_lib import plots, report
 from imu_lib.cli.gap_drive import sentence, values
 
+INDEX = (
+    "The gap index is the distance of the innovations' statistics from those of simulated copies "
+    "over the median distance that one copy has from the others: 1 in a right filter."
+)
+MAP = (
+    "The way driven; colour is the size of the innovations that are left, black the withheld "
+    "windows."
+)
+INNOVATIONS = (
+    "Innovations before and after; a right filter keeps 95 % of them between the dashed lines."
+)
+
 
 def write(found, path) -> None:
     """Write the page for a `gap.drive.DriveReport`."""
-    drive = found.drive
-    base = "an error model that was given" if found.given else "noise fitted to the drive itself"
-    parts = [
-        report.paragraph(
-            f"Drive: {drive.name or drive.source or 'drive'}, {drive.duration:.0f} s, IMU at {drive.rate:.4g} Hz, "
-            f"{len(drive.gnss_time)} fixes. Compared with {base}. The gap index is the distance of the innovations' statistics from "
-            "those of simulated copies over the median distance that one copy has from the others: 1 in a right filter."
-        ),
-        report.table_html(
-            ["", "before", "after"],
-            [
-                ["gap index", f"{found.before.index:.2f}", f"{found.after.index:.2f}"],
-                ["mean square of innovations", f"{found.before.nis:.2f}", f"{found.after.nis:.2f}"],
-                [
-                    "largest correlation between fixes",
-                    f"{found.before.whiteness:.2f}",
-                    f"{found.after.whiteness:.2f}",
-                ],
-            ],
-        ),
-    ]
+    parts = [report.paragraph(_about(found)), _indices(found)]
     for step in found.steps:
-        lines = [
-            f"Where: {step['where']}.",
-            f"Physical cause: {step['cause']}",
-            f"Confidence {step['confidence']:.3g}; runner-up: {step['runner_up']['effect']} ({step['runner_up']['confidence']:.2g}).",
-            f"Log-likelihood gained {step['log_likelihood_gain']:.1f}; gap index {step['gap_before']:.2f} before it, {step['gap_after']:.2f} with it.",
-        ]
-        if sentence(step):
-            said = sentence(step)
-            lines.insert(0, f"{said[0].upper()}{said[1:]}.")
-        if step["indistinguishable"]:
-            lines.append(
-                "This drive cannot tell it from: " + ", ".join(step["indistinguishable"]) + "."
-            )
-        parts += [
-            report.heading(f"{step['effect']}: {values(step, found.invisible)}", 3),
-            report.bullets(lines),
-        ]
+        parts += _step(step, found.invisible)
     if not found.steps:
         parts.append(report.paragraph("Nothing is missing that the innovations would show."))
-    parts.append(
-        report.paragraph(
-            f"Unexplained, no effect of the catalogue accounts for it: {found.unexplained}."
-            if found.unexplained
-            else "Nothing is left unexplained."
-        )
-    )
+    left = "Nothing is left unexplained."
+    if found.unexplained:
+        left = f"Unexplained, no effect of the catalogue accounts for it: {found.unexplained}."
     parts += [
+        report.paragraph(left),
         report.heading("The drive"),
-        report.figure_html(
-            report.png(plots.drive_gap_map(found)),
-            "The way driven; colour is the size of the innovations that are left, black the withheld windows.",
-        ),
-        report.figure_html(
-            report.png(plots.drive_gap_innovations(found).ravel()[0]),
-            "Innovations before and after; a right filter keeps 95 % of them between the dashed lines.",
-        ),
+        report.figure_html(report.png(plots.drive_gap_map(found)), MAP),
+        report.figure_html(report.png(plots.drive_gap_innovations(found).ravel()[0]), INNOVATIONS),
     ]
     parts += _outages(found) + _invisible(found)
     with open(path, "w", encoding="utf-8") as handle:
         handle.write(report.page("What does the filter not know about this drive?", *parts))
+
+
+def _about(found):
+    drive = found.drive
+    base = "an error model that was given" if found.given else "noise fitted to the drive itself"
+    name = drive.name or drive.source or "drive"
+    size = f"{drive.duration:.0f} s, IMU at {drive.rate:.4g} Hz, {len(drive.gnss_time)} fixes"
+    return f"Drive: {name}, {size}. Compared with {base}. {INDEX}"
+
+
+def _indices(found):
+    before, after = found.before, found.after
+    rows = [
+        ["gap index", f"{before.index:.2f}", f"{after.index:.2f}"],
+        ["mean square of innovations", f"{before.nis:.2f}", f"{after.nis:.2f}"],
+        [
+            "largest correlation between fixes",
+            f"{before.whiteness:.2f}",
+            f"{after.whiteness:.2f}",
+        ],
+    ]
+    return report.table_html(["", "before", "after"], rows)
+
+
+def _step(step, invisible):
+    """What was found, in words, with its evidence."""
+    rival = step["runner_up"]
+    lines = [
+        f"Where: {step['where']}.",
+        f"Physical cause: {step['cause']}",
+        f"Confidence {step['confidence']:.3g}; "
+        f"runner-up: {rival['effect']} ({rival['confidence']:.2g}).",
+        f"Log-likelihood gained {step['log_likelihood_gain']:.1f}; gap index "
+        f"{step['gap_before']:.2f} before it, {step['gap_after']:.2f} with it.",
+    ]
+    if said := sentence(step):
+        lines.insert(0, f"{said[0].upper()}{said[1:]}.")
+    if step["indistinguishable"]:
+        others = ", ".join(step["indistinguishable"])
+        lines.append(f"This drive cannot tell it from: {others}.")
+    title = report.heading(f"{step['effect']}: {values(step, invisible)}", 3)
+    return [title, report.bullets(lines)]
 
 
 def _outages(found):

@@ -7,75 +7,75 @@ from imu_lib.gap.summary import sentences
 from imu_lib.gap.table import describe, on_channel
 from imu_lib.plots import gap as plots
 
+COLUMNS = [
+    "channel",
+    "gap before",
+    "gap after",
+    "held out before",
+    "held out after",
+    "found",
+    "unexplained",
+]
+INDEX = (
+    "The gap index is the distance of the measurement from an ensemble of simulations over the "
+    "median distance that one simulation has from the others: 1 where the measurement differs no "
+    "more than simulations do."
+)
+
 
 def write(found, path) -> None:
     """Write the page for a `gap.Report`."""
     names = list(found.channels)
-    start = (
-        "a model that was given, its parameters held"
-        if found.given
-        else "a model fitted to the record itself"
-    )
-    name = found.record.name or found.record.source or "static record"
     parts = [
         *(report.paragraph(s) for s in sentences(found)),
-        report.paragraph(
-            f"Record: {name}, {found.record.duration:.0f} s at {found.record.rate:.6g} Hz. "
-            f"Compared with {start}. The gap index is the distance of the measurement "
-            "from an ensemble of simulations over the median distance "
-            f"that one simulation has from the others: 1 where the measurement differs no more than simulations do."
-        ),
-        report.table_html(
-            [
-                "channel",
-                "gap before",
-                "gap after",
-                "held out before",
-                "held out after",
-                "found",
-                "unexplained",
-            ],
-            [_row(found, name) for name in names],
-        ),
+        report.paragraph(_about(found)),
+        report.table_html(COLUMNS, [_row(found, name) for name in names]),
     ]
     if found.record_steps or found.record_unexplained:
         parts += [report.heading("On the whole record"), *_steps(found.record_steps, "record")]
         if found.record_unexplained:
             parts.append(report.paragraph(f"Unexplained: {found.record_unexplained}."))
     for name in names:
-        channel = found.channels[name]
-        result = channel.result
-        if not result.steps and not result.unexplained and not result.small:
-            continue
-        parts += [report.heading(name), *_steps(result.steps, name)]
-        if result.absorbed:
-            parts.append(
-                report.paragraph(
-                    "The fitted base may have absorbed: " + ", ".join(result.absorbed) + "."
-                )
-            )
-        if result.unexplained:
-            parts.append(
-                report.paragraph(
-                    f"Unexplained, no effect of the catalogue accounts for it: {result.unexplained}."
-                )
-            )
-        if result.small:
-            text = "Beyond chance, yet too small to matter at three standard deviations: "
-            parts.append(report.paragraph(f"{text}{'; '.join(result.small)}."))
-        for view in getattr(found, "views", None) or (found,):
-            seen = view.channels.get(name)
-            if seen is not None and seen.before is not None:
-                parts += _figures(seen, view.record)
+        parts += _channel(found, name)
     clean = [n for n in names if on_channel(found, n).startswith("nothing")]
     if clean:
-        parts.append(
-            report.paragraph(
-                "Nothing missing in " + ", ".join(clean) + ": simulation and measurement agree."
-            )
-        )
+        agree = ", ".join(clean) + ": simulation and measurement agree."
+        parts.append(report.paragraph(f"Nothing missing in {agree}"))
     with open(path, "w", encoding="utf-8") as handle:
         handle.write(report.page("Where simulation and measurement disagree", *parts))
+
+
+def _about(found):
+    record = found.record
+    name = record.name or record.source or "static record"
+    base = "a model fitted to the record itself"
+    if found.given:
+        base = "a model that was given, its parameters held"
+    size = f"{record.duration:.0f} s at {record.rate:.6g} Hz"
+    return f"Record: {name}, {size}. Compared with {base}. {INDEX}"
+
+
+def _channel(found, name):
+    """What was found on one channel, what is left, and the measurement against its ensemble."""
+    result = found.channels[name].result
+    if not result.steps and not result.unexplained and not result.small:
+        return []
+    parts = [report.heading(name), *_steps(result.steps, name)]
+    for text, what in (
+        ("The fitted base may have absorbed: ", ", ".join(result.absorbed)),
+        ("Unexplained, no effect of the catalogue accounts for it: ", result.unexplained),
+        (
+            "Beyond chance, yet too small to matter at three standard deviations: ",
+            "; ".join(result.small),
+        ),
+    ):
+        if what:
+            parts.append(report.paragraph(f"{text}{what}."))
+    for view in getattr(found, "views", None) or (found,):
+        seen = view.channels.get(name)
+        if seen is not None and seen.before is not None:
+            parts += _figures(seen, view.record)
+    return parts
 
 
 def _row(found, name):

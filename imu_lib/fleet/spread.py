@@ -21,7 +21,10 @@ from imu_lib.estimate import Z95, Estimate
 CONTENT = CONFIDENCE = 0.95
 #: Fewest units that a spread is told of.
 LEAST = 3
-_POINTS = 161
+#: Points of each axis of the grid, and while it is still looked for.
+_POINTS, _SEARCH = 161, 41
+#: A weight of exp(-NEGLIGIBLE) beside the largest is none.
+NEGLIGIBLE = 50.0
 
 
 @dataclass(frozen=True)
@@ -138,32 +141,52 @@ def _posterior(y, s, limits):
     """
     middle, size = float(np.median(y)), max(float(np.std(y)), float(np.median(s)), 1e-6)
     reach = 8 * size if not limits.size else 8 * size + max(middle - float(limits.min()), 0.0)
-    mu = np.linspace(middle - reach, middle + reach, _POINTS)
-    tau = np.linspace(0.0, 8 * size + reach * (limits.size > 0), _POINTS)
-    for _ in range(4):
+    mu = np.linspace(middle - reach, middle + reach, _SEARCH)
+    tau = np.linspace(0.0, 8 * size + reach * (limits.size > 0), _SEARCH)
+    for points in (_SEARCH, _SEARCH, _SEARCH, _POINTS):
         weight = _weight(mu, tau, y, s, limits)
-        mu, tau = _closer(mu, weight.sum(axis=1)), _closer(tau, weight.sum(axis=0), least=0.0)
+        mu = _closer(mu, weight.sum(axis=1), points)
+        tau = _closer(tau, weight.sum(axis=0), points, least=0.0)
     return mu, tau, _weight(mu, tau, y, s, limits)
 
 
 def _weight(mu, tau, y, s, limits):
-    log = np.zeros((mu.size, tau.size))
-    for value, sd in zip(y, s, strict=True):
-        variance = tau**2 + sd**2
-        log -= 0.5 * (np.log(variance)[None, :] + (value - mu[:, None]) ** 2 / variance[None, :])
-    for limit in limits:
-        log += special.log_ndtr((limit - mu[:, None]) / np.maximum(tau[None, :], 1e-9))
+    # the sum of squares over the units is a parabola in mu, of three numbers at each tau
+    centre = y.mean()
+    at, off = y - centre, (mu - centre)[:, None]
+    variance = tau[:, None] ** 2 + s**2
+    weights = 1 / variance
+    constant = np.sum(np.log(variance) + at**2 * weights, axis=1)
+    squares = off**2 * weights.sum(axis=1) - 2 * off * (weights @ at)
+    log = -0.5 * (constant + squares)
+    if limits.size:
+        log += _below(mu, tau, limits, log)
     weight = np.exp(log - log.max())
     return weight / weight.sum()
 
 
-def _closer(grid, weight, least=-np.inf):
+def _below(mu, tau, limits, log):
+    """Log-probability (a, b) that each unit which shows nothing lies below its limit, where the
+    others' `log` leaves any weight; -inf elsewhere.
+    """
+    mean, sd = np.broadcast_arrays(mu[:, None], np.maximum(tau, 1e-9))
+    best = np.unravel_index(np.argmax(log), log.shape)
+    least = log[best] + special.log_ndtr((limits - mean[best]) / sd[best]).sum()
+    left = log > least - NEGLIGIBLE  # what the limits add is never above zero
+    out = np.full(log.shape, -np.inf)
+    out[left] = 0.0
+    for limit in limits:
+        out[left] += special.log_ndtr((limit - mean[left]) / sd[left])
+    return out
+
+
+def _closer(grid, weight, points, least=-np.inf):
     """The grid over what holds all but 1e-7 of the weight, with a margin."""
     total = np.cumsum(weight)
     low, high = np.searchsorted(total, (1e-7, 1 - 1e-7))
     step = grid[1] - grid[0]
     low, high = grid[low] - 2 * step, grid[min(high, grid.size - 1)] + 2 * step
-    return np.linspace(max(low, least), high, grid.size)
+    return np.linspace(max(low, least), high, points)
 
 
 def _quantiles(grid, weight, shares):
