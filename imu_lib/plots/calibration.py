@@ -57,7 +57,7 @@ def pose_magnitudes(before, after, gravity, *, ax=None):
 @style.styled
 def panel_readings(time, reading, fits=(), *, ax=None):
     """Readings of a turned panel (n, 3) m/s^2 with the fitted sinusoids (2008 paper, Fig. 6)."""
-    ax = style.axes(ax, x="time, s", y="specific force, m/s^2")
+    ax = style.axes(ax, x="time, s", y="specific force, m/s²")
     for i, axis in enumerate("xyz"):
         ax.plot(time, reading[:, i], ".", ms=1.5, color=style.channel_colour(axis), label=axis)
     for k, fit in enumerate(fits):

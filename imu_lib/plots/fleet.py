@@ -86,7 +86,7 @@ def fleet_days(found, *, ax=None):
     ax.plot(np.arange(len(found)), error, "_", ms=20, color=style.GREY, label="one estimate")
     ax.set_xticks(np.arange(len(found)), list(found))
     ax.set_ylim(0)
-    ax.legend()
+    ax.legend(loc="upper center")
     return ax
 
 

@@ -232,5 +232,5 @@ def coverage(shares, *, draws, ax=None):
     ax.axhspan(0.95 - spread, min(0.95 + spread, 1.0), color=style.GREY, alpha=0.3, zorder=0)
     ax.axhline(0.95, color=style.BLACK, linewidth=0.8)
     ax.set_xticks(range(len(parameters)), parameters)
-    ax.legend(ncols=2, loc="lower left")
+    ax.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return ax
