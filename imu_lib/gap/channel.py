@@ -148,9 +148,7 @@ def _analyse(
     state, rivals, tests = _tested(left, state, rivals, wild)
     unexplained, small = _unexplained(left, state, tests)
     steps = steps_of_findings(left.findings, channel.fs) + steps_of_items(state, rivals)
-    plain = [
-        f.process.name for f in left.findings if f.effect.name == Resolution.name and not f.doubt
-    ]
+    plain = [f.process.name for f in left.findings if f.counted]
     steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record.shared)
     unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
     held, n_base = left.held_terms, len(start.base)
@@ -251,7 +249,7 @@ def _capped(
 ) -> list[Step]:
     """The steps with no more confidence than they deserve beside what is unexplained, or among so
     many noises that they draw any smooth spectrum. What is unexplained says nothing against the
-    effects `plain`: that all samples lie on one grid is counted, not inferred.
+    effects `plain`: that all samples lie on one grid, or a fifth of them on a rail, is counted.
     """
     if unexplained is not None:
         return [

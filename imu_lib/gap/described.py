@@ -79,6 +79,7 @@ def describe(step, channel: str) -> str:
         unit = p["channels"][0] if len(kinds) == 1 else ""
         return (
             f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}"
+            + (f", {100 * p['share']:.2g} % of their noise" if p.get("share") else "")
             + (", before their filters" if p.get("filtered") else "")
         )
     if step.effect == "parameter_change":

@@ -44,11 +44,13 @@ def common_step(process, note) -> Step:
     """Noise in common as a step of the record."""
     names = ", ".join(process.channels)
     parameters = {name: v for name, v in process.to_json().items() if name != "process"}
+    parameters["share"] = note["share"]
     return Step(
         "common_mode",
         parameters,
         {"N": note["interval"]},
-        f"coherence between {names}: {note['coherence']:.2g} where independent channels have none",
+        f"coherence between {names}: {note['coherence']:.2g} where independent channels have none, "
+        f"{100 * note['share']:.2g} % of their noise power",
         measured.odds(note["gain"], note["sets"]),
         {"effect": "none", "confidence": 0.0},
         [],

@@ -75,12 +75,15 @@ def shared_noise(
     if best is None or best[0] <= COMMON_GAIN:
         return None, {}, coherence.left(seen.matrix, seen)
     gain, members, density, place = best
+    names, share = [seen.names[i] for i in members], _share(best)
+    inside = [i in members for i in range(len(seen.names))]
+    fall = None if place is behind else np.sqrt(seen.level / before.level)
+    if share < coherence.SMALLEST:
+        bare = coherence.without(seen.matrix, density, inside, fall)
+        return None, {}, coherence.left(bare, seen)
     spread = _spread(seen, best)
-    names = [seen.names[i] for i in members]
     if place is behind:
         density, spread = _with_levels(density, spread, members, seen, fs, bases)
-    fall = None if place is behind else np.sqrt(seen.level / before.level)
-    inside = [i in members for i in range(len(seen.names))]
     rest = replace(seen, matrix=coherence.without(seen.matrix, density, inside, fall))
     N = float(np.sqrt(density / 2))
     return (
@@ -93,6 +96,7 @@ def shared_noise(
             "coherence": float(
                 np.mean([behind.mean[i, j] ** 2 for i, j in combinations(members, 2)])
             ),
+            "share": share,
             "z_before": seen.size,
             "z_after": rest.size,
         },
@@ -182,6 +186,12 @@ def _spread(seen: Cross, best) -> float:
         for c, d in ((1, h), (-2, 0.0), (1, -h))
     )
     return float(0.5 / np.sqrt(max(curve / h**2, 1e-9)))
+
+
+def _share(best) -> float:
+    """Share of the noise power of the channels that they have in common, their mean."""
+    _, members, density, place = best
+    return float(density / np.exp(np.mean(np.log(np.mean(place.level[:, members], axis=0)))))
 
 
 def _passed(low_pass, f, fs):

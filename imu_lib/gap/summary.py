@@ -4,17 +4,15 @@ is like, what was the environment's, what is left, what to do next.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
-from imu_lib.gap import known_before, told
-from imu_lib.gap.families import of_mains
+from imu_lib.gap import known_before, surroundings, told, words
 from imu_lib.gap.faulty import BURSTS
-from imu_lib.gap.shakes import FOREST
+from imu_lib.gap.surroundings import SURE
 from imu_lib.gap.verdict import TAIL
 from imu_lib.gap.wrong import LOST, sentence
 from imu_lib.processes import Resolution, Sum, Telegraph
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
     from imu_lib.gap.steps import Step
     from imu_lib.record import Record
 
-#: Confidence from which on a finding is told as one.
-SURE = 0.9
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
 REACHED = 0.1
 #: Share of the record from which on the stretch that was looked at is all of it.
@@ -56,7 +52,7 @@ def sentences(found: Report) -> list[str]:
                 (
                     told.sentence(steps, SURE, _of_sensor(found)),
                     held,
-                    _environment(found, steps, " more" if held else ""),
+                    surroundings.environment(found, steps, " more" if held else ""),
                 ),
             )
         ),
@@ -80,15 +76,6 @@ def _of_sensor(found: Report) -> set[tuple[str, str]]:
     }
 
 
-def _of(steps: list[tuple[str, Step]], names: Iterable[str]) -> list[tuple[str, Step]]:
-    """(channel or "record", step) of the effects of these names that are sure or the record's."""
-    return [
-        (where, s)
-        for where, s in steps
-        if s.effect in names and (s.confidence >= SURE or where == "record")
-    ]
-
-
 def _good_for(found: Report) -> str:
     record = found.record
     span = record.duration
@@ -96,7 +83,7 @@ def _good_for(found: Report) -> str:
     channels = len(found.channels)
     what = "the noise density"
     if reach >= 20:
-        what += f" and the bias instability up to averaging times of {_seconds(reach)}"
+        what += f" and the bias instability up to averaging times of {words.seconds(reach)}"
     if span >= 3600:
         what += ", drifts of minutes included"
     held = [c.held_out["after"] for c in found.channels.values() if c.held_out]
@@ -104,15 +91,15 @@ def _good_for(found: Report) -> str:
     good = (
         ("on all channels that are left" if _left_out(found) else "on all channels")
         if len(clean) == channels
-        else f"on {_names(clean)}"
+        else f"on {words.names(clean)}"
         if clean
         else "with reserve, since no channel is explained in full"
     )
     start, stop = found.stretch or (0.0, span)
     whole = max(found.whole or span, span)
-    text = f"The record, {_seconds(whole)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
+    text = f"The record, {words.seconds(whole)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
     if stop - start < WHOLE * whole:
-        text += f"; the other {_seconds(whole - (stop - start))} are left out"
+        text += f"; the other {words.seconds(whole - (stop - start))} are left out"
         text += " (a tilt, a restart or a long hole lies between)"
     if held:
         text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
@@ -136,21 +123,21 @@ def _sensor(found: Report) -> str:
         if floor:
             text += f", a bias instability of {_range(floor, 'B', channels[0])}"
             longest = max(v[2] for v in values if v[2])
-            text += f" (at {_seconds(longest)})"
+            text += f" (at {words.seconds(longest)})"
         stages = [s for c in channels for s in found.model[c].stages]
         steps = [s.lsb for s in stages if isinstance(s, Resolution)]
         if steps:
             unit, factor = ("deg/s", np.pi / 180) if kind == "gyro" else ("mg", 9.80665e-3)
-            text += f", a resolution of {_spread([s / factor for s in steps])} {unit}"
+            text += f", a resolution of {words.spread([s / factor for s in steps])} {unit}"
         if any(found.model[c].low_pass is not None for c in channels):
             cut = [f.cutoff for f in (found.model[c].low_pass for c in channels) if f and f.cutoff]
-            text += f", a filter at {_spread(cut)} Hz" if cut else ", a filter"
+            text += f", a filter at {words.spread(cut)} Hz" if cut else ", a filter"
         out.append(text)
     if not out:
         return ""
     taken = {s.effect: None for _, s in told.relevant(found.steps) if s.effect in NO_NOISE}
-    words = [NO_NOISE[effect] for effect in taken]
-    return _sentence(out) + (f" ({_listed(words)} taken out)" if words else "") + "."
+    without = [NO_NOISE[effect] for effect in taken]
+    return words.sentence(out) + (f" ({words.listed(without)} taken out)" if without else "") + "."
 
 
 def _character(model: Sum, record: Record) -> tuple[float | None, float | None, float | None]:
@@ -174,67 +161,13 @@ def _character(model: Sum, record: Record) -> tuple[float | None, float | None, 
     return density, float(deviation[i] / 0.664), float(tau[i])
 
 
-def _environment(found: Report, seen: list[tuple[str, Step]], more: str) -> str:
-    parts = []
-    shaken: dict[Any, list[Step]] = {}
-    for _, step in sorted(_of(seen, ("vibration",)), key=lambda item: -(item[1].gain or 0.0)):
-        p = step.parameters
-        shaken.setdefault((p["frequency"], tuple(p["channels"])), []).append(step)
-    parts += [_shook(episodes) for episodes in list(shaken.values())[:3]]
-    if len(shaken) > 3:
-        parts.append(f"{len(shaken) - 3} weaker vibrations beside")
-    for effect, text in (
-        ("temperature", "the temperature moves {}"),
-        ("warm_up", "{} warmed up"),
-        ("wandering_level", "the noise rises and falls on {}"),
-        ("noise_level_change", "the noise changed its level on {}"),
-    ):
-        on = [w for w, _ in _of(seen, (effect,))]
-        if on:
-            parts.append(text.format(_names(on)))
-    if not parts:
-        if told.relevant(found.steps):
-            return ""
-        return f"Of the environment it shows nothing{more}."
-    return f"Of the environment: {'; '.join(parts)}."
-
-
-def _shook(steps: list[Step]) -> str:
-    """One vibration, with all the times at which it was there."""
-    episodes = [s.parameters for s in steps]
-    p, how = episodes[0], steps[0].evidence
-    what = f"at {p['frequency']:.4g} Hz"
-    half = p["bandwidth"] / 2
-    if p.get("lines") and len(p["lines"]) > FOREST:
-        low, high = min(p["lines"]), max(p["lines"])
-        return (
-            f"{len(p['lines'])} lines from {low:.2g} to {high:.3g} Hz, products of clocks, are on "
-            f"{_channels(p['channels'])}"
-        )
-    if p["harmonics"] > 1:
-        what += f" ({p['harmonics']} lines)"
-    elif p["bandwidth"] > 0.1 * p["frequency"]:
-        what = f"at {p['frequency'] - half:.3g} to {p['frequency'] + half:.3g} Hz"
-    if _hums(p):
-        return f"the hum of the mains, {what}, is on {_channels(p['channels'])}"
-    times = sorted((e["from"], e["to"]) for e in episodes if e.get("from") is not None)
-    when = _listed([f"from {a:.0f} to {b:.0f} s" for a, b in times]) if times else ""
-    where = f"{' ' + when if when else ''} on {_channels(p['channels'])}"
-    return f"it shook {what}{where}{', ' + how if how else ''}"
-
-
-def _hums(p: dict[str, Any]) -> bool:
-    """Whether a vibration is the hum of the mains."""
-    return not p.get("lines") and of_mains(p["frequency"], p["harmonics"])
-
-
 def _left(found: Report) -> str:
     small = [n for n, c in found.channels.items() if c.result.small]
     if not small:
         return _without_name(found)
     return (
         f"{_without_name(found)[:-1]}; small departures from the normal distribution on "
-        f"{_names(small)} move no limit at three standard deviations by {100 * TAIL:.0f} %."
+        f"{words.names(small)} move no limit at three standard deviations by {100 * TAIL:.0f} %."
     )
 
 
@@ -248,7 +181,7 @@ def _without_name(found: Report) -> str:
             return "Beside what is named, simulation and measurement agree."
         return "Nothing is left without a name."
     first = found.channels[left[0]].result.unexplained
-    more = "" if len(left) == 1 else f" ({len(left)} channels in all: {_names(left)})"
+    more = "" if len(left) == 1 else f" ({len(left)} channels in all: {words.names(left)})"
     return f"Left without a name on {left[0]}: {first}{more}."
 
 
@@ -260,7 +193,7 @@ def _next(found: Report) -> str:
     if {"disturbance", "tilt"} & names:
         advice.append("record where nobody touches the sensor")
     shook = [s.parameters for _, s in found.steps if s.effect == "vibration"]
-    if shook and all(_hums(p) for p in shook):
+    if shook and all(surroundings.hums(p) for p in shook):
         advice.append("keep cables and supply away from the mains")
     elif shook:
         advice.append("record again away from what shakes it, on a heavy base")
@@ -272,7 +205,7 @@ def _next(found: Report) -> str:
         advice.append("record an hour or more for the bias instability")
     if not advice:
         return "Next: a second record of another day tells what of this is the sensor's."
-    return f"Next: {_listed(advice[:3])}."
+    return f"Next: {words.listed(advice[:3])}."
 
 
 def _lost(step: Step, record: Record) -> bool:
@@ -282,36 +215,7 @@ def _lost(step: Step, record: Record) -> bool:
     return step.parameters["fraction"] * record.n > FEW
 
 
-# -- words ---------------------------------------------------------------------------------------
-def _seconds(x: float) -> str:
-    if x < 120:
-        return f"{x:.3g} s"
-    return f"{x / 60:.3g} min" if x < 7200 else f"{x / 3600:.3g} h"
-
-
-def _listed(parts: list[str]) -> str:
-    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-
-
-def _sentence(parts: list[str]) -> str:
-    text = "; ".join(parts)
-    return text[:1].upper() + text[1:]
-
-
-def _names(channels: Iterable[str]) -> str:
-    return _listed(list(channels))
-
-
-def _channels(channels: Sequence[str]) -> str:
-    return "all channels" if len(channels) == 6 else _names(channels)
-
-
-def _spread(values: list[float]) -> str:
-    low, high = min(values), max(values)
-    return f"{low:.3g}" if high < 1.1 * low else f"{low:.3g} to {high:.3g}"
-
-
 def _range(values: list[float], symbol: str, channel: str) -> str:
     """Smallest to largest value in the units of datasheets."""
     factor, unit = units.datasheet(symbol, channel)
-    return f"{_spread([v / factor for v in values])} {unit}"
+    return f"{words.spread([v / factor for v in values])} {unit}"

@@ -21,6 +21,9 @@ DITHER = 0.3
 MOST = 0.5
 #: Rounds of finding samples that are thrown off, and of filling in between two of them.
 ROUNDS = 5
+#: Share of clipped samples from which on the spectrum hangs on what is drawn for them: they are
+#: drawn until the variance keeps to this share of itself.
+MANY, STEADY = 0.01, 0.01
 
 
 @dataclass(frozen=True)
@@ -49,10 +52,22 @@ class Hidden:
         below = low, raw[low].max() + half if low.any() else 0.0
         return cls(rest, coarse, bad | (side != 0), side != 0, above, below, grid)
 
-    def filled(self, spiked, smooth: Smooth, rng) -> np.ndarray:
-        """The rest with the hidden and the `spiked` samples drawn anew."""
+    def filled(self, spiked, smooth: Smooth, rng, before=None) -> np.ndarray:
+        """The rest with the hidden and the `spiked` samples drawn anew; `before` is the former
+        filling.
+        """
         bad = self.mask & ~self.clipped | spiked
-        return _fill(self.rest, bad, self.above, self.below, self.coarse, smooth, rng, self.grid)
+        above, below = (self._moved(*side) for side in (self.above, self.below))
+        out = impute(self.rest, bad, smooth, rng, above=above, below=below, before=before)
+        if self.grid is None:
+            return out
+        step, offset = self.grid  # clipped samples were rounded, too
+        rounded = offset + np.rint((out + self.coarse - offset) / step) * step - self.coarse
+        return np.where(self.clipped, rounded, out)
+
+    def _moved(self, mask, limit) -> tuple | None:
+        """(mask, limit of the rest): the limit of the whole signal moves with what was set aside."""
+        return (mask, limit - float(np.median(self.coarse[mask]))) if mask.any() else None
 
 
 def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
@@ -60,9 +75,11 @@ def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
     given model, or None.
     """
     clean, spikes, spiked = hidden.rest, None, np.zeros(len(hidden.rest), bool)
+    former = None
     for _ in range(ROUNDS):
         if (hidden.mask | spiked).any():
-            clean, smooth = _settled(hidden, spiked, smooth, rng)
+            clean, smooth = _settled(hidden, spiked, smooth, rng, former)
+            former = clean
         else:
             clean = hidden.rest
         y, even, instead = _surprises(hidden, clean, smooth, rng)
@@ -81,7 +98,7 @@ def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
         if abs(int(spiked.sum()) - int(count)) <= 0.01 * count:
             break
     if (hidden.mask | spiked).any():
-        clean = hidden.filled(spiked, smooth, rng)
+        clean = hidden.filled(spiked, smooth, rng, former)
         smooth = Smooth(clean, smooth.fs)
     return spikes, spiked, clean, smooth
 
@@ -93,14 +110,17 @@ def _of_model(y, smooth: Smooth, held) -> np.ndarray:
     return spike_odds(y / sd, min(held.rate / smooth.fs, MOST), scale) > 0
 
 
-def _settled(hidden: Hidden, spiked, smooth: Smooth, rng) -> tuple:
+def _settled(hidden: Hidden, spiked, smooth: Smooth, rng, clean) -> tuple:
     """The clean rest and its spectrum: what was filled in under too loud a spectrum would make its
-    neighbours surprising under a better one.
+    neighbours surprising under a better one, and where much is clipped, under too quiet a one, it
+    would not go far enough beyond the limit. `clean` is the former rest, or None.
     """
-    for _ in range(ROUNDS):
-        clean = hidden.filled(spiked, smooth, rng)
+    many = np.mean(hidden.clipped) > MANY
+    for _ in range(2 * ROUNDS if many else ROUNDS):
+        clean = hidden.filled(spiked, smooth, rng, clean)
         before, smooth = smooth.conditional_variance, Smooth(clean, smooth.fs)
-        if smooth.conditional_variance > 0.9 * before:
+        change = smooth.conditional_variance / before
+        if change > 0.9 and not (many and abs(change - 1) > STEADY):
             break
     return clean, smooth
 
@@ -154,26 +174,3 @@ def _edges(x, y, *, reach: int = 4) -> np.ndarray:
     for k in (-1, 0, 1):
         out[jump + k] = True
     return out
-
-
-def _fill(rest, bad, above, below, coarse, smooth, rng, grid):
-    if not (above[0].any() or below[0].any()):
-        return impute(rest, bad, smooth, rng)
-    # the limits hold for the whole signal: for the rest of it they move with what was set aside
-    whole = impute(rest, bad | above[0] | below[0], smooth, rng)
-    out = impute(
-        rest,
-        bad,
-        smooth,
-        rng,
-        above=(above[0], above[1] - float(np.median(coarse[above[0]]))) if above[0].any() else None,
-        below=(below[0], below[1] - float(np.median(coarse[below[0]]))) if below[0].any() else None,
-    )
-    if grid is not None:  # clipped samples were rounded, too
-        step, offset = grid
-        out = np.where(
-            above[0] | below[0],
-            offset + np.rint((out + coarse - offset) / step) * step - coarse,
-            out,
-        )
-    return np.where(bad & ~above[0] & ~below[0], whole, out)

@@ -24,9 +24,23 @@ MEANING = {
 SURROUNDINGS = ("vibration", "temperature", "warm_up", "wandering_level", "noise_level_change")
 
 
+#: Change of the standard deviation of the sum of its channels from which on noise in common has its
+#: place in the verdict.
+MOVED = 0.05
+
+
 def relevant(steps) -> list:
     """(channel or "record", step) of `steps` that a verdict has to tell."""
-    return [(w, s) for w, s in steps if s.confidence >= LEAST]
+    return [(w, s) for w, s in steps if s.confidence >= LEAST and not _faint(s)]
+
+
+def _faint(step) -> bool:
+    """Whether it is noise in common that moves the sum of its channels by next to nothing: of k
+    channels that share `share` of their power its variance grows by (k - 1) times that.
+    """
+    p = step.parameters
+    share = p.get("share")
+    return share is not None and (len(p["channels"]) - 1) * share < (1 + MOVED) ** 2 - 1
 
 
 def sentence(steps, sure: float, of_sensor=()) -> str:

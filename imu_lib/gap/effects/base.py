@@ -80,6 +80,9 @@ class Finding:
         Independent places among which this one has the largest gain.
     evidence : str
         What there is instead of a gain.
+    counted : bool
+        Whether it is counted in the samples, not inferred from them: what is left unexplained says
+        nothing against it.
     """
 
     effect: Effect
@@ -97,6 +100,7 @@ class Finding:
     #: Bands (low, high) in Hz that a vibration fills; whether the given model has it already.
     bands: list = field(default_factory=list)
     held: bool = False
+    counted: bool = False
 
 
 @dataclass(frozen=True)

@@ -131,14 +131,15 @@ class Resolution(Effect):
             return None
         if step < sd / 100 or (step <= 4 * single and step < sd / 20):
             return None  # the number format of the file, not the sensor
-        levels = len(np.unique(x))
+        levels, doubt = len(np.unique(x)), missing_codes(x, step)
         return Finding(
             self,
             Stage(lsb=step),
             None,
             f"distribution of the samples: {levels} distinct values, all on one grid",
             {"lsb": [step * (1 - 1e-6), step * (1 + 1e-6)]},
-            doubt=missing_codes(x, step),
+            doubt=doubt,
+            counted=doubt is None,
         )
 
 

@@ -14,6 +14,12 @@ from .base import Effect, Finding
 MIN_GAIN, MIN_VISITS = 12.0, 3
 #: Samples that a level holds at least where anything is read off it.
 MIN_LEVEL = 8
+#: Visits to a rail from which on it is a fact, where it holds more samples than lie just inside it:
+#: within this share of a standard deviation, and so many levels of a grid.
+AGAIN, INSIDE, LEVELS = 20, 0.1, 2.5
+#: Samples within one standard deviation of a rail per sample on it at the least: a signal that is
+#: cut off comes up to its rail, one that drops out does not.
+BESIDE = 0.1
 
 
 def _piled(x, step, side) -> float:
@@ -106,7 +112,20 @@ class Saturation(Effect):
             {"limit": sorted([stage.limit - half, stage.limit + half])},
         )
         found.mask = np.where(above, 1, np.where(below, -1, 0)).astype(np.int8)
+        found.counted = all(_rail(x, on, step) for on in (above, below) if on.any())
         return found
+
+
+def _rail(x, on, step: float | None) -> bool:
+    """Whether the samples marked `on`, at one end of the range, show by themselves that the signal
+    goes on beyond it.
+    """
+    visits = np.count_nonzero(np.diff(on.astype(np.int8)) == 1) + bool(on[0])
+    sd = 0.7413 * float(np.subtract(*np.quantile(x[~on], [0.75, 0.25])))
+    apart = np.abs(x[~on] - x[on][0])
+    inside = max(INSIDE * sd, LEVELS * (step or 0.0))
+    held, near = np.count_nonzero(on), np.count_nonzero(apart < inside)
+    return bool(visits >= AGAIN and near < held and np.count_nonzero(apart < sd) > BESIDE * held)
 
 
 EFFECTS = (Saturation(),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, toeplitz
 from scipy.optimize import minimize
-from scipy.stats import gamma
+from scipy.stats import gamma, spearmanr
 
 from imu_lib.processes import WanderingLevel as Stage
 
@@ -25,6 +25,9 @@ RESOLVED = 2.0
 #: Share of a block's largest samples that the level is told without, and how much of it the others
 #: have to show.
 LARGEST, SPREAD = 0.1, 0.6
+#: Rank correlation of the level with time from which on it only grows, or falls, and with the
+#: temperature, from which on it follows that.
+ONE_WAY, FOLLOWS = 0.9, 0.9
 #: log10 p of a peak in the spectrum of the level below which it is periodic; ordinates it may fill,
 #: and on either side of it what it is compared with.
 PERIODIC, WIDTHS, BESIDE = -4.0, (1, 3, 9), 12
@@ -167,12 +170,11 @@ class WanderingLevel(ChannelEffect):
         centre = (np.arange(level.k) + 0.5) * level.m
         scale = np.exp(np.interp(np.arange(len(y)), centre, known))
         scale /= np.sqrt(np.mean(scale**2))
-        low, high = np.exp(np.quantile(known - np.mean(known), [0.025, 0.975]))
         found = Finding(
             self,
             Stage(sd=float(sd), correlation_time=float(time)),
             gain - HANDICAP,
-            f"variance of the innovations: the noise is between {low:.2g} and {high:.2g} times its usual level, over {time:.3g} s",
+            f"variance of the innovations: {behaviour(known, view.temperature)}, over {time:.3g} s",
             {
                 "sd": [sd * np.exp(-1.96 * spread[0]), sd * np.exp(1.96 * spread[0])],
                 "correlation_time": [
@@ -192,6 +194,39 @@ class WanderingLevel(ChannelEffect):
                 f"{period:.3g} s"
             )
         return [found]
+
+
+#: What a level may do, as its sentence says.
+GROWS, FALLS, WANDERS = "the noise grows", "the noise falls", "the noise rises and falls"
+#: And how it may go with the temperature.
+WITH, AGAINST = "as the temperature does", "against the temperature"
+
+
+def behaviour(known, temperature=None) -> str:
+    """What the logarithm of a level, `known` in blocks (k,), does over the record, and whether the
+    temperature (n,) does the same.
+    """
+    level = np.exp(known - np.mean(known))
+    low, high = np.quantile(level, [0.025, 0.975])
+    trend = float(spearmanr(np.arange(len(known)), known).statistic)
+    if abs(trend) < ONE_WAY:
+        text = f"{WANDERS} between {low:.2g} and {high:.2g} times its usual level"
+    else:
+        first, last, way = (low, high, GROWS) if trend > 0 else (high, low, FALLS)
+        text = f"{way} from {first:.2g} to {last:.2g} times its usual level"
+    if temperature is not None and np.ptp(temperature) > 0:
+        means = [np.mean(part) for part in np.array_split(temperature, len(known))]
+        alike = float(spearmanr(means, known).statistic)
+        if abs(alike) > FOLLOWS:
+            text += f", {WITH if alike > 0 else AGAINST}"
+    return text
+
+
+def in_short(where: str) -> str:
+    """What the level does, of the sentence of a finding."""
+    way = next((text for text in (GROWS, FALLS) if text in where), WANDERS)
+    also = next((f" {text}" for text in (WITH, AGAINST) if text in where), "")
+    return way + also
 
 
 EFFECTS = (WanderingLevel(),)
