@@ -207,3 +207,26 @@ def test_a_knock_between_chance_samples_is_as_long_as_it_is():
             channels[f"{kind}_{axis}"] = x + strength * ring
     (found,) = [f for f in faults.find(Record(channels, fs)) if f.kind == "disturbance"]
     assert abs(found.start - 120.3) < 0.2 and found.stop - found.start < 1.0
+
+
+def test_a_weak_knock_stands_out_on_one_channel_and_others_are_at_their_loudest():
+    """Seven standard deviations on one axis of the gyroscope, four on two of the accelerometer, for
+    a third of a second; the same on one channel alone, or at three times, is none.
+    """
+    rng, n, fs = np.random.default_rng(21), 14_400, 120.0
+    noise = {
+        c: rng.standard_normal(n) for c in ("gyro_x", "gyro_y", "accel_x", "accel_y", "accel_z")
+    }
+    u = np.arange(40) / fs
+    ring = np.exp(-u / 0.15) * np.sin(2 * np.pi * 31 * u)
+    names = []
+    for times in ((54.8, 54.8, 54.8), (20.0, 54.8, 90.0)):
+        x = {c: 1e-3 * y for c, y in noise.items()}
+        for (c, size), time in zip({"gyro_y": 6.5, "accel_x": 3.5, "accel_z": 3.5}.items(), times):
+            at = int(time * fs)
+            x[c] = x[c].copy()
+            x[c][at : at + 40] += 1e-3 * size * ring
+        found = [f for f in faults.find(Record(x, fs)) if f.kind == "disturbance"]
+        names.append([set(f.channels) for f in found])
+    assert names[0] == [{"gyro_y", "accel_x", "accel_z"}]
+    assert not any(len(channels) > 1 for channels in names[1])

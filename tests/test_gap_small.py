@@ -5,9 +5,10 @@ import pytest
 from scipy.stats import norm
 
 from imu_lib import gap
-from imu_lib.gap import verdict
+from imu_lib.gap import evenness, verdict
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.check import Check
+from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.summary import sentences
 from imu_lib.gap.table import table
 from imu_lib.model import Model
@@ -35,7 +36,7 @@ def test_the_error_of_the_tail_is_that_of_the_quantile(freedom):
     u /= np.std(u)
     true = np.quantile(u, norm.cdf(3.0)) / 3.0 - 1.0
     # Cornish and Fisher's first order lies above by a part in ten; counted to 0.3 %
-    assert true - 0.005 < verdict.tail_error(u) < 1.3 * true + 0.005
+    assert true - 0.005 < evenness.tail_error(u) < 1.3 * true + 0.005
 
 
 def test_a_small_skewness_is_said_and_is_no_doubt():
@@ -73,3 +74,27 @@ def test_a_slow_wave_in_a_short_record_is_no_noise(minutes, period):
     (step,) = found.steps
     assert step.effect == "sinusoid" and step.confidence > 0.9
     assert abs(step.parameters["frequency"] * period - 1) < 0.02
+
+
+def test_a_skewness_says_whether_few_samples_make_it_or_all_of_them():
+    rng = np.random.default_rng(8)
+    leaning = evenness.distribution(gamma(rng, 0.2, 60_000))[0].where
+    x = rng.standard_normal(60_000)
+    x[::600] += 5.0
+    single = evenness.distribution(x)[0].where
+    assert "all of the distribution leans" in leaning and "single deviations" in single
+    counts = f"{np.count_nonzero(x - x.mean() > 4 * x.std())} samples beyond +4"
+    assert counts in single
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.008, False), (0.06, True)])
+def test_noise_in_common_is_told_from_two_per_cent_of_the_power_on(share, found):
+    rng = np.random.default_rng(9)
+    common = rng.standard_normal(N)
+    x = {
+        c: np.sqrt(1 - share) * rng.standard_normal(N) + np.sqrt(share) * common
+        for c in ("gyro_x", "gyro_y", "gyro_z")
+    }
+    process, note, left = shared_noise(x, FS)
+    assert left is None and (process is not None) is found
+    assert not found or note["share"] == pytest.approx(share, rel=0.3)

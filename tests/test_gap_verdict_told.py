@@ -10,6 +10,7 @@ import pytest
 from imu_lib.faults import Finding
 from imu_lib.gap import effects, faulty, once
 from imu_lib.gap.channel import ChannelResult
+from imu_lib.gap.effects.wandering_level import behaviour, in_short
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.steps import Step
 from imu_lib.gap.summary import sentences
@@ -161,3 +162,24 @@ def test_a_process_whose_power_is_one_slow_change_is_doubted_and_a_walk_is_not()
     assert [start, stop] == pytest.approx([260.0, 380.0], abs=12.0)
     assert size == pytest.approx(-0.05, rel=0.02) and angle == pytest.approx(5.1, rel=0.02)
     assert "nobody touched" not in text
+
+
+def test_what_a_noise_level_does_is_said_as_it_is():
+    """Grows, falls, wanders, follows the temperature."""
+    time, rng = np.arange(300.0), np.random.default_rng(3)
+    wave = 0.3 * np.sin(time / 20)
+    grows = behaviour(0.004 * time + 0.02 * rng.standard_normal(300))
+    assert in_short(grows) == "the noise grows" and "from 0.5" in grows
+    assert in_short(behaviour(-0.004 * time)) == "the noise falls"
+    assert in_short(behaviour(wave)) == "the noise rises and falls"
+    warm = 20 + np.repeat(wave, 100)
+    assert in_short(behaviour(wave, warm)) == "the noise rises and falls as the temperature does"
+    assert in_short(behaviour(-wave, warm)).endswith("against the temperature")
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.04, False), (0.12, True)])
+def test_noise_in_common_is_told_where_it_moves_the_sum_of_its_channels(share, told):
+    """A standard deviation of the sum of two axes that grows by 2 % is in the table alone."""
+    found = step("common_mode", 1.0)
+    found = replace(found, parameters={**found.parameters, "share": share})
+    assert ("noise in common" in " ".join(said(of_record=[found]))) is told

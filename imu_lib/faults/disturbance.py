@@ -7,20 +7,18 @@ a tilt, a vibration that goes on is the environment's: none of them is found her
 
 from __future__ import annotations
 
-from math import comb
-
 import numpy as np
 from scipy.stats import poisson
 
+from imu_lib.faults import ranks
 from imu_lib.faults.excursion import LEVEL, excursions
 from imu_lib.faults.finding import Finding, named, seconds
 from imu_lib.faults.hits import ALONE, Hit, merged
 from imu_lib.faults.levels import Prepared, tail_threshold, windows
+from imu_lib.faults.ranks import TOGETHER
 
 #: s of the windows of energy; one sample long, too, where several channels agree.
 ENERGY = (0.02, 0.08, 0.32, 1.28)
-#: Chance alarms allowed in a record, on several channels together.
-TOGETHER = 1e-4
 #: The same of one channel alone, in each of some sixty searches (windows, offsets, channels).
 APART = TOGETHER / 60
 #: Noise levels by which a sample must stand out on each of several channels.
@@ -159,9 +157,12 @@ def _judged(power, rest, peak, rare, length, offset) -> list[Hit]:
             member[c] |= own
             mask |= own
     if k > 1:
-        both = _together(power, stands, ~mask)
+        both = ranks.together(power, stands, ~mask)
         member |= stands & both
         mask |= both
+        weak = ranks.with_others(power, stands, ~mask)
+        member |= weak
+        mask |= weak.any(axis=0)
     return [
         Hit(
             offset + int(j) * length,
@@ -171,29 +172,6 @@ def _judged(power, rest, peak, rare, length, offset) -> list[Hit]:
         )
         for j in np.flatnonzero(mask)
     ]
-
-
-def _together(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.ndarray:
-    """Windows in which several channels are among their own loudest at once, shape (windows,).
-
-    By ranks alone, whatever the tails of the noise are: of m channels out of k, independent, the
-    probability that all are among their u loudest is at most C(k, m) u^m. Ranks are those among the
-    windows not found otherwise (`quiet`).
-    """
-    k, count = power.shape
-    at = np.flatnonzero((stands.sum(axis=0) >= 2) & quiet)
-    out = np.zeros(count, bool)
-    if not len(at):
-        return out
-    u = np.ones((k, len(at)))
-    for c in range(k):
-        order = np.sort(power[c, quiet])
-        u[c] = (len(order) - np.searchsorted(order, power[c, at], side="left")) / len(order)
-    u = np.where(stands[:, at], u, 1.0)
-    u.sort(axis=0)
-    p = np.min([comb(k, m) * u[m - 1] ** m for m in range(2, k + 1)], axis=0)
-    out[at] = p * count < TOGETHER
-    return out
 
 
 def _finding(hit: Hit, channels, names, time, rate) -> Finding:

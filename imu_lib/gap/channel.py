@@ -147,10 +147,10 @@ def _analyse(
     state, rivals = _named(start, wild)
     state, rivals, tests = _tested(left, state, rivals, wild)
     unexplained, small = _unexplained(left, state, tests)
+    unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
     steps = steps_of_findings(left.findings, channel.fs) + steps_of_items(state, rivals)
     plain = [f.process.name for f in left.findings if f.counted]
     steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record.shared)
-    unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
     held, n_base = left.held_terms, len(start.base)
     base = bare if bare is not None else Sum(tuple(state.base[held:n_base]))
     parts = base, state, left.findings, n_base - held, held

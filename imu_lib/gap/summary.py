@@ -11,9 +11,9 @@ import numpy as np
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
 from imu_lib.gap import known_before, surroundings, told, words
+from imu_lib.gap.evenness import TAIL
 from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.surroundings import SURE
-from imu_lib.gap.verdict import TAIL
 from imu_lib.gap.wrong import LOST, sentence
 from imu_lib.processes import Resolution, Sum, Telegraph
 

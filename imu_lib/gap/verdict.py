@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.fft import idct
-from scipy.stats import chi2, kurtosistest, norm
+from scipy.stats import chi2, kurtosistest
 
 from imu_lib.gap.check import Check
+from imu_lib.gap.evenness import SKEW, distribution, log10_normal
 from imu_lib.gap.steadiness import resonances, stationarity
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.evaluate import with_extra
@@ -30,8 +31,6 @@ OF_SAMPLES = (
 #: Those of them that may be what makes the distribution uneven: the others leave it as even as it
 #: was.
 ONE_SIDED = ("saturation", "spikes", "stuck")
-#: Domain of the test of that.
-SKEW = "skewness"
 
 
 def weighed(tests, named) -> tuple[Check, list[str]]:
@@ -49,10 +48,6 @@ def _log10_chi2(value, dof):
     """log10 of the two-sided p-value of chi-square values, far into the tails."""
     upper, lower = chi2.logsf(value, dof), chi2.logcdf(value, dof)
     return (np.minimum(upper, lower) + np.log(2)) / np.log(10)
-
-
-def _log10_normal(z):
-    return (norm.logsf(np.abs(z)) + np.log(2)) / np.log(10)
 
 
 def spectrum(state) -> Check:
@@ -129,7 +124,7 @@ def bias(state) -> list[Check]:
     out.append(
         Check(
             "mean",
-            float(_log10_normal(bare[j]) + np.log10(n)),
+            float(log10_normal(bare[j]) + np.log10(n)),
             f"mean of the signal: an unforeseen jump near {(j + 0.5) / n * data.duration:.0f} s",
         )
     )
@@ -138,7 +133,7 @@ def bias(state) -> list[Check]:
     out.append(
         Check(
             "mean",
-            float(_log10_normal(heavy)),
+            float(log10_normal(heavy)),
             "mean of the signal: its jumps are not normally distributed",
         )
     )
@@ -172,53 +167,6 @@ def _curves(data) -> np.ndarray:
     u = (t - t.mean()) / np.std(t)
     bends = np.maximum(u - np.quantile(u, [[0.25], [0.5], [0.75]]), 0.0)
     return data.columns(np.column_stack([u, u**2, *bends]))
-
-
-#: Relative error of the innovations' quantiles at three standard deviations from which on it
-#: matters. A gate there lets 1 - erf(2.85 / sqrt(2)), 0.44 % of the samples, pass for outliers where
-#: 0.27 % are expected; a standard deviation that is 5 % off does the same, which is no more than the
-#: half of a unit in the second digit of a datasheet's 0.010 deg/sqrt(h).
-TAIL = 0.05
-#: Share of normal samples below minus three standard deviations.
-BEYOND = float(norm.cdf(-3.0))
-
-
-def tail_error(u) -> float:
-    """Relative error at the most of the quantiles at plus and minus three standard deviations of
-    samples `u` with mean 0 and variance 1, where they are taken for normal.
-
-    The larger of what is counted and of what skewness and excess promise (Cornish and Fisher 1938):
-    the quantile at z moves by (z^2 - 1) / 6 times the first and (z^3 - 3 z) / 24 times the second.
-    """
-    skew, excess = np.mean(u**3), np.mean(u**4) - 3.0
-    promised = (8.0 / 6.0 * abs(skew) + 18.0 / 24.0 * abs(excess)) / 3.0
-    counted = np.abs(np.abs(np.quantile(u, [BEYOND, 1.0 - BEYOND])) - 3.0).max() / 3.0
-    return float(max(promised, counted))
-
-
-def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[Check]:
-    """Skewness and excess of the whitened fast noise, a share of whose samples is `independent`."""
-    n = len(y) * independent
-    u = (y - y.mean()) / y.std()
-    skew, excess = np.mean(u**3), np.mean(u**4) - 3
-    size = tail_error(u) / TAIL
-    if rounded:  # differenced rounding errors are flatter than normal ones
-        excess = max(excess, 0.0)
-    return [
-        Check(
-            SKEW,
-            float(_log10_normal(skew / np.sqrt(6 / n))),
-            f"distribution of the innovations: skewness {skew:+.3g}, {np.count_nonzero(u > 4)} samples "
-            f"beyond +4 standard deviations and {np.count_nonzero(u < -4)} beyond -4",
-            size,
-        ),
-        Check(
-            "distribution",
-            float(_log10_normal(excess / np.sqrt(24 / n))),
-            f"distribution of the innovations: excess kurtosis {excess:+.3g}",
-            size,
-        ),
-    ]
 
 
 #: Share of the mean spectrum below which an ordinate holds more leakage than noise.
@@ -257,7 +205,7 @@ def residual_autocorrelation(state, rest) -> Check:
     where = (
         f"autocorrelation of the innovations at a lag of {lags[j] / data.fs:.3g} s: {value:+.3g}"
     )
-    return Check("autocorrelation", float(_log10_normal(z[j]) + np.log10(len(lags))), where)
+    return Check("autocorrelation", float(log10_normal(z[j]) + np.log10(len(lags))), where)
 
 
 def _second_order(state):

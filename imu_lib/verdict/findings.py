@@ -96,7 +96,10 @@ def anomalies(health, found=None) -> list[str]:
         if look.record_unexplained:
             out.append(f"Unexplained in {what}: {look.record_unexplained}.")
     if told and any(line for line in out if "unexplained in" in line.lower()):
-        out.append("Beside something unexplained no name is given a confidence of more than 0.5.")
+        out.append(
+            "A name beside something unexplained is as sure as such names were right in records "
+            "whose causes are known: rarely, where it is a noise."
+        )
     return out + [found.note] * bool(found.note)
 
 

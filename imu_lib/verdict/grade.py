@@ -44,13 +44,14 @@ def grades(result, health) -> list[str]:
         factor, unit = units.datasheet("N", worst)
         value = noise[worst] / factor
         grade = next((name for bound, name in bounds if value < bound), LOWEST)
+        axis = f"axis {worst[-1]}" if len(noise) == 1 else f"the worst axis ({worst[-1]})"
         if worst in rough:
             how = (
-                f"some {report.number(value, 2)} {unit} from one sample to the next on the worst "
-                f"axis ({worst[-1]}), where no sum of noises fits"
+                f"some {report.number(value, 2)} {unit} from one sample to the next on {axis}, where "
+                "no sum of noises fits"
             )
         else:
-            how = f"{report.number(value, 3)} {unit} on the worst axis ({worst[-1]})"
+            how = f"{report.number(value, 3)} {unit} on {axis}"
         out.append(f"{WORDS[sensor]}: {grade} by their white noise, {how}{_drift(result, sensor)}.")
     return out
 
