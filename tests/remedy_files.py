@@ -98,6 +98,7 @@ def files(folder):
     )
     text["plain.csv"] = table(f"time,{SIX}", T, GYRO, ACCEL)
     text["named_wrong.csv"] = table("t [s],acc_x [deg/s],acc_y [deg/s],acc_z [deg/s]", T, DPS)
+    text["loop.csv"] = table(f"loop_time_us,{THREE}", 2500 + I * 37 % 61, GYRO)
     text["range.csv"] = table("t [s],gx (500 dps),gy (500 dps),gz (500 dps)", T, DPS)
     text["lsb.csv"] = table(
         "time [s],gx [lsb],gy [lsb],gz [lsb]", T, np.rint(DPS * 100).astype(int)

@@ -188,7 +188,7 @@ def test_an_example_names_a_signal_or_is_not_printed(tmp_path):
     heads = "time_s," + ",".join(f"{s}_{p}" for s in ("acc", "gyro") for p in ("k", "l", "m"))
     with pytest.raises(InputError) as error:
         opened(tmp_path / "a.csv", table(heads, T, ACCEL, GYRO), SI)
-    named = re.search(r"as in (\S+?)\.$", str(error.value))[1]
+    named = re.search(r"as in (\S+) with --gyro-unit", str(error.value))[1]
     same(opened(tmp_path / "a.csv", table(heads, T, ACCEL, GYRO), f"{SI} --columns {named}"), 100)
     with pytest.raises(InputError, match="give the file with the readings"):
         opened(tmp_path / "b.csv", table("time_s,temperature", T, T * 0 + 20.5), "")

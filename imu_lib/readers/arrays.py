@@ -29,7 +29,11 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
         Heading(_told(name, signal), "text" if x.dtype.kind in "OUS" else "number")
         for name, x in flat
     ]
-    long = by_rows.sensors([names.meaning(h.name) for h in headings], headings)
+
+    def load(wanted):
+        return {i: flat[i][1] for i in wanted}
+
+    long = by_rows.sensors(raw, [names.meaning(h.name) for h in headings], headings, load)
     if (
         not columns
         and long is None
@@ -53,7 +57,7 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
     decide(
         raw,
         headings,
-        lambda wanted: {i: flat[i][1] for i in wanted},
+        load,
         columns=columns,
         signal=signal,
     )

@@ -15,6 +15,7 @@ from imu_lib.readers import names
 from imu_lib.readers.names import SIGNALS, Meaning
 
 STAMPS = ("date", "clock", "moment")
+LABEL = "sensor"  # what --columns calls a column that says whose reading a row is
 
 
 class Unnamed(InputError):
@@ -72,6 +73,7 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
             "gyro_z",
         ]
     fill = dict(zip(numbers, order + ["-"] * len(numbers)))
+    fill = {i: _increment(n, headings[i].name, headings) for i, n in fill.items()}
     stamps: list[str] = []
     fill.update(_lettered(headings, numbers, order))
     for i, (m, h) in enumerate(zip(told, headings)):
@@ -89,6 +91,17 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
                 m.canonical if m.canonical in ("time", "temperature", "date", "clock") else "-"
             )
     return ",".join(out)
+
+
+def _increment(name: str, heading: str, headings) -> str:
+    """The name of an increment where the columns are called theta and vel and a dt stands beside them."""
+    if "dt" not in {h.name.strip().lower() for h in headings}:
+        return name
+    if re.match(r"theta\b|theta_", heading.lower()) and name.startswith("gyro"):
+        return name.replace("gyro", "dtheta") + "[rad]"
+    if re.match(r"vel\b|vel_", heading.lower()) and name.startswith("accel"):
+        return name.replace("accel", "dv") + "[m/s]"
+    return name
 
 
 def _lettered(headings, numbers, order) -> dict[int, str]:
@@ -165,6 +178,15 @@ def suggestion(told, headings, skip: Sequence[int] = ()) -> str:
     return f"say which is meant with --columns, as in --columns '{','.join(out)}'"
 
 
+def units_too(told, skip: Sequence[int] = ()) -> str:
+    """A word on the units and the rate that the columns of `suggestion` leave open."""
+    left = [m for i, m in enumerate(told) if i not in skip]
+    kinds = [k for k in ("gyro", "accel") if any(m.quantity == k and m.axis and not m.unit for m in left)]  # fmt: skip
+    out = " with " + " and ".join(f"--{k}-unit" for k in kinds) if kinds else ""
+    timed = any(m.quantity in ("time", "date", "clock", "part") for m in left)
+    return out + ("" if timed else " and the rate with --rate HZ")
+
+
 def by_position(
     columns: str | Sequence[str], found: int, source: str, signal: str | None
 ) -> list[Meaning]:
@@ -185,6 +207,10 @@ def by_position(
         if name in ("-", ""):
             out.append(Meaning(why="skipped by --columns"))
             continue
+        if LABEL in given and name in (LABEL, "x", "y", "z"):
+            group, axis = (LABEL, None) if name == LABEL else ("", name)
+            out.append(Meaning(axis=axis, why=f"--columns names it {name}", group=group))
+            continue
         told = names.meaning(name, signal=signal)
         if (
             told.canonical is None
@@ -201,7 +227,8 @@ def by_position(
                 f"--columns: {name!r} looks like a slip for {told.canonical}; write {told.canonical}, or - to skip it."
             )
         out.append(replace(told, why=f"--columns names it {name}"))
-    if not any(m.quantity in SIGNALS for m in out):
+    by_rows = {m.axis for m in out if m.quantity is None} >= {"x", "y", "z"}
+    if not by_rows and not any(m.quantity in SIGNALS for m in out):
         raise InputError("--columns names no signal; at least one of gyro_x .. accel_z is needed.")
     return out
 

@@ -21,6 +21,10 @@ _OTHER = {
 }
 
 
+class UnitAsked(InputError):
+    """The unit of a sensor is open."""
+
+
 def assemble(
     raw: Raw,
     *,
@@ -126,7 +130,7 @@ def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, st
                 ),
             )
     if asked:  # two questions at once
-        raise InputError("; ".join(a.rstrip(".") for a in dict.fromkeys(asked)) + ".")
+        raise UnitAsked("; ".join(a.rstrip(".") for a in dict.fromkeys(asked)) + ".")
     return out
 
 

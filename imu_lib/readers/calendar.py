@@ -14,7 +14,7 @@ from imu_lib.readers.raw import Raw
 
 DAY = 86_400_000_000_000  # ns
 _CLOCK = re.compile(
-    r"(\d{1,3}):(\d{2})(?::(\d{2}))?(?:([.,:;])(\d+))?\s*([AaPp])?\.?(?:[Mm]\.?)?\s*(Z|UTC|GMT|[+-]\d{2}:?\d{2})?\s*$"
+    r"(\d{1,3}):(\d{1,2})(?::(\d{1,2}))?(?:([.,:;])(\d+))?\s*([AaPp])?\.?(?:[Mm]\.?)?\s*(Z|UTC|GMT|[+-]\d{2}:?\d{2})?\s*$"
 )
 _FRAMES = re.compile(r"\d{1,2}:\d{2}:\d{2}[:;](\d{2})\s*$")
 FRAME_RATES = (24, 25, 30, 48, 50, 60, 100)  # in a second: of film and video; hundredths
@@ -90,6 +90,7 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
     out = np.zeros(len(text), dtype=np.int64)
     hours = False
     frames = _frames(raw, text, heading)
+    unpadded = _unpadded(raw, text, heading)
     cache: dict[str, int] = {}
     for row, moment in enumerate(text):
         if moment in cache:
@@ -119,7 +120,7 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
         value = ((hour * 60 + minute) * 60 + second) * 10**9
         if fraction:
             # `12:00:01:45` counts frames or milliseconds, `12:00:01.45` is a fraction
-            counted = found[4] in ":;"
+            counted = found[4] in ":;" or unpadded
             value += (
                 int(fraction) * 10**9 // (frames or 1000) if counted else int(f"{fraction:0<9.9}")
             )
@@ -130,6 +131,27 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
         if len(cache) > 500_000:
             cache.clear()
     return out, not hours
+
+
+def _unpadded(raw, text, heading) -> bool:
+    """Whether milliseconds stand behind the seconds without their zeros: 9:8:7.5, 9:8:7.15, 9:8:7.105
+    rise as thousandths and fall as decimals.
+    """
+    found = [m for t in text[:5000] if (m := _CLOCK.search(str(t))) and m[3] and m[4] in (".", ",")]
+    length = {len(m[5]) for m in found}
+    if len(found) < 20 or max(length, default=0) != 3 or len(length) < 2:
+        return False
+    if any(len(m[5]) > 1 and m[5][0] == "0" for m in found):
+        return False
+    whole = np.array([(int(m[1]) * 60 + int(m[2])) * 60 + int(m[3]) for m in found])
+    counted = whole + np.array([int(m[5]) for m in found]) / 1e3
+    decimal = whole + np.array([float(f"0.{m[5]}") for m in found])
+    if (np.diff(counted) < -1.0).any() or not (np.diff(decimal) < 0).any():
+        return False
+    if (np.diff(counted) >= 0).mean() < 0.99:
+        return False
+    raw.notes += (f"{heading} has its milliseconds without leading zeros (7.5 is 7.005 s).",)
+    return True
 
 
 def _frames(raw, text, heading) -> int | None:

@@ -13,20 +13,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, families, formats, instances, names, twins, unused
-from imu_lib.readers.asking import (
-    STAMPS,
-    Heading,
-    Unnamed,
-    by_position,
-    example,
-    suggestion,
+from imu_lib.readers import (
+    by_rows,
+    families,
+    formats,
+    instances,
+    names,
+    preferred,
+    question,
+    twins,
+    unused,
 )
+from imu_lib.readers.asking import STAMPS, Heading, by_position
 from imu_lib.readers.habits import alpha, habits, letter_g, numbered
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
-from imu_lib.readers.time_columns import add_up, intervals, letter_t, one_time, still
+from imu_lib.readers.time_columns import add_up, intervals, letter_t, one_time
 
 
 def decide(
@@ -62,15 +64,15 @@ def decide(
     """
     told = _told(raw, headings, columns, signal, named)
     told, interval = intervals(raw, told, headings)
+    long = by_rows.by_call(told) if columns else by_rows.sensors(raw, told, headings, load)
     if not columns:
-        if by_rows.sensors(told, headings) is None or signal:
+        if long is None or signal:
             told = _bare(raw, told, headings, signal, named, load)
-        told = _preferred(raw, twins.with_gravity(told, headings, load), headings, load)
-        long = by_rows.sensors(told, headings)
-        if long is not None and not signal:
-            return by_rows.pivoted(raw, long, told, headings, load)
-    else:
+        told = preferred.one_each(raw, twins.with_gravity(told, headings, load), headings, load)
+    elif long is None:
         by_rows.refuse_mixture(raw, told, headings, load)
+    if long is not None and not signal:
+        return by_rows.pivoted(raw, long, told, headings, load)
     raw.instances = instances.find(told, headings, load) if named else None
     wanted = [i for i, m in enumerate(told) if m.quantity]
     values = load(wanted)
@@ -102,6 +104,8 @@ def _told(raw: Raw, headings, columns, signal, named) -> list[Meaning]:
         said = [_unit_of_heading(m, h) for m, h in zip(said, headings)]
     told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
     told = numbered(raw, told, headings)
+    if named and not columns:
+        told = families.behind(raw, told, headings)
     if named and not columns:
         told = families.families(told, headings)
         families.turned(raw, told, headings)
@@ -188,108 +192,14 @@ def _bare(raw: Raw, told, headings, signal, named, load) -> list[Meaning]:
         for i, axis in zip(free[-3:], "xyz"):
             out[i] = Meaning(signal, axis, why=f"the file was given as --{signal}")
         return out
+    if signal and named and (three := families.one_triple(told, headings)):
+        for axis, i in three.items():
+            out[i] = Meaning(signal, axis, why=f"the file was given as --{signal}")
+        return out
     if signal and any(m.quantity in ("time", "date", "clock") for m in told):
         xyz = [i for i in free if headings[i].kind == "number"]
         if len(xyz) == 3 and not named:
             for i, axis in zip(xyz, "xyz"):
                 out[i] = Meaning(signal, axis, why=f"the file was given as --{signal}")
             return out
-    raise _question(raw, told, headings, signal, named, load)
-
-
-def _question(raw: Raw, told, headings, signal, named, load) -> Unnamed:
-    """The error that asks for the names of columns that name no sensor."""
-    free = [i for i, h in enumerate(headings) if h.kind in ("number", "empty") and told[i].quantity is None]  # fmt: skip
-    width = len(headings)
-    header = (
-        f"its header ({', '.join(h.name for h in headings)[:80]}) names no gyro or accelerometer"
-        if named
-        else f"no header of {width} name{'s' * (width > 1)} right above {'them' if width > 1 else 'it'}"
-    )
-    one = (
-        " (--gyro FILE or --accel FILE where it holds x, y, z of one sensor)"
-        if len(free) in (3, 4) and not signal
-        else ""
-    )
-    damage = ""
-    try:
-        values = load([i for i, h in enumerate(headings) if h.kind == "number"])
-    except InputError as error:
-        values, damage = None, f" ({str(error).removeprefix(str(raw.source)).strip(' ,:.')})"
-    if not named and (turns := instances.numbered(headings, values)):
-        return Unnamed(
-            f"{raw.source}: {turns}, as the number of a sensor does: its rows are of several sensors; write those of each into a file of its own and give "
-            "--gyro FILE --accel FILE."
-        )
-    named_so = example(told, headings, values)
-    if not any(f"{s}_" in named_so for s in SIGNALS):
-        return Unnamed(
-            f"{raw.source} has {width} column{'s' * (width > 1)} and {header}, and none of them holds numbers that could be one; give the file with the readings."
-        )
-    stamps = {n.partition("[")[0] for n in named_so.split(",")} & {"time", "date", "clock"}
-    timed = stamps or any(m.quantity in ("time", "date", "clock") for m in told)
-    rate = "" if timed or raw.rate else ", and the rate with --rate HZ"
-    return Unnamed(
-        f"{raw.source} has {width} column{'s' * (width > 1)} and {header}{_commas(headings, values)}{damage}; name them by position with --columns, as in "
-        f"{named_so}{one}{rate}."
-    )
-
-
-def _commas(headings, values) -> str:
-    """A word on whole numbers of which every other column, or nearly, has no sign: a decimal comma may
-    be cut.
-    """
-    whole = [np.asarray(x) for x in (values or {}).values() if np.asarray(x).dtype.kind in "iu"]
-    positive = sum(bool((x >= 0).all() and np.ptp(x) > 9) for x in whole)
-    if len(whole) < 7 or len(whole) < len(headings) or positive < len(whole) // 2:
-        return ""
-    return " (if its commas are decimal marks too, write the file with points, or with semicolons between the fields)"
-
-
-def _preferred(raw: Raw, told, headings, load) -> list[Meaning]:
-    """Of several columns for one axis the one that such a name usually heads; asked for where two
-    are equal. Increments give way to rates.
-    """
-    out = list(told)
-    second: dict[str, tuple[int, int]] = {}
-    skip: list[int] = []
-    equal: list[tuple[str, int, int]] = []
-    for canonical in sorted({m.canonical for m in told if m.quantity in SIGNALS and m.axis}):
-        there = [i for i, m in enumerate(told) if m.canonical == canonical]
-        best = min(told[i].rank for i in there)
-        first = [i for i in there if told[i].rank == best]
-        # the sensor's own reading goes before one that a device has worked on
-        first.sort(key=lambda i: names.worked_on(headings[i].name))
-        if len(first) > 1:
-            equal.append((canonical, *first[:2]))
-            skip += first[1:]
-        for i in there:
-            if i not in first:
-                out[i] = Meaning(why=f"`{headings[first[0]].name}` is {canonical}")
-                second.setdefault(canonical.rpartition("_")[0], (first[0], i))
-    if equal:  # one sensor's three axes in the example, not a mixture
-        canonical, one, other = equal[0]
-        skip += still(told, headings, load)
-        raise InputError(
-            f"{raw.source}: both `{headings[one].name}` and `{headings[other].name}` would be {canonical}; "
-            f"{suggestion(told, headings, skip)}."
-        )
-    twins.say(raw, second, headings)
-    for increment, rate in (("dtheta", "gyro"), ("dv", "accel")):
-        if any(m.quantity == rate and m.axis for m in out):
-            out = [
-                Meaning(
-                    why=f"increments; the {'rates' if rate == 'gyro' else 'specific force'} stand beside them"
-                )
-                if m.quantity == increment
-                else m
-                for m in out
-            ]
-    temperature = [i for i, m in enumerate(out) if m.quantity == "temperature"]
-    if len(temperature) > 1:
-        own = [i for i in temperature if out[i].rank <= 1]
-        keep = own[0] if own else temperature[0]
-        for i in temperature:
-            if i != keep:
-                out[i] = Meaning(why=f"`{headings[keep].name}` is the temperature")
-    return out
+    raise question.unnamed(raw, told, headings, signal, named, load)

@@ -6,7 +6,7 @@ import re
 
 from imu_lib.errors import InputError
 from imu_lib.readers import directions, lexicon, names
-from imu_lib.readers.asking import suggestion
+from imu_lib.readers.asking import Unnamed, suggestion, units_too
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
 
@@ -56,6 +56,19 @@ def _by_unit(told: list[Meaning], headings) -> list[Meaning]:
     return out
 
 
+def one_triple(told: list[Meaning], headings) -> dict[str, int]:
+    """x, y, z -> column, where three columns of unknown names differ in the axis at their end alone, and
+    no other three do; empty otherwise.
+    """
+    found: dict[str, dict[str, int]] = {}
+    for i, (m, h) in enumerate(zip(told, headings)):
+        head, axis = names.stem(h.name)
+        if axis in ("x", "y", "z") and h.kind == "number" and m.why == names.UNKNOWN:
+            found.setdefault(head.lower(), {}).setdefault(axis, i)
+    whole = [three for three in found.values() if len(three) == 3]
+    return {a: whole[0][a] for a in "xyz"} if len(whole) == 1 else {}
+
+
 def _following(told: list[Meaning], headings) -> list[Meaning]:
     """Bare y and z behind a column that names its sensor and x are of that sensor; so are x, y and z
     behind one that names the sensor alone and is empty, as a nested message is laid flat.
@@ -72,6 +85,32 @@ def _following(told: list[Meaning], headings) -> list[Meaning]:
             if all(told[k].quantity is None for k in (i + 1, i + 2)):
                 for k, axis in ((i + 1, "y"), (i + 2, "z")):
                     out[k] = Meaning(m.quantity, axis, m.unit, m.rank, why=f"behind `{headings[i].name.strip()}`")  # fmt: skip
+    return out
+
+
+_ORDER = re.compile(r"\(\s*([xyz])\s*,\s*([xyz])\s*,\s*([xyz])\s*\)", re.IGNORECASE)
+
+
+def behind(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
+    """Columns called 1 and 2, or nothing, behind one that names a sensor and no axis are its others; in
+    which order is said in the name, (z,x,y), or asked.
+    """
+    out = list(told)
+    for i, m in enumerate(told[:-2]):
+        rest = [h.name.strip() for h in headings[i + 1 : i + 3]]
+        if m.quantity not in ("gyro", "accel") or m.axis or rest not in (["1", "2"], ["", ""]):
+            continue
+        if any(headings[k].kind != "number" or told[k].quantity for k in (i + 1, i + 2)):
+            continue
+        order = _ORDER.search(headings[i].name)
+        axes = [a.lower() for a in order.groups()] if order else ["x", "y", "z"]
+        three = [Meaning(m.quantity, a, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`") for a in axes]  # fmt: skip
+        out[i : i + 3] = three
+        if sorted(axes) != ["x", "y", "z"] or not order:
+            raise Unnamed(
+                f"{raw.source}: `{headings[i].name}` and the two columns behind it are three axes, and nothing says in what order "
+                f"(a camera's may be z, x, y); {suggestion(out, headings)}{units_too(out)}."
+            )
     return out
 
 

@@ -11,8 +11,9 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers.asking import suggestion
-from imu_lib.readers.names import SIGNALS, Meaning
+from imu_lib.readers.names import SIGNALS, UNKNOWN, Meaning
 from imu_lib.readers.raw import Raw
+from imu_lib.readers.tokens import ROTATION
 
 
 def numbered(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
@@ -85,6 +86,27 @@ def letter_g(raw: Raw, told: list[Meaning], headings, values) -> None:
     )
 
 
+def _turns(told: list[Meaning], headings) -> list[Meaning]:
+    """rx, ry, rz beside an accelerometer are a rotation where no other column is the gyro, an attitude or
+    a velocity: v beside r is that of a position.
+    """
+    if any(
+        m.quantity in ("gyro", "dtheta") or m.why in ("an attitude", "a velocity") for m in told
+    ):
+        return told
+    there = {h.name.strip().lower().replace("_", ""): i for i, h in enumerate(headings)}
+    force = {m.axis for m in told if m.quantity == "accel"}
+    rest = [there.get(f"r{a}") for a in "xyz"]
+    if force != set("xyz") or None in rest or any(told[i].why != UNKNOWN for i in rest):
+        return told
+    if {"vx", "vy", "vz"} & set(there):
+        return told
+    out = list(told)
+    for axis, i in zip("xyz", rest):
+        out[i] = Meaning("gyro", axis, rank=2, why=f"{ROTATION}, beside an accelerometer")
+    return out
+
+
 def habits(told: list[Meaning], headings) -> list[Meaning]:
     """Units that an application writes always and names never: Physics Toolbox has its g-force (gFx)
     in g and its rates (wx) in rad/s.
@@ -112,6 +134,7 @@ def habits(told: list[Meaning], headings) -> list[Meaning]:
             else m
             for m in told
         ]
+    told = _turns(told, headings)
     if "gfx" not in heads:
         return told
     return [

@@ -72,6 +72,17 @@ def units_said(lines) -> dict[str, str]:
     return out
 
 
+def legend(lines) -> dict[str, str]:
+    """Number -> sensor, where lines above the table say what a number stands for: `0 = Accelerometer`."""
+    found = {}
+    for line in lines[-60:]:
+        said = re.match(r"^\W*(\d{1,3})\s*(?:[=:]|-+>?)\s*([A-Za-z][\w -]*?)\W*$", line.strip())
+        if said:
+            found[said[1]] = said[2]
+    kinds = {names.meaning(f"{word} x").quantity for word in found.values()}
+    return found if kinds & {"gyro", "accel"} else {}
+
+
 def header_of(lines, first, delimiter, width):
     """Column names from the line above the data (a comment line may hold them), the row of units
     where there is one, and the rate where the preamble states one.

@@ -17,7 +17,7 @@ from imu_lib.readers.names import SIGNALS, Meaning
 #: Headings of a column that says whose reading a row is.
 NAMED = words(
     "i instance inst imu imuid imuno imunumber imuindex id sensor sensorid sensorno sensornumber"
-    " sensorindex sensorname device deviceid devicename deviceaddress deviceno dev devid unit unitid node nodeid address addr mac"
+    " sensorindex sensorname sensortype streamtype device deviceid devicename deviceaddress deviceno dev devid unit unitid node nodeid address addr mac"
     " macaddress board boardid chip chipid channel source src name tag serial serialnumber sn port"
     " type canid slave"
 )
@@ -51,13 +51,13 @@ def find(
         if told[i].quantity in (None, "counter")
         and i != skip
         and h.kind in ("number", "text")
-        and "".join(c for c in h.name.lower() if c.isalnum()) in NAMED
+        and _plain(h.name) in NAMED
     ]
     if not named or not signals:
         return None
     values = load(named)
     for i in named:
-        labels = _text(values[i])
+        labels = text(values[i])
         found, place = np.unique(labels, return_inverse=True)
         if not 2 <= len(found) <= MOST:
             continue
@@ -68,12 +68,40 @@ def find(
     return None
 
 
+def bare(told: Sequence[Meaning], headings: Sequence[Heading], load: Callable) -> Instances | None:
+    """The column that tells the sensors of a table by rows apart whose x, y, z name none; None where no
+    column of a known name does.
+    """
+    letters = {
+        h.name.strip().lower().strip("_-. ").removesuffix("axis").strip("_-. ") for h in headings
+    }
+    if not {"x", "y", "z"} <= letters:
+        return None
+    named = [
+        i
+        for i, h in enumerate(headings)
+        if told[i].quantity in (None, "counter") and h.kind == "number" and _plain(h.name) in NAMED
+    ]
+    values = load(named) if named else {}
+    for i in sorted(named, key=lambda i: "type" not in _plain(headings[i].name)):
+        labels = text(values[i])
+        found, rows = np.unique(labels, return_counts=True)
+        if 2 <= len(found) <= MOST and (rows >= FEWEST).sum() > 1:
+            return Instances(headings[i].name, labels, tuple(found[rows >= FEWEST].tolist()))
+    return None
+
+
+def _plain(name: str) -> str:
+    return "".join(c for c in name.lower() if c.isalnum())
+
+
 def _there(x) -> np.ndarray:
     x = np.asarray(x)
     return np.isfinite(x) if x.dtype.kind == "f" else np.ones(len(x), dtype=bool)
 
 
-def _text(x) -> np.ndarray:
+def text(x) -> np.ndarray:
+    """Values as text, whole numbers without a point."""
     x = np.asarray(x)
     if x.dtype.kind == "f" and np.isfinite(x).all() and (x == np.rint(x)).all():
         x = x.astype(np.int64)

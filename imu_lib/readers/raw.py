@@ -71,6 +71,7 @@ class Raw:
     subseconds: np.ndarray | None = None  # fraction of the clock's whole seconds, s
     instances: Any = None  # the column that tells several sensors apart, as `instances.find` has it
     has_topics: bool = False  # a topic chooses what is read
+    legend: dict[str, str] = field(default_factory=dict)  # number -> sensor, as lines above say
     set_back: tuple[tuple[int, float], ...] = ()  # rows at which the clock fell, and by how much
 
     def add(

@@ -6,6 +6,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers.raw import Raw
+from imu_lib.readers.spelling import TIME_UNITS
 
 #: Where a counter of stamps begins anew: bits of a register, the same in ms and s, a week, a day.
 WRAPS = {
@@ -32,6 +33,7 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
     if (step <= 0).all() and not raw.contract:
         newest_first(raw)
         return stamp[::-1], order[::-1]
+    _refuse_intervals(raw, stamp, len(falls) / len(step), where)
     ups = step[step > 0]
     usual = float(np.median(ups)) if ups.size else 0.0
     top = float(stamp.max())
@@ -73,6 +75,18 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
         shift = stamp[i - 1] + usual - stamp[i]
         stamp[i:] += int(round(shift)) if stamp.dtype.kind == "i" else shift
     return stamp, order
+
+
+def _refuse_intervals(raw: Raw, stamp: np.ndarray, fall: float, where: str) -> None:
+    """InputError where values that fall as often as they rise are about one length: durations."""
+    mean = float(stamp.mean())
+    if fall < 0.2 or stamp.min() <= 0 or float(stamp.std()) > 0.5 * mean:
+        return
+    per = TIME_UNITS.get(raw.units["time"] or "")
+    told = f" --rate {1.0 / (mean * per):.4g}, if each row came so long after the one before" if per else " --rate HZ"  # fmt: skip
+    raise InputError(
+        f"{where}: its values do not rise; they are durations of about {mean:.4g}, no stamps; leave them out with --time-unit none{told}."
+    )
 
 
 def newest_first(raw: Raw) -> None:

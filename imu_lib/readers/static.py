@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import (
-    sentinels,
-    streams,
-    unsigned,
-)
+from imu_lib.readers import sentinels, stamps, streams, unsigned
 from imu_lib.readers.asking import Unnamed
-from imu_lib.readers.assemble import ask_for_both, ask_of_two, assemble, check_units
+from imu_lib.readers.assemble import (
+    UnitAsked,
+    ask_for_both,
+    ask_of_two,
+    assemble,
+    check_units,
+)
 from imu_lib.readers.opening import pair, read_raw
 from imu_lib.readers.raw import Column, Raw
 from imu_lib.record import Record
+
+#: A column that names an axis and no more, or has no name.
+_BARE = re.compile(r"\W*(?:[xyz1-3](?:[ _-]?axis)?|axis[ _-]?[xyz]|column \d+)\W*", re.IGNORECASE)
 
 
 def read_record(path=None, **options) -> Record:
@@ -176,7 +182,10 @@ def _read_bare(path, columns, topic, units) -> Raw:
     except Unnamed:
         if len(given) != 1 or columns:
             raise
-        return _as_named(path, topic, given[0])
+        bare = _as_named(path, topic, given[0])
+        if not all(_BARE.fullmatch(bare.headings[c]) for c in bare.axes(given[0])):
+            raise  # x, y, z of what is for the call to say
+        return bare
     unused = {c.name.strip().lower() for c in raw.described if c.read_as is None}
     missing = [k for k in given if not {k, {"gyro": "dtheta", "accel": "dv"}[k]} & raw.kinds()]
     if columns or len(missing) != 1 or not {"x", "y", "z"} <= unused:
@@ -206,13 +215,19 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
         unsigned.signed(raw, units)
     if not raw.simulated:
         streams.drop_copies(raw)
-    ask_for_both(raw, units.get("gyro"), units.get("accel"))
+    try:
+        ask_for_both(raw, units.get("gyro"), units.get("accel"))
+    except InputError as error:
+        raise _with_time(error, raw, options) from None
     parts = streams.separate(raw)
     if parts is None:
         held = getattr(raw, "held_rows", 1.0)
         if held > 1.0 and options["rate"]:
             options = options | {"rate": options["rate"] / held}
-        return assemble(raw, **flags, **options), raw.repeats
+        try:
+            return assemble(raw, **flags, **options), raw.repeats
+        except UnitAsked as error:
+            raise _with_time(error, raw, options) from None
     made = {}
     for kind, one in parts.items():
         more = dict(options)
@@ -226,6 +241,22 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
         made["gyro"], parts["gyro"].start, made["accel"], parts["accel"].start, one_file=True
     )
     return record.with_note(*raw.notes), raw.repeats
+
+
+def _with_time(error: InputError, raw: Raw, options) -> InputError:
+    """The question for a unit, with that for the rate or the unit of the time where one is due: both at
+    once.
+    """
+    timed = {"time", "date", "clock"} & set(raw.columns)
+    if timed and (streams.separate(raw) or "time" not in timed):
+        return error
+    try:
+        stamps.settle(raw, options["rate"], time_unit=options["time_unit"], lenient=True)
+    except InputError as other:
+        said = str(other).removeprefix(raw.source).strip(" ,")
+        if "--rate" in said or "--time-unit" in said:
+            return InputError(f"{str(error).rstrip('.')}; and {said}")
+    return error
 
 
 def _starts(gyro: Raw, accel: Raw, gyro_length: float, accel_length: float):

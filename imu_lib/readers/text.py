@@ -18,6 +18,7 @@ from imu_lib.errors import InputError
 from imu_lib.readers import calendar, fields, formats, headerless, names, scales_above
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
+from imu_lib.readers.header import legend
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.source_text import Lines
 from imu_lib.readers.spelling import unwrapped
@@ -73,6 +74,8 @@ def read_text(path, *, columns=None, signal: str | None = None, data: bytes | No
         )
         for i, k in enumerate(layout.kinds)
     ]
+
+    raw.legend = legend(head.decode("latin-1").splitlines()[: layout.first])
 
     def load(wanted):
         values = _parse(path, lines, layout, wanted)

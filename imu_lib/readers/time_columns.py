@@ -144,15 +144,19 @@ def _fine(x) -> bool:
     return bool(step.size and (step >= 0).all() and 0 < step.mean() < 0.1)
 
 
-def still(told, headings, load) -> list[int]:
-    """Columns named a time that do not move, where another one does."""
+def all_but_best(told, headings, load) -> list[int]:
+    """Columns named a time other than the one that `one_time` would take."""
     times = [i for i, m in enumerate(told) if m.quantity == "time" and headings[i].kind == "number"]
     try:
         values = load(times) if len(times) > 1 else {}
     except InputError:
         return []  # a damaged line is told when the columns are known
-    dead = [i for i in values if _empty(values[i]) or not _moves(values[i])]
-    return dead if len(dead) < len(times) else []
+    if not values:
+        return []
+    usable = [i for i in values if not _empty(values[i]) and _moves(values[i])] or times
+    rank = {i: (_unevenness(values[i]) == float("inf"), told[i].rank, told[i].unit is None, i) for i in usable}  # fmt: skip
+    best = min(usable, key=lambda i: rank[i])
+    return [i for i in times if i != best]
 
 
 def _empty(x) -> bool:

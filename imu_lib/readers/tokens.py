@@ -27,6 +27,9 @@ def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
     stamp = stamp_of(tokens, joined, name)
     if stamp:
         return stamp
+    if len({t for t in tokens if t in ("x", "y", "z")}) > 1:  # Gyroscope (z,x,y) names no axis
+        tokens = [t for t in tokens if t not in ("x", "y", "z")]
+        axis = None
     # the axis, and a word that holds kind and axis in one: gx, accX, xgyro
     words = []
     pointed = axis

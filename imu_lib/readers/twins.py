@@ -55,7 +55,7 @@ def add_gravity(raw: Raw, told: list[Meaning], headings, values, load: Callable)
     gravity = {}
     for i, (m, h) in enumerate(zip(told, headings)):
         if m.why == lexicon.NOT["gravity"] and h.kind == "number":
-            along = names.meaning(re.sub(r"gravit(?:y|ation)|grav", "acc", h.name, flags=re.I))
+            along = names.meaning(re.sub(r"gravit(?:y|ation)|grav", " acc ", h.name, flags=re.I))
             unit = names.unit_of(h.unit or "") or along.unit
             if along.axis in force and unit == told[force[along.axis]].unit:
                 gravity.setdefault(along.axis, i)
