@@ -12,7 +12,7 @@ from imu_lib.gap.table import describe
 from imu_lib.processes import WhiteNoise
 from imu_lib.record import Record
 from imu_lib.verdict import missing
-from imu_lib.verdict.datasheet import bias_instability
+from imu_lib.verdict.datasheet import bias_instability, coefficient
 from imu_lib.verdict.missing import averaged
 
 
@@ -80,12 +80,54 @@ def test_what_acts_on_several_channels_is_one_sentence():
         parameters={"N": 0.1, "channels": ["accel_y", "accel_z"]},
         where="coherence between accel_y, accel_z",
     )
-    look = SimpleNamespace(channels={}, record_steps=[knock, common], record_unexplained=None)
-    lines = verdict.anomalies(Quiet, SimpleNamespace(looks=[("it", look)], note=""))
-    assert lines[0] == "A knock at 43.9 s."
+    look = SimpleNamespace(
+        channels={}, record_steps=[knock, common], record_unexplained=None, stretch=(7.0, 90.0)
+    )
+    found = SimpleNamespace(looks=[("it", look)], note="")
+    lines = verdict.anomalies(Quiet, found)
+    assert lines[0] == "A knock at 43.9 s." and lines[-1].endswith("it count from 7 s of it on.")
+    told = SimpleNamespace(findings=("A knock at 43.9 s. It is masked.",))
+    assert sum("A knock" in line for line in verdict.anomalies(told, found)) == 1
     assert lines[1].startswith("Common mode: N 6 m/s/sqrt(h)") and lines[1].endswith(
         "accel_y, accel_z."
     )
+
+
+def test_what_two_looks_find_is_told_once():
+    def look(*steps):
+        of = [
+            SimpleNamespace(effect=e, parameters=p, cause="", where="", confidence=1.0)
+            for e, p in steps
+        ]
+        channel = SimpleNamespace(result=SimpleNamespace(steps=of, unexplained=None))
+        return SimpleNamespace(
+            channels={"gyro_x": channel}, record_steps=[], record_unexplained=None, stretch=None
+        )
+
+    jump, again, later = (
+        ("step", {"amplitude": 1e-4, "time": time}) for time in (180.6, 180.4, 900.0)
+    )
+    found = SimpleNamespace(
+        looks=[("the first 5 min", look(jump)), ("the means", look(again, later))], note=""
+    )
+    (line,) = verdict.anomalies(Quiet, found)
+    assert "180.6" in line and "180.4" not in line and "900" in line
+
+
+def test_limits_are_of_what_the_datasheet_prints_and_of_the_part_it_is_from():
+    shown, limit = Estimate(3e-5, 2e-5, 4e-5), Estimate(None, 0.0, 6e-5)
+    channel = SimpleNamespace(
+        likelihood={"B": shown, "K": limit},  # K stands in the datasheet as a limit
+        allan={"B": limit, "K": shown},
+        choice=SimpleNamespace(p_value=0.5),
+    )
+    assert coefficient(channel, "K") is limit and coefficient(channel, "B") is shown
+    result = SimpleNamespace(channels={"gyro_x": channel})
+    part = Record({"gyro_x": np.zeros(2501)}, 100.0)
+    health = SimpleNamespace(clock=SimpleNamespace(duration=60.0), channels={})
+    first, *others = verdict.limits(part, result, health)
+    assert first.startswith("Of its 60 s the numbers use one stretch of 25 s")
+    assert "Of the gyros it shows no K, only upper limits." in others
 
 
 def test_the_bias_instability_is_that_of_the_chosen_sum():

@@ -30,6 +30,16 @@ def bias_instability(channel):
     return found if found is not None and found.shown else channel.allan.get("B")
 
 
+def coefficient(channel, symbol: str) -> Estimate | None:
+    """What the datasheet prints of a channel."""
+    if symbol == "B":
+        return bias_instability(channel)
+    estimate = getattr(channel, ROWS[symbol][2]).get(symbol) or channel.allan.get(symbol)
+    if symbol == "R" and "ramp" not in {t.name for t in channel.model.terms}:
+        return _limit(estimate)  # the chosen sum explains the rise otherwise
+    return estimate
+
+
 def datasheet(result, sensor: str) -> pd.DataFrame:
     """One row per coefficient, one column per axis; `value [95 % interval]`, or `< limit`.
 
@@ -40,16 +50,10 @@ def datasheet(result, sensor: str) -> pd.DataFrame:
     """
     names = [name for name in result.channels if name.startswith(sensor)]
     rows = {}
-    for symbol, (gyro, accel, method) in ROWS.items():
+    for symbol, (gyro, accel, _) in ROWS.items():
         cells = {}
         for name in names:
-            channel = result[name]
-            table = getattr(channel, method)
-            estimate = table.get(symbol) or channel.allan.get(symbol)
-            if symbol == "B":
-                estimate = bias_instability(channel)
-            if symbol == "R" and "ramp" not in {t.name for t in channel.model.terms}:
-                estimate = _limit(estimate)  # the chosen sum explains the rise otherwise
+            estimate = coefficient(result[name], symbol)
             cells[name[-1]] = (
                 "not shown" if estimate is None else report.estimate(estimate, symbol, name, 3)
             )

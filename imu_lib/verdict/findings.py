@@ -6,6 +6,7 @@ import numpy as np
 
 from imu_lib import report, units
 from imu_lib.gap import table
+from imu_lib.verdict.datasheet import coefficient
 
 #: A Gauss-Markov process needs 200 correlation times for its variance to 10 %.
 TIMES = 200.0
@@ -13,6 +14,7 @@ OFF = 0.005  # share of gravity by which |f| may be off without a word
 UNLIKELY = 1e-3
 SHOWN = 4  # places of one effect that a verdict lists
 UNSURE = 0.1  # confidence below which a name is no more than one of several
+APART = 10.0  # s from which on two jumps of one channel are two
 
 
 def effect_name(effect: str) -> str:
@@ -65,9 +67,7 @@ def anomalies(health, found=None) -> list[str]:
         return out
     reports = [look for _, look in found.looks]
     told = {}
-    for name, step in (
-        (n, s) for r in reports for n, c in r.channels.items() for s in c.result.steps
-    ):
+    for name, step in _once(reports):
         parameters = table.describe(step, name).removeprefix(step.effect).strip()
         places = told.setdefault((step.effect, step.cause), {})
         places.setdefault(parameters, []).append((name, step))
@@ -88,19 +88,44 @@ def anomalies(health, found=None) -> list[str]:
             "Something more is there whose name is not sure, one in ten at best: the likeliest are "
             f"{'; '.join(unsure)}. The page on the gap has their rivals."
         )
-    out += [_of_record(step) for r in reports for step in r.record_steps]
+    out += [_of_record(s) for r in reports for s in r.record_steps if not _known(s, health)]
     for what, look in found.looks:
         for name, channel in look.channels.items():
             if channel.result.unexplained:
                 out.append(f"{name}, unexplained in {what}: {channel.result.unexplained}.")
         if look.record_unexplained:
             out.append(f"Unexplained in {what}: {look.record_unexplained}.")
-    if told and any(line for line in out if "unexplained in" in line.lower()):
+        if look.stretch is not None and look.stretch[0] > 0.0:
+            out.append(
+                f"Times of the effects in {what} count from {look.stretch[0]:.6g} s of it on."
+            )
+    if any(c.result.steps and c.result.unexplained for r in reports for c in r.channels.values()):
         out.append(
             "A name beside something unexplained is as sure as such names were right in records "
             "whose causes are known: rarely, where it is a noise."
         )
     return out + [found.note] * bool(found.note)
+
+
+def _once(reports):
+    """(channel, step) of all looks; what an earlier look has found already is left out."""
+    found = []
+    for look in reports:
+        steps = [(name, s) for name, c in look.channels.items() for s in c.result.steps]
+        found += [new for new in steps if not any(_same(*new, *old) for old in found)]
+    return found
+
+
+def _same(name, step, other, before) -> bool:
+    """Whether two looks at one record have found the same thing."""
+    times = [s.parameters.get("time", 0.0) for s in (step, before)]
+    return (name, step.effect) == (other, before.effect) and abs(times[0] - times[1]) < APART
+
+
+def _known(step, health) -> bool:
+    """Whether the health check has told it."""
+    said = step.where.rstrip(".")
+    return step.effect == "time_gaps" or any(line.startswith(said) for line in health.findings)
 
 
 def _of_record(step) -> str:
@@ -127,16 +152,23 @@ def _place(parameters, steps) -> str:
 
 
 def limits(record, result, health) -> list[str]:
-    """What this record cannot say, and why."""
+    """What this record, the sound part of what was recorded, cannot say, and why."""
     length = record.duration
+    lasts = f"It lasts {units.duration(length)}"
+    if length < 0.99 * health.clock.duration:
+        lasts = (
+            f"Of its {units.duration(health.clock.duration)} the numbers use one stretch of "
+            f"{units.duration(length)}"
+        )
     out = [
-        f"It lasts {units.duration(length)}: the variance of a slow error is known to 10 % where "
+        f"{lasts}: the variance of a slow error is known to 10 % where "
         f"its correlation time is below {report.number(length / TIMES, 2)} s, and nothing is known "
         f"of errors slower than about {units.duration(length / 3)}."
     ]
     for sensor in report.sensors(result):
         names = [c for c in result.channels if c.startswith(sensor)]
-        absent = [s for s in ("B", "K") if not any(_found(result[c], s) for c in names)]
+        printed = {s: [coefficient(result.channels[c], s) for c in names] for s in ("B", "K")}
+        absent = [s for s, es in printed.items() if not any(e is not None and e.shown for e in es)]
         if absent:
             word = "gyros" if sensor == "gyro" else "accelerometers"
             out.append(f"Of the {word} it shows no {' and no '.join(absent)}, only upper limits.")
@@ -186,9 +218,3 @@ def next_record(record, result, health) -> list[str]:
         )
     out.append("The same again on another day: what changes from one switch-on to the next.")
     return out
-
-
-def _found(channel, symbol) -> bool:
-    """Whether the curve or the likelihood shows a coefficient."""
-    estimates = (channel.allan.get(symbol), channel.likelihood.get(symbol))
-    return any(e is not None and e.shown for e in estimates)

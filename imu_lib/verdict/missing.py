@@ -33,19 +33,26 @@ class Missing:
     note: str = ""
 
 
-def missing(record: Record, *, seed: int = 1) -> Missing:
-    """Look for effects that a model fitted to `record` (without gaps) does not have."""
+def missing(record: Record, sound=None, *, seed: int = 1) -> Missing:
+    """Look for effects that a model fitted to `record` does not have.
+
+    Times in what is told count from the first sample of the record. The workflow masks by itself what
+    is no measurement; `sound`, what `faults.sound` gave, is the same for the means of a long record.
+    """
     if record.n <= LONGEST:
         return Missing((("the record", gap.close(record, seed=seed, simulations=0)),))
+    whole, begins = (record, 0.0) if sound is None else (sound.record, sound.start)
     minutes = PART / record.rate / 60.0
     first = gap.close(record.slice(0.0, 60.0 * minutes), seed=seed, simulations=0)
-    block = -(-record.n // MEANS)
-    means = gap.close(averaged(record, block), seed=seed, simulations=0)
+    block = -(-whole.n // MEANS)
+    means = gap.close(averaged(whole.uniform(), block), seed=seed, simulations=0)
     note = (
         f"Effects were looked for in the first {minutes:.3g} min at the full rate, and over all "
         f"{units.duration(record.duration)} in means of {block} samples, which show drifts and jumps "
         "alone; `imu-lib gap` looks at all of it."
     )
+    if begins > 0.0:
+        note += f" Times in the means count from {begins:.6g} s on."
     return Missing(
         (
             (f"the first {minutes:.3g} min", first),
@@ -60,7 +67,11 @@ def averaged(record: Record, block: int) -> Record:
     n = record.n // block * block
 
     def means(x):
-        return None if x is None else np.nanmean(x[:n].reshape(-1, block), axis=1)
+        if x is None:
+            return None
+        parts = x[:n].reshape(-1, block)
+        known = np.isfinite(parts).sum(axis=1)  # a block without any sample is missing itself
+        return np.where(known, np.nansum(parts, axis=1) / np.maximum(known, 1), np.nan)
 
     return Record(
         {c: means(record[c]) for c in record.channel_names},
