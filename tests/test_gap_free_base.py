@@ -63,3 +63,24 @@ def test_two_levels_are_not_taken_for_a_red_noise_of_the_base(taps):
     assert sure == {"telegraph"} | ({"low_pass"} if taps > 1 else set())
     (step,) = (s for s in found.steps if s.effect == "telegraph")
     assert abs(step.parameters["amplitude"] / 0.8 - 1) < 0.1  # three standard deviations
+
+
+@pytest.mark.parametrize(("seed", "dwell", "distance"), [(20261130, 200.0, 3e-4), (21, 50.0, 3e-4)])
+def test_two_levels_beside_an_ordinary_walk_are_named_in_a_free_base(seed, dwell, distance):
+    """A level is told from the walk by its jumps, from both ends of the record, and what is taken
+    out leaves the noise as it is: no second telegraph, no step at the start, no dip that would be a
+    noise of its own.
+    """
+    rng, fs = np.random.default_rng(seed), 3.0
+    n = int(6 * 3600 * fs)
+    x = 2e-4 * np.sqrt(fs) * rng.standard_normal(n)
+    x += np.cumsum(2e-6 / np.sqrt(fs) * rng.standard_normal(n))
+    flips = np.cumsum(rng.exponential(dwell, size=int(4 * n / fs / dwell)))
+    x += 0.5 * distance * (-1.0) ** np.searchsorted(flips, np.arange(n) / fs)
+    found = analyse("gyro_x", x, fs, None, seed=1)
+    (step,) = found.steps
+    assert step.effect == "telegraph" and step.confidence > 0.9
+    low, high = step.intervals["amplitude"]
+    assert low < distance * 1.01 and high > distance * 0.99  # within one per cent of its interval
+    noise = found.model.find("white_noise")
+    assert noise.N == pytest.approx(2e-4, rel=0.01)  # 64,800 samples: 0.3 %

@@ -154,8 +154,24 @@ def _two_levels(best: State, families: list[State]) -> State:
     bases = [*alone, *(s for s in families[2:] if _names(s) == _names(best))]
     bases = [s for s in bases if not any(c.signal is not None for c in s.items)]
     trials = [s.plus(c) for s in bases for e in COMPETITORS for c in e.candidates_in_base(s)]
+    trials += [
+        without.plus(c)
+        for s, term, without in _less_one(families)
+        for e in COMPETITORS
+        for c in e.candidates_in_place(s, term, without)
+    ]
     top = max(trials, key=_worth, default=best)
     return top if _worth(top) > _worth(best) + MIN_EVIDENCE else best
+
+
+def _less_one(families: list[State]) -> Iterator[tuple[State, Any, State]]:
+    """Families, each with a noise of it and the family of its other noises."""
+    for s in families:
+        if any(c.signal is not None for c in s.items):
+            continue
+        for i, term in enumerate(s.fit.terms[: len(s.base)]):
+            names = _names(s)[:i] + _names(s)[i + 1 :]
+            yield from ((s, term, t) for t in families if _names(t) == names)
 
 
 def _names(state: State) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 from scipy.fft import dct, idct
+from scipy.special import expit
 
 from imu_lib.arrays import Array
 from imu_lib.processes import Telegraph
@@ -48,6 +49,59 @@ def _posterior(y: Array, a: float, flip: float, var: float) -> tuple[Array, floa
         out[k] = out[k + 1] * stay_up + (1 - out[k + 1]) * up_to_down
         flips += (1 - out[k + 1]) * up_to_down + out[k + 1] * (1 - stay_up)
     return out, ll, flips
+
+
+@njit(cache=True, nogil=True)
+def _path(y: Array, a: float, flip: float, var: float, chance: Array) -> Array:
+    """One path over the two levels, 1 and 0, out of those that `y` leaves open, by as many numbers
+    of `chance` between 0 and 1 (forward filtering, backward sampling: Chib 1996).
+    """
+    n = len(y)
+    odds, out = np.empty(n), np.empty(n)
+    p = 0.5
+    for k in range(n):
+        q = p * (1 - flip) + (1 - p) * flip
+        odds[k] = np.log(q) - np.log1p(-q) + a * y[k] / var
+        p = min(max(1 / (1 + np.exp(-odds[k])), 1e-15), 1 - 1e-15)
+    stays = np.log((1 - flip) / flip)
+    for k in range(n - 1, -1, -1):
+        after = 0.0 if k == n - 1 else stays * (2 * out[k + 1] - 1)
+        out[k] = 1.0 if chance[k] < 1 / (1 + np.exp(-odds[k] - after)) else 0.0
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _followed(y: Array, a: float, flip: float, var: float, walk: float) -> Array:
+    """Log odds of the upper level after each of y = a (s - 1/2) + w + N(0, var), beside a random
+    walk w of variance `walk` a step: a Kalman filter for each level, each from both levels before
+    (generalised pseudo-Bayesian of second order, Bar-Shalom, Li and Kirubarajan 2001, sec. 11.6.4).
+    """
+    n = len(y)
+    out = np.empty(n)
+    weight, mean, spread = np.full(2, 0.5), np.empty(2), np.full(2, 1e6 * var)
+    mean[0], mean[1] = y[0] + a / 2, y[0] - a / 2
+    chance = np.empty((2, 2))
+    to, error = np.empty((2, 2)), np.empty((2, 2))
+    for k in range(n):
+        for i in range(2):
+            for j in range(2):
+                before = spread[i] + walk
+                total = before + var
+                off = y[k] - (j - 0.5) * a - mean[i]
+                stays = 1 - flip if i == j else flip
+                chance[i, j] = np.log(weight[i] * stays) - 0.5 * (np.log(total) + off**2 / total)
+                to[i, j] = mean[i] + before / total * off
+                error[i, j] = before * var / total
+        chance = np.exp(chance - chance.max())
+        chance /= chance.sum()
+        for j in range(2):
+            share = chance[:, j] + 1e-300
+            share = share / share.sum()
+            mean[j] = np.sum(share * to[:, j])
+            spread[j] = np.sum(share * (error[:, j] + (to[:, j] - mean[j]) ** 2))
+            weight[j] = max(chance[0, j] + chance[1, j], 1e-300)
+        out[k] = np.log(weight[1] / weight[0])
+    return out
 
 
 def _cosines(x: Array) -> Array:
@@ -106,6 +160,10 @@ class TwoLevels:
     ----------
     process : processes.Telegraph
     signal : ndarray, shape (n,)
+        One path of those that the record leaves open, at random: their mean would follow the noise,
+        of which less were left than there is.
+    unknown : float
+        Share of the levels' variance that the noise leaves unknown.
     flips : float
         Expected number of flips.
     beyond : float
@@ -121,17 +179,13 @@ class TwoLevels:
 
     process: Telegraph
     signal: np.ndarray
+    unknown: float
     flips: float
     beyond: float
     sd: float
     left: np.ndarray
     step: float
     variance: float
-
-    @property
-    def unknown(self) -> float:
-        """Share of the levels' variance that the noise leaves unknown."""
-        return float(1.0 - np.mean(self.signal**2) / (0.25 * self.process.amplitude**2))
 
     def differs(self, given: Telegraph, duration: float) -> float:
         """Log-likelihood by which their distance or their flips speak against a `given` telegraph."""
@@ -216,6 +270,14 @@ def decoded(
     waves = _cosines(y)
     # share of the noise that is white at each ordinate
     quiet = 1.0 if gain is None else 1.0 - gain
+    if gain is not None:
+        # the walk that is as loud as the white noise at the same ordinate: a level is told from a
+        # drift by its jumps before the drift is known
+        walk = var * (np.pi * np.count_nonzero(gain > 0.5) / k) ** 2
+        flip = _flips(rate, q / fs)
+        # before its first jump a level is known from the end only, and after the last from the start
+        odds = _followed(y, a, flip, var, walk) + _followed(y[::-1], a, flip, var, walk)[::-1]
+        drift = idct((waves - a * _cosines(expit(odds) - 0.5)) * gain, norm="ortho")
     for _ in range(rounds):
         if not (np.isfinite(a) and a > 0):
             return None
@@ -239,7 +301,9 @@ def decoded(
     left, flip = y - drift - middle, _flips(rate, q / fs)
     s, ll, flips = _posterior(left, a, flip, var)
     beyond = _beyond_spectrum(y, left, s - 0.5, a, flip, ll, var, quiet)
-    signal = np.repeat(a * (s - 0.5), q)
+    path = _path(left, a, flip, var, np.random.default_rng(k).random(k))
+    signal = np.repeat(a * (path - 0.5), q)
     signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
     process = Telegraph(amplitude=float(a), rate=rate)
-    return TwoLevels(process, signal, float(flips), beyond, sd, left, q / fs, var)
+    unknown = float(4 * np.mean(s * (1 - s)))
+    return TwoLevels(process, signal, unknown, float(flips), beyond, sd, left, q / fs, var)

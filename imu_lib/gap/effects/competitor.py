@@ -48,6 +48,12 @@ class Competitor(Effect):
         """Where it may be in what a fitted base may have taken for a red noise of its own."""
         return []
 
+    def candidates_in_place(self, state, term, without) -> list[Candidate]:
+        """Where it may be in place of a `term` of a fitted base; `without` is the base that has all
+        others.
+        """
+        return []
+
     def path(self, state, term) -> np.ndarray | None:
         """What the samples show that a `term` of the given model does in them, shape (n,); None
         where they know no more of it than its spectrum.

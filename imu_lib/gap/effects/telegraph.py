@@ -25,6 +25,9 @@ MIN_GAIN, MAX_STARTS, MIN_FLIPS = 8.0, 6, 2.5
 FLIPS = (10, 40)
 #: Rounds in which the drift beside levels that are given is found.
 HELD = 4
+#: Times that levels in the place of a noise of a free base are decoded again, beside what the other
+#: noises are without them.
+AGAIN = 2
 #: Share of the levels' variance that the noise leaves unknown, up to which the samples show them.
 MOST_UNKNOWN = 0.1
 #: The noise of their spectrum.
@@ -46,6 +49,18 @@ class Telegraph(Competitor):
     def candidates_in_base(self, state):
         duration, sd = state.data.duration, state.cleaned.slow_sd
         return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
+
+    def candidates_in_place(self, state, term, without):
+        if not isinstance(term, TWIN.process):
+            return []
+        start = Process(amplitude=2 * term.sigma, rate=0.5 / term.correlation_time)
+        item = self._item(without, decoded(*self._seen(state, start, term)))
+        for _ in range(AGAIN):
+            if item is None:
+                return []
+            fit = without.plus(item).fit
+            item = self._item(without, decoded(*self._seen(without, item.process, fit=fit)))
+        return [] if item is None else [item]
 
     def path(self, state, term):
         """The levels of a telegraph that is given, where the samples show them, and show no other
@@ -70,17 +85,24 @@ class Telegraph(Competitor):
             start = Process(
                 amplitude=float(amplitude), rate=float(max(rate, 2 / state.data.duration))
             )
-            found = decoded(*self._seen(state, start))
-            if found is not None and found.flips >= MIN_FLIPS:
-                out.append(self._candidate(state, found, held))
-        return out
+            out.append(self._item(state, decoded(*self._seen(state, start)), held))
+        return [item for item in out if item is not None]
+
+    def _item(self, state, found: TwoLevels | None, held: float = 0.0) -> Candidate | None:
+        """The candidate, where there are flips enough and few enough to be two levels."""
+        if found is None or found.flips < MIN_FLIPS:
+            return None
+        if found.process.rate > state.data.fs / MIN_DWELL_SAMPLES:
+            return None
+        return self._candidate(state, found, held)
 
     @staticmethod
-    def _seen(state, start, but=None) -> tuple:
+    def _seen(state, start, but=None, fit=None) -> tuple:
         """What two levels are decoded from: the record, what to start from, the white noise, and the
-        gain of the other noises, without `but` one of them.
+        gain of the other noises of the `fit` - the state's own where none is given - without `but`
+        one of them.
         """
-        data, fit = state.cleaned, state.fit
+        data, fit = state.cleaned, fit or state.fit
         # before a filter, which takes nothing from a dwell
         s = with_extra(data.layout.spectrum(fit.terms), data.extra)
         s = s[data.layout.slow :]
