@@ -105,6 +105,11 @@ ON_RECORD = {
         {"process": "low_pass", "order": 2, "cutoff": 20.0, "rate": 2 * FS},
         {"process": "stuck", "fraction": 0.2, "length": 70},
     ],
+    "accel_y": [
+        {"process": "white_noise", "N": 1e-3},
+        {"process": "heavy_tails", "freedom": 4.0},
+        {"process": "low_pass", "order": 2, "cutoff": 30.0, "rate": 3 * FS},
+    ],
     "accel_z": [{"process": "white_noise", "N": 1e-3}],
     "record": [
         {

@@ -12,6 +12,7 @@ from imu_lib.model import Model
 from imu_lib.processes import (
     GaussMarkov,
     HeavyTails,
+    LowPass,
     RateError,
     Sum,
     Temperature,
@@ -85,6 +86,21 @@ def test_heavy_tails_are_students_and_keep_the_spectrum():
     assert np.var(x) == pytest.approx(0.01, rel=0.05)  # its kurtosis is 9: 3 sd are 0.03
     with pytest.raises(InputError, match="above 2"):
         HeavyTails(2.0)
+
+
+@pytest.mark.parametrize("low_pass", [LowPass(cutoff=25.0, order=2, rate=10 * FS), LowPass(taps=3)])
+def test_heavy_tails_behind_a_filter_are_those_of_the_records_samples(low_pass):
+    """Of an oversampled filter, too: its spectrum is the model's, and whitened it is Student's."""
+    model = Sum((WhiteNoise(0.01),), (low_pass, HeavyTails(5.0)))
+    x = model.simulate(100_000, FS, np.random.default_rng(3))
+    f, power = welch(x, FS, nperseg=500)
+    band = (f > 1) & (f < 0.3 * FS)
+    assert np.mean(power[band] / model.psd(f[band], FS)) == pytest.approx(1.0, abs=0.05)
+    z = np.fft.rfft(x)[1:-1]
+    f = np.fft.rfftfreq(len(x), 1 / FS)[1:-1]
+    seen = model.psd(f, FS) > 1e-4 * model.psd(1.0, FS)  # not the null of three taps
+    white = np.fft.irfft(np.r_[0, np.where(seen, z / np.sqrt(model.psd(f, FS) * FS / 2), 0), 0])
+    assert kstest(white / np.sqrt(3 / 5), t(5).cdf).pvalue > 1e-3
 
 
 def test_the_level_wanders_as_a_gauss_markov_process_of_its_logarithm():

@@ -20,6 +20,7 @@ from imu_lib.processes import (
     TimeGaps,
     WanderingLevel,
     WhiteNoise,
+    folded,
 )
 from imu_lib.processes.on_record import clock
 from imu_lib.processes.realisation import ON_NOISE
@@ -28,6 +29,8 @@ from imu_lib.record import CHANNELS
 from imu_lib.stream import CHUNK, Scratch, bounds
 
 _STAGES = (*ON_NOISE, Spikes, Saturation, Resolution, Stuck)
+#: Where the noise with heavy tails that is drawn behind the filter is kept.
+TAILED = "tailed"
 _ON_RECORD = (*SHARED, *LOST, RateError, Jitter, TimeGaps)
 
 
@@ -138,12 +141,16 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
     for term in sum_.terms:
         if term is sum_.rounding:
             continue
+        tailed = sum_.tails is not None and isinstance(term, WhiteNoise)
+        if tailed and low_pass is not None:
+            _add_tailed(parts, term, sum_, n, fs, rng, size, folder)
+            continue
         part, first = parts.get(term.fast), term.fast not in parts
         if first:
             part = parts[term.fast] = Scratch(total, folder=folder)
         options = {"size": size, "temperature": temperature, "start": start, "folder": folder}
         drawn = chunks(term, total, rate, rng, **options)
-        if sum_.tails is not None and isinstance(term, WhiteNoise):
+        if tailed:
             drawn = _scaled(sum_.tails, drawn, total, rng, folder)
         at = 0
         for x in drawn:
@@ -162,6 +169,21 @@ def _scaled(tails, pieces, total, rng, folder):
         yield held.read(low, high) * tails.scales(high - low, rng)
 
 
+def _add_tailed(parts, term, sum_, n, fs, rng, size, folder):
+    """White noise with heavy tails behind a filter, at the record's rate."""
+    first = TAILED not in parts
+    part = parts.setdefault(TAILED, Scratch(n, folder=folder))
+    reach, at = len(folded.response(sum_.low_pass, fs)) - 1, 0
+    drawn = chunks(term, n + reach, fs, rng, size=size)
+    known = np.zeros(0)
+    for x in _scaled(sum_.tails, drawn, n + reach, rng, folder):
+        known = np.concatenate([known, x])
+        if len(known) > reach:
+            y = folded.behind(known, sum_.low_pass, fs)
+            part.write(at, y if first else part.read(at, at + y.size) + y)
+            at, known = at + y.size, known[len(known) - reach :]
+
+
 def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
     def read(fast):
         part = parts.get(fast)
@@ -171,6 +193,8 @@ def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
     slow, quick = read(False), read(True)
     if sum_.low_pass is not None:
         slow, quick = (_filtered(sum_.low_pass, x, fs, n, size) for x in (slow, quick))
+    if TAILED in parts:
+        quick = _added(quick, parts[TAILED])
     levels = [
         wandering(s, n, fs, rng, size, folder) if isinstance(s, WanderingLevel) else s
         for s in sum_.stages
@@ -184,6 +208,14 @@ def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
     for _, act in sorted(chain, key=lambda link: link[0]):
         x = act(x, fs, rng, n)
     return x
+
+
+def _added(pieces, more):
+    """The pieces with what a Scratch has in their places."""
+    at = 0
+    for x in pieces:
+        yield x + more.read(at, at + x.size)
+        at += x.size
 
 
 def _joined(levels, slow, quick, fs, common):

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
-from imu_lib.processes import Sum, WhiteNoise
+from imu_lib.processes import Sum, WhiteNoise, folded
 
 #: Memory of a process, s, from which on it is drawn before a filter.
 PASSES = 10.0
@@ -46,7 +46,7 @@ class Draws:
             part = quick if term.fast else slow
             if tails is not None and isinstance(term, WhiteNoise):
                 one = self.unit(unit, count, None) * tails.scales(self.n, self.rng("tails"))
-                one = one if low_pass is None else folded(one, unit, low_pass, self.fs)
+                one = one if low_pass is None else _behind(one, low_pass, self.fs)
             else:
                 one = self.unit(unit, count, low_pass)
             part += getattr(term, amplitude) * one
@@ -80,12 +80,10 @@ def through(x, low_pass, fs: float) -> np.ndarray:
     return irfft(z * np.sqrt(low_pass.gain(np.arange(len(z)) * fs / size, fs)), size)[:n] + line
 
 
-def folded(x, unit, low_pass, fs: float) -> np.ndarray:
-    """White samples `x` (n,) of the density of the process `unit` with the spectrum that it has behind
-    a filter that runs at its own rate, what folds in included.
-    """
-    size = _even(len(x))
-    return irfft(rfft(x, size) * _response(unit, low_pass, size, fs), size)[: len(x)]
+def _behind(x, low_pass, fs: float) -> np.ndarray:
+    """White samples behind the filter, the last of them before the first, shape (n,)."""
+    reach = len(folded.response(low_pass, fs)) // 2
+    return folded.behind(np.pad(x, reach, mode="wrap"), low_pass, fs)
 
 
 def _even(n: int) -> int:
@@ -97,13 +95,6 @@ def _even(n: int) -> int:
 def _ordinates(size: int, fs: float) -> np.ndarray:
     """Hz, the first in the place of zero, where red spectra have no value."""
     return np.maximum(np.arange(size // 2 + 1), 1) * fs / size
-
-
-@lru_cache(maxsize=32)
-def _response(unit, low_pass, size: int, fs: float) -> np.ndarray:
-    """Root of the folded spectrum of a process behind a filter over its own, at the ordinates."""
-    f = _ordinates(size, fs)
-    return np.sqrt(Sum((unit,), (low_pass,)).psd(f, fs) / unit.psd(f, fs))
 
 
 @lru_cache(maxsize=32)

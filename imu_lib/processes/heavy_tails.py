@@ -20,7 +20,10 @@ class HeavyTails(Stage):
 
     A Student's variate is a normal one over a root of chi-square of its own (Student 1908): every
     white sample is given a scale of its own whose mean square is 1, so that spectrum, Allan
-    variance and autocovariance stay what they are.
+    variance and autocovariance stay what they are. They are the tails of a record as they are
+    measured, whitened without phase: behind a filter they are given to white noise at the record's
+    rate, and the filter's folded spectrum to that (of an oversampled filter each sample would be a
+    mean of many steps, and normal again).
 
     Parameters
     ----------

@@ -8,6 +8,7 @@ import numpy as np
 
 from imu_lib.arrays import Array
 
+from . import folded
 from .heavy_tails import HeavyTails
 from .low_pass import LowPass
 from .stages import NoiseLevelChange, Resolution
@@ -38,18 +39,22 @@ def of(
     if temperature is not None and (steps, before) != (1, 0):
         at = start + np.arange(size) / rate
         temperature = np.interp(at, np.arange(n) / fs, temperature)
-    slow, quick = np.zeros(size), np.zeros(size)
+    slow, quick, of_record = np.zeros(size), np.zeros(size), np.zeros(n)
     for term in model.terms:
         if term is model.rounding:
             continue
+        tails = model.tails if isinstance(term, WhiteNoise) else None
+        if tails is not None and low_pass is not None:
+            longer = n + len(folded.response(low_pass, fs)) - 1
+            drawn = term.simulate(longer, fs, rng)
+            of_record += folded.behind(drawn * tails.scales(longer, rng), low_pass, fs)
+            continue
         part = quick if term.fast else slow
         drawn = term.simulate(size, rate, rng, temperature=temperature, start=start)
-        if model.tails is not None and isinstance(term, WhiteNoise):
-            drawn = drawn * model.tails.scales(size, rng)
-        part += drawn
+        part += drawn if tails is None else drawn * tails.scales(size, rng)
     if low_pass is not None:
         slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
-    return behind(model, slow, quick, fs, rng, common=common)
+    return behind(model, slow, quick + of_record, fs, rng, common=common)
 
 
 def behind(
