@@ -17,15 +17,16 @@ from functools import partial
 
 import numpy as np
 
-from imu_lib import likelihood, scheduler, units
+from imu_lib import scheduler, units
 from imu_lib.errors import InputError
 from imu_lib.gap import ensemble, loop
 from imu_lib.gap.found import Report
-from imu_lib.gap.long import joined, looked_at, views
+from imu_lib.gap.long import begun, joined, looked_at, views
 from imu_lib.gap.long.scan import scan
 from imu_lib.gap.long.windows import stretches, typical_run
 from imu_lib.model import Model
-from imu_lib.processes import GaussMarkov, Sum, Telegraph
+from imu_lib.processes import Sum
+from imu_lib.stream import Keep, Means
 
 #: Samples of the part at the full rate, and block means at the most.
 PART, MEANS = 1 << 19, 1 << 18
@@ -65,38 +66,62 @@ def close(
     say = _Told(progress)
     block = max(2, -(-record.longest // MEANS))
     say.at(0, "one pass over the record")
-    scans = {s.name: s for s in scheduler.shared(scan, [(record, n, runs, block) for n in names], jobs)}  # fmt: skip
-    scans = [scans[n] for n in names]
+    work = [(record, n, runs, block) for n in names]
+    of = {s.name: s for s in scheduler.shared(scan, work, jobs)}
+    scans = [of[n] for n in names]
     unlike, scores = stretches(scans)
-    window = scans[0].window
+    options = {"seed": seed, "simulations": simulations, "jobs": jobs}
+    start, fast = _part(record, model, scans, scores, say, options)
+    names = [n for n in names if n in fast.channels]
+    rate = fs / block
+    given = begun.with_bases(model, fast, scans, rate)
+    means = views.averages(record, [of[n] for n in names], _warmth(record, runs, block))
+    free = [n for n in names if model is None or n not in model]
+    given = begun.between_levels(means, given, free, block, options)
+    kept = {n: joined.kept(given[n], fast.model[n], rate) for n in names}
+    steps = joined.of_part(fast, rate, start)
+    grown = replace(given, channels=kept, record=_of_record(given, steps))
+    steps, notes, left = _looked_at(record, grown, steps, unlike, scans[0].window, rate, seed, say)
+    say.at(60, "the whole record")
+    common = tuple(p for p in fast.model.record if p.name == "common_mode")
+    slow_given = Model(
+        {n: views.averaged(kept[n], block, fs)[0] for n in names}, record=common, rate=rate
+    )
+    progress_of = partial(say.of, "the whole record", 60, 39)
+    slow = loop.close(means, slow_given, progress=progress_of, **options)
+    say.at(100, "done")
+    notes = (*_said(record, fast, slow, start, block), *notes)
+    left = [fast.record_unexplained, *left, slow.record_unexplained]
+    looks = _Looks(record, given, model is not None, kept, fast, slow, block)
+    return looks.together(steps, notes, left, began)
+
+
+def _of_record(given: Model, steps) -> tuple:
+    return given.record + tuple(looked_at.process_of(s) for s in steps)
+
+
+def _part(record, model, scans, scores, say, options) -> tuple[float, Report]:
+    """The part at the full rate that is most like the rest: where it begins, s, and what is found."""
+    window, fs = scans[0].window, record.rate
     count = min(max(PART // window, 1), scores.shape[1])
     first = typical_run(scores, count)
-    # -- a part at the full rate
     low, high = views.rows(record, first * window, (first + count) * window)
-    start = first * window / fs
-    options = {"seed": seed, "simulations": simulations, "jobs": jobs}
-    part = replace(record.part(low, high), notes=())
-    fast = loop.close(
+    start, part = first * window / fs, replace(record.part(low, high), notes=())
+    found = loop.close(
         part,
         None if model is None else views.shifted(model, start, part.duration),
-        channels=names,
+        channels=[s.name for s in scans],
         progress=partial(say.of, "a part at the full rate", 5, 45),
         **options,
     )
-    names = [n for n in names if n in fast.channels]
-    rate = fs / block
-    given = _with_bases(model, fast, scans, rate)
-    own = [s for s in scans if s.name in names]
-    means = views.averages(record, own, _warmth(record, runs, block))
-    free = [n for n in names if model is None or n not in model]
-    given = _between_levels(means, given, free, block, options)
-    kept = {n: joined.kept(given[n], fast.model[n], rate) for n in names}
-    # -- windows unlike the rest
-    steps = joined.of_part(fast, rate, start)
-    grown = replace(
-        given, channels=kept, record=given.record + tuple(looked_at.process_of(s) for s in steps)
-    )
-    notes, left = [], [fast.record_unexplained]
+    return start, found
+
+
+def _looked_at(record, grown, steps, unlike, window, rate, seed, say) -> tuple[list, list, list]:
+    """Windows unlike the rest, of which `grown` is the model: the steps with theirs, what is said of
+    them, and what is left there without a name.
+    """
+    notes, left = [], []
     for k, found in enumerate(unlike[: looked_at.MOST]):
         say.at(50 + k, f"{k + 1} of {len(unlike)} stretches unlike the rest")
         seen = looked_at.look(record, grown, found, window, rate, seed)
@@ -109,45 +134,56 @@ def close(
             f"{len(unlike) - looked_at.MOST} more stretches are unlike the rest; the "
             f"{looked_at.MOST} that are most so were looked at."
         )
-    # -- the whole record as means
-    say.at(60, "the whole record")
-    common = tuple(p for p in fast.model.record if p.name == "common_mode")
-    slow_given = Model(
-        {n: views.averaged(kept[n], block, fs)[0] for n in names}, record=common, rate=rate
-    )
-    slow = loop.close(
-        means, slow_given, progress=partial(say.of, "the whole record", 60, 39), **options
-    )
-    # -- both together
-    lines = joined.lines_of(steps)
-    reports, models = {}, {}
-    for n in names:
-        reports[n], models[n] = joined.channel(
-            n, given[n], kept[n], fast.channels[n], slow.channels.get(n), lines, block, record
+    return steps, notes, left
+
+
+@dataclass(frozen=True)
+class _Looks:
+    """Both views of a record: what each has found, and the models that they began with.
+
+    given : the model of all channels. by_hand : whether somebody gave it. kept : the channels that
+    the means began with. block : samples of a mean.
+    """
+
+    record: object
+    given: Model
+    by_hand: bool
+    kept: dict[str, Sum]
+    fast: Report
+    slow: Report
+    block: int
+
+    def together(self, steps, notes, left, began) -> LongReport:
+        """One report, with the steps of the record, from `began` on."""
+        record, given, fast, slow = self.record, self.given, self.fast, self.slow
+        lines, fs = joined.lines_of(steps), record.rate
+        reports, models = {}, {}
+        for n, own in self.kept.items():
+            views_of = fast.channels[n], slow.channels.get(n)
+            reports[n], models[n] = joined.channel(
+                n, given[n], own, *views_of, lines, self.block, record
+            )
+        steps = joined.of_whole(steps, slow, lines, fs / self.block, record.longest / fs)
+        grown = replace(
+            given,
+            channels=models,
+            record=_of_record(given, steps),
+            rate=fs,
+            name=given.name or record.name,
+            source="imu-lib gap",
         )
-    steps = joined.of_whole(steps, slow, lines, rate, record.longest / fs)
-    grown = replace(
-        given,
-        channels=models,
-        record=given.record + tuple(looked_at.process_of(s) for s in steps),
-        rate=fs,
-        name=given.name or record.name,
-        source="imu-lib gap",
-    )
-    left.append(slow.record_unexplained)
-    say.at(100, "done")
-    return LongReport(
-        reports,
-        steps,
-        next((t for t in left if t), None),
-        replace(given, channels={n: given[n] for n in names}),
-        grown,
-        record,
-        time.perf_counter() - began,
-        model is not None,
-        (*_said(record, fast, slow, start, block), *notes),
-        views=(fast, slow),
-    )
+        return LongReport(
+            reports,
+            steps,
+            next((t for t in left if t), None),
+            replace(given, channels={n: given[n] for n in self.kept}),
+            grown,
+            record,
+            time.perf_counter() - began,
+            self.by_hand,
+            notes,
+            views=(fast, slow),
+        )
 
 
 def _at_once(record, model, channels, seed, simulations, jobs, progress) -> Report:
@@ -177,60 +213,10 @@ def _names(record, channels):
     return names
 
 
-def _with_bases(model, fast, scans, rate) -> Model:
-    """The given model; a channel that it lacks has what the part at the full rate was started
-    from, with the slow processes that the likelihood chooses for the block means.
-    """
-    found = {}
-    for s in scans:
-        if s.name in fast.channels and (model is None or s.name not in model):
-            base = fast.channels[s.name].result.base
-            quick = [t for t in base.terms if not views.is_slow(t, rate)]
-            found[s.name] = Sum((*quick, *_slow_terms(s.means, rate)), base.stages)
-    if model is None:
-        return Model(found, rate=fast.record.rate)
-    return replace(model, channels={**model.channels, **found})
-
-
-def _between_levels(means, given: Model, free, block: int, options) -> Model:
-    """The model without the Gauss-Markov processes that two levels explain better, of the channels
-    `free` whose slow processes nobody gave: the spectrum of both is the same.
-    """
-    bare = {}
-    for n in free:
-        entry = given[n]
-        slow = [
-            t for t in entry.terms if isinstance(t, GaussMarkov) and views.is_slow(t, means.rate)
-        ]
-        if slow:
-            bare[n] = Sum(tuple(t for t in entry.terms if t not in slow), entry.stages)
-    if not bare:
-        return given
-    begun = {n: views.averaged(entry, block, means.rate * block)[0] for n, entry in bare.items()}
-    found = loop.close(
-        means, Model(begun, rate=means.rate), channels=list(bare), **options | {"simulations": 0}
-    )
-    levels = {
-        n: bare[n]
-        for n, c in found.channels.items()
-        if any(s.effect == Telegraph.name for s in c.result.steps)
-    }
-    return replace(given, channels={**given.channels, **levels})
-
-
-def _slow_terms(means, rate):
-    """The slow processes of the sum that the likelihood chooses for a series of block means."""
-    stats = likelihood.Statistics.of([means], rate, exclude_lines=True)
-    fit = likelihood.choose(stats.between(0.0, 0.2 * rate), None).fit
-    return [t for t in fit.model.terms if views.is_slow(t, rate)]
-
-
 def _warmth(record, runs, block):
     """Block means of the temperature, or None."""
     if record.temperature is None:
         return None
-    from imu_lib.stream import Keep, Means
-
     kept = Keep()
     means = Means(block, [kept])
     for x in record.pieces("temperature", runs):
