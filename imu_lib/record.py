@@ -11,16 +11,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from imu_lib import timing, units
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 
 
-def frozen_array(value, name: str, shape: tuple) -> np.ndarray:
+def frozen_array(value: ArrayLike, name: str, shape: tuple[int, ...]) -> np.ndarray:
     """A read-only contiguous float64 array of `shape` (-1 where any length will do); ValueError
     naming `name` otherwise.
     """
@@ -59,7 +61,7 @@ class Record:
     source: str = ""
     notes: tuple[str, ...] = field(default=())
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         unknown = [c for c in self.channels if c not in CHANNELS]
         if unknown:
             raise ValueError(f"`channels` has {unknown[0]!r}; the names are {', '.join(CHANNELS)}")
@@ -97,9 +99,8 @@ class Record:
         if self.temperature is not None:
             put(self, "temperature", frozen_array(self.temperature, "temperature", (n,)))
 
-    def __reduce__(
-        self,
-    ):  # a mapping proxy cannot be pickled, and records travel to worker processes
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mapping proxy cannot be pickled, and records travel to worker processes
         return Record, (
             dict(self.channels),
             self.rate,
@@ -110,10 +111,10 @@ class Record:
             self.notes,
         )
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Record({self.name or 'unnamed'}: {', '.join(self.channels)}; {self.n} samples at {self.rate:.6g} Hz, {self.duration:.6g} s)"
 
-    def __contains__(self, key) -> bool:
+    def __contains__(self, key: object) -> bool:
         return key in self.channels
 
     def __getitem__(self, key: str) -> np.ndarray:
@@ -121,8 +122,9 @@ class Record:
         otherwise.
         """
         if key in ("gyro", "accel"):
-            axes = [self.channels.get(f"{key}_{axis}") for axis in "xyz"]
-            if any(a is None for a in axes):
+            names = [f"{key}_{axis}" for axis in "xyz"]
+            axes = [self.channels[name] for name in names if name in self.channels]
+            if len(axes) < 3:
                 raise KeyError(
                     f"the record has not all three axes of `{key}`, only {', '.join(self.channels)}"
                 )
@@ -156,7 +158,7 @@ class Record:
     def with_note(self, *notes: str) -> Record:
         return replace(self, notes=self.notes + notes)
 
-    def take(self, index, *notes: str) -> Record:
+    def take(self, index: slice | Array, *notes: str) -> Record:
         """The samples of a slice or an index array; the time starts anew at 0."""
         time = None if self.time is None else self.time[index]
         return replace(
@@ -228,7 +230,7 @@ class Record:
                 f"`time` leaves {n - self.n:,} of {n:,} samples missing; cut the record at its gaps first (start, stop)"
             )
 
-        def spread(x):
+        def spread(x: Array) -> Array:
             out = np.full(n, np.nan)
             out[slots] = x
             return out
