@@ -4,10 +4,13 @@ stays and a frequency that wanders about one place.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
 from scipy.stats import chi2
+
+from imu_lib.arrays import Array
 
 #: What it may do instead.
 SWEEPS, BREATHES = "its frequency sweeps", "its amplitude rises and falls"
@@ -35,7 +38,7 @@ LESS = 0.25
 MOVED = 0.03
 
 
-def breathes(x) -> bool:
+def breathes(x: Array) -> bool:
     """Whether the amplitude of a line rises and falls.
 
     Parameters
@@ -56,7 +59,7 @@ def breathes(x) -> bool:
     return bool(rare < RARE and depth > DEPTH)
 
 
-def sweeps(x, width: float, crossed: float, frequency: float, *, whole: bool) -> bool:
+def sweeps(x: Array, width: float, crossed: float, frequency: float, *, whole: bool) -> bool:
     """Whether the frequency of a tone goes from one end of its band to the other.
 
     Parameters
@@ -81,7 +84,7 @@ def sweeps(x, width: float, crossed: float, frequency: float, *, whole: bool) ->
     return bool(moved > CROSSED * crossed and (not whole or moved > MOVED * frequency))
 
 
-def _slope(x, width: float, reach: float) -> float | None:
+def _slope(x: Array, width: float, reach: float) -> float | None:
     """Slope in Hz/s of the frequency of a tone in `x` that moves by no more than about `reach` Hz;
     None where it is steady or no tone.
     """
@@ -100,26 +103,26 @@ def _slope(x, width: float, reach: float) -> float | None:
     )
 
 
-def rises(parts) -> bool:
+def rises(parts: list[Array]) -> bool:
     """Whether the amplitude rises and falls within the episodes `parts` (arrays as above) instead
     of going on and off.
     """
-    edge, middle = [], []
+    edges, middles = [], []
     for x in parts:
         power, quarter = np.abs(x) ** 2, len(x) // 4
         if quarter >= 3:
-            edge.append(np.r_[power[1:quarter], power[-quarter:-1]])
-            middle.append(power[quarter:-quarter])
-    if not edge:
+            edges.append(np.r_[power[1:quarter], power[-quarter:-1]])
+            middles.append(power[quarter:-quarter])
+    if not edges:
         return False
-    edge, middle = np.concatenate(edge), np.concatenate(middle)
+    edge, middle = np.concatenate(edges), np.concatenate(middles)
     excess = middle.mean() - 1.0
     chance = (2.0 * excess + 1.0) * (1 / len(edge) + 1 / len(middle))
     less = middle.mean() - edge.mean()
     return bool(less > LESS * excess and less > 3.0 * np.sqrt(max(chance, 1e-12)))
 
 
-def coherent(bands) -> bool:
+def coherent(bands: Sequence[Array]) -> bool:
     """Whether any two channels move together in their bands (n,): the same resonance of each is
     driven by the noise of each.
     """
@@ -131,7 +134,7 @@ def coherent(bands) -> bool:
     )
 
 
-def half_in(x, fs: float, low: float, high: float) -> float:
+def half_in(x: Array, fs: float, low: float, high: float) -> float:
     """Share of the time in which half of the power of the band `low` to `high` Hz of `x` (n,) comes,
     in blocks of a second; of stationary noise some 0.4.
     """
@@ -143,7 +146,7 @@ def half_in(x, fs: float, low: float, high: float) -> float:
     return float((np.searchsorted(share, 0.5) + 1) / len(power))
 
 
-def fading(x, ratio: float) -> float:
+def fading(x: Array, ratio: float) -> float:
     """Between 0, a steady amplitude, and 1, that of normal noise, from the fourth moment of the
     zoomed band; 1 where the noise hides it.
     """

@@ -16,7 +16,12 @@ if TYPE_CHECKING:
     from imu_lib.gap.state import State
 
 
-def scanner(state: State, columns: Array | None) -> Callable[..., tuple[Array, Array, Array]]:
+#: (effect, processes, their columns where these are known) -> gain, amplitude and squared norm of
+#: each.
+Scan = Callable[..., tuple[Array, Array, Array]]
+
+
+def scanner(state: State, columns: Array | None) -> Scan:
     """Function of (effect, processes, their columns where these are known) that gives gain,
     amplitude and squared norm of drifts by generalised least squares under the fitted noise, beside
     `columns`.

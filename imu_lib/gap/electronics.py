@@ -10,9 +10,12 @@ wrong.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
+from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.saturation import Saturation
@@ -24,6 +27,8 @@ from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.gap.thrown_off import Hidden, thrown_off
 from imu_lib.processes import Quantization as OfIntegral
 from imu_lib.processes import Resolution as Grid
+from imu_lib.processes import Saturation as Range
+from imu_lib.processes import Sum
 
 #: Share of the mean spectrum below which a bin holds little but what was filled in for missing
 #: samples.
@@ -46,7 +51,7 @@ class Clean:
 
     x: np.ndarray
     coarse: np.ndarray
-    findings: list
+    findings: list[Finding]
     white: float
     smooth: Smooth
     step: float | None
@@ -64,12 +69,20 @@ class Levels:
     """
 
     step: float | None
-    grid: tuple | None
+    grid: tuple[float, float] | None
     of_integral: OfIntegral | None
-    findings: list
+    findings: list[Finding]
 
 
-def undo(raw, fs: float, base, rng, *, integral: bool = False, known=None) -> Clean:
+def undo(
+    raw: Array,
+    fs: float,
+    base: Sum | None,
+    rng: np.random.Generator,
+    *,
+    integral: bool = False,
+    known: Array | None = None,
+) -> Clean:
     """Find and undo what the electronics did to `raw` (NaN where a sample is missing); `base` is
     the channel's model (`Sum`).
 
@@ -79,7 +92,7 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False, known=None) -> Cl
     is set.
     """
     missing = np.isnan(raw)
-    held = {s.name: s for s in base.stages} if base is not None else {}
+    held: dict[str, Any] = {s.name: s for s in base.stages} if base is not None else {}
     levels = _levels(raw[~missing], fs, base, held.get("resolution"), integral)
     clipped, side = _clipped(raw, missing, levels.step, held.get("saturation"))
     x = first_fill(raw, missing)
@@ -113,7 +126,7 @@ def undo(raw, fs: float, base, rng, *, integral: bool = False, known=None) -> Cl
     )
 
 
-def _levels(good, fs: float, base, held, integral: bool) -> Levels:
+def _levels(good: Array, fs: float, base: Sum | None, held: Grid | None, integral: bool) -> Levels:
     """What the values of the samples say; `held` is the resolution of the given model."""
     fast_sd = float(np.median(np.abs(np.diff(good))) / 0.954)
     grid = grid_of(good)
@@ -132,13 +145,16 @@ def _levels(good, fs: float, base, held, integral: bool) -> Levels:
     return Levels(step, grid, of_integral, findings)
 
 
-def _clipped(raw, missing, step, held) -> tuple:
+def _clipped(
+    raw: Array, missing: Array, step: float | None, held: Range | None
+) -> tuple[Finding | None, Array]:
     """(finding or None, side of each sample: 1 at the upper limit, -1 at the lower, else 0); `held`
     is the saturation of the given model.
     """
     good, side = raw[~missing], np.zeros(len(raw), np.int8)
     clipped = Saturation().detect(good, step, held)
     if clipped is not None:
+        assert clipped.mask is not None, "it is found by its samples"
         side[~missing] = clipped.mask
     elif held is not None:
         low = -held.limit if held.low is None else held.low
@@ -147,11 +163,13 @@ def _clipped(raw, missing, step, held) -> tuple:
     return clipped, side
 
 
-def _rounded(x, smooth: Smooth, levels: Levels, integral: bool, rng) -> tuple:
+def _rounded(
+    x: Array, smooth: Smooth, levels: Levels, integral: bool, rng: np.random.Generator
+) -> tuple[float, Array | None, Array | float]:
     """(variance that rounding leaves in every sample, density that it adds in the bands where that
     is not the same everywhere, how it lets the noise rise and fall).
     """
-    if levels.step is None or integral:
+    if levels.step is None or levels.grid is None or integral:
         return 0.0, None, 1.0
     if not levels.step > COARSE * np.sqrt(smooth.sample_variance):
         return levels.step**2 / 12.0, None, 1.0
@@ -160,7 +178,7 @@ def _rounded(x, smooth: Smooth, levels: Levels, integral: bool, rng) -> tuple:
     return float(np.mean(extra[k : k + 12]) * smooth.fs / 2), extra, swing
 
 
-def may_be_of_integral(raw, step: float, fs: float) -> bool:
+def may_be_of_integral(raw: Array, step: float, fs: float) -> bool:
     """Whether the spectrum leaves room for the errors of a rounded integral, which are strongest
     at half the sampling rate.
     """
@@ -172,7 +190,7 @@ def may_be_of_integral(raw, step: float, fs: float) -> bool:
     )
 
 
-def integral_of(base, step: float, fs: float) -> OfIntegral | None:
+def integral_of(base: Sum | None, step: float, fs: float) -> OfIntegral | None:
     """The quantization of a base model that a grid of `step` would come of, if it has one."""
     want = OfIntegral.of_grid(step, fs).Q
     if base is None or any(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
+from imu_lib.arrays import Array
 from imu_lib.likelihood.tapered import taper
 
 #: Lines from which on it is a forest, and those that a finding lists.
@@ -45,7 +46,7 @@ class Forest:
     count: int
 
 
-def forest(channels: dict, fs: float, *, least: float = 0.0) -> Forest | None:
+def forest(channels: dict[str, Array], fs: float, *, least: float = 0.0) -> Forest | None:
     """The forest of lines in channels (name -> (n,), fast part) above `least` Hz, or None."""
     n = len(next(iter(channels.values())))
     first = int(np.ceil(least / fs * n))
@@ -81,7 +82,7 @@ def forest(channels: dict, fs: float, *, least: float = 0.0) -> Forest | None:
     )
 
 
-def _amplitudes(x, lines, free, fs: float) -> np.ndarray:
+def _amplitudes(x: Array, lines: Array, free: Array, fs: float) -> np.ndarray:
     """Amplitudes of lines at the ordinates `lines`: one of amplitude a has n a^2 / (2 fs) over the
     density of the noise.
     """
@@ -90,12 +91,12 @@ def _amplitudes(x, lines, free, fs: float) -> np.ndarray:
     return 2.0 * np.sqrt(excess) / n
 
 
-def _is_dense(lines, ordinates: int) -> bool:
+def _is_dense(lines: Array, ordinates: int) -> bool:
     """Whether lines are many, and all over the spectrum."""
     return len(lines) >= MANY and len(np.unique(lines * PARTS // ordinates)) >= SPREAD
 
 
-def felled(x, found: Forest, rng) -> np.ndarray:
+def felled(x: Array, found: Forest, rng: np.random.Generator) -> np.ndarray:
     """A channel `x` (n,) with the ordinates of the forest at the level of their neighbours."""
     z = np.fft.rfft(x - np.mean(x))
     free = np.ones(len(z), bool)
@@ -106,12 +107,12 @@ def felled(x, found: Forest, rng) -> np.ndarray:
     return np.fft.irfft(z, len(x)) + np.mean(x)
 
 
-def level_of(power) -> np.ndarray:
+def level_of(power: Array) -> np.ndarray:
     """Mean power of the noise around each ordinate, which lines do not lift."""
     return _level(power, np.ones(len(power), bool))
 
 
-def _level(power, free) -> np.ndarray:
+def _level(power: Array, free: Array) -> np.ndarray:
     """Mean power of the noise around each ordinate, from medians of blocks of those that are
     `free` of lines.
     """
@@ -127,7 +128,7 @@ def _level(power, free) -> np.ndarray:
     return np.exp(np.interp(np.arange(len(power)), at, np.log(np.maximum(level, 1e-300))))
 
 
-def _lines(total, count: int, first: int, rare: float) -> np.ndarray:
+def _lines(total: Array, count: int, first: int, rare: float) -> np.ndarray:
     """Ordinates that stand out of noise and of their neighbours, of the power of `count` channels."""
     limit = 0.5 * chi2.isf(rare, 2 * count)
     peak = (total[1:-1] > limit) & (total[1:-1] >= total[:-2]) & (total[1:-1] > total[2:])
@@ -135,7 +136,7 @@ def _lines(total, count: int, first: int, rare: float) -> np.ndarray:
     return at[at >= max(first, 2)]
 
 
-def _around(lines, total, count: int, first: int, rare: float) -> np.ndarray:
+def _around(lines: Array, total: Array, count: int, first: int, rare: float) -> np.ndarray:
     """Whether lines fill an ordinate: those beside them, and what stands out between."""
     mask = np.zeros(len(total), bool)
     for k in range(-BESIDE, BESIDE + 1):

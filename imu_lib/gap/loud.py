@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.effects.step import sharpen
 
 
-def loud(x, fs: float) -> np.ndarray:
+def loud(x: Array, fs: float) -> np.ndarray:
     """Gross jumps and lines of a channel, shape (n,)."""
     out = gross_jumps(x, fs)
     lines, _ = Sinusoid().find(Data(x - out, fs))
@@ -18,7 +19,7 @@ def loud(x, fs: float) -> np.ndarray:
     return out
 
 
-def gross_jumps(x, fs) -> np.ndarray:
+def gross_jumps(x: Array, fs: float) -> np.ndarray:
     """The jumps that stand out of a channel by eye, as a signal to set aside, shape (n,)."""
     q = max(1, int(round(0.5 * fs)))
     k = len(x) // q

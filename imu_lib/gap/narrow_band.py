@@ -14,6 +14,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.stats import gamma
 
+from imu_lib.arrays import Array
 from imu_lib.gap.innovations import STOP_BAND_DEPTH
 
 #: Lengths of the segments, and the stretches that a record is divided into at the most.
@@ -63,7 +64,7 @@ class Periodograms:
     density in unit^2/Hz, shape (segments, length / 2 + 1).
     """
 
-    def __init__(self, x, fs: float, length: int):
+    def __init__(self, x: Array, fs: float, length: int) -> None:
         self.fs, self.length, self.hop = fs, length, length // 2
         window = np.sin(np.pi * (np.arange(length) + 0.5) / length)
         parts = np.lib.stride_tricks.sliding_window_view(x, length)[:: self.hop]
@@ -89,7 +90,7 @@ class Periodograms:
         return segment * self.hop / self.fs
 
 
-def surroundings(power) -> np.ndarray:
+def surroundings(power: Array) -> np.ndarray:
     """The level around every ordinate of a mean spectrum (k,), which a line does not lift and a
     slope does not mislead: the larger of the running medians to its left and to its right.
     """
@@ -128,7 +129,7 @@ def _stretches(count: int) -> list[tuple[int, int]]:
     return out
 
 
-def places(x, fs: float, *, least: float = 0.0, most: int = 60) -> list[Place]:
+def places(x: Array, fs: float, *, least: float = 0.0, most: int = 60) -> list[Place]:
     """Places of a channel `x` (n,) above `least` Hz that stand out, the strongest first."""
     found: list[Place] = []
     for length in ladder(len(x)):
@@ -149,7 +150,10 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
     around = np.maximum(around, STOP_BAND_DEPTH * around.mean())  # below is what the window leaks
     first = max(5, int(np.ceil(least / segments.f[1])))  # slower is a drift
     total = np.vstack([np.zeros(power.shape[1]), np.cumsum(power, axis=0, dtype=float)])
-    rows, spans, dofs, usual = [], [], [], 1.0
+    rows: list[Array] = []
+    spans: list[tuple[int, int]] = []
+    dofs: list[float] = []
+    usual: Array | float = 1.0
     for a, b in _stretches(count):
         ratio = (total[b] - total[a]) / (b - a) / around
         # the level of a stretch in eight parts of the spectrum; where most of a part lies far below
@@ -168,7 +172,7 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
     gain[~unlikely] = 0.0
     out = []
     for _ in range(most):
-        j, i = np.unravel_index(int(np.argmax(gain)), gain.shape)
+        j, i = map(int, np.unravel_index(int(np.argmax(gain)), gain.shape))
         if gain[j, i] < GAIN:
             break
         lo, hi = _extent(ratio[j], i, float(dof[j, 0]))
@@ -194,7 +198,7 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
     return out
 
 
-def _lobe(power, lo: int, peak: int) -> bool:
+def _lobe(power: Array, lo: int, peak: int) -> bool:
     """Whether what stands out is no louder than what lies below it in frequency: a lobe of a
     filter rises behind its null, and never as high as the one before.
     """
@@ -205,14 +209,14 @@ def _lobe(power, lo: int, peak: int) -> bool:
     return bool(np.convolve(below, np.ones(width) / width, "valid").max() > 0.8 * power[peak])
 
 
-def _levels(ratio, parts: int = 8) -> np.ndarray:
+def _levels(ratio: Array, parts: int = 8) -> np.ndarray:
     """Median level in parts of the spectrum, straight lines between them, shape of `ratio`."""
     edge = np.linspace(0, len(ratio), parts + 1).astype(int)
     level = [np.median(ratio[a:b]) for a, b in zip(edge[:-1], edge[1:])]
     return np.maximum(np.interp(np.arange(len(ratio)), (edge[:-1] + edge[1:]) / 2, level), 1e-9)
 
 
-def _extent(ratio, i: int, dof: float) -> tuple[int, int]:
+def _extent(ratio: Array, i: int, dof: float) -> tuple[int, int]:
     """First and last ordinate of what stands out around ordinate `i`: down to a twentieth of the
     excess or a decibel, or to what chance allows.
     """

@@ -10,6 +10,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 
+from imu_lib.arrays import Array
 from imu_lib.gap.innovations import Smooth
 
 #: Samples thrown off so near each other are looked at together.
@@ -19,7 +20,7 @@ CLOSE = 6
 ALIKE = 0.36
 
 
-def spike_odds(y, p: float, scale: float) -> np.ndarray:
+def spike_odds(y: Array, p: float, scale: float) -> np.ndarray:
     """Log odds of each sample, in standard deviations (n,), for being a spike: of probability `p`
     and normal height of standard deviation `scale` on normal noise.
     """
@@ -28,7 +29,7 @@ def spike_odds(y, p: float, scale: float) -> np.ndarray:
 
 
 def deconvolved(
-    y, smooth: Smooth, *, least: float = 5.0, reach: int = 256, rounds: int = 10
+    y: Array, smooth: Smooth, *, least: float = 5.0, reach: int = 256, rounds: int = 10
 ) -> tuple[np.ndarray, np.ndarray]:
     """Surprises of which each stands for its own sample alone, shape (n,), and the samples that
     may be off in place of
@@ -70,14 +71,16 @@ def deconvolved(
     return rest, instead
 
 
-def loudest(y, parts: int = 16) -> float:
+def loudest(y: Array, parts: int = 16) -> float:
     """Standard deviation of the surprises, without their outliers, in the part of the record where
     it is largest.
     """
     return max(1.4826 * float(np.median(np.abs(part[::5]))) for part in np.array_split(y, parts))
 
 
-def _settled(y, at, new, near, response, least):
+def _settled(
+    y: Array, at: Array, new: Array, near: Array, response: Array, least: float
+) -> tuple[Array, Array]:
     """The samples `at`, those about the `new` ones moved to where they explain the most beside
     their neighbours, without those
     that are then too weak; and `near`, the samples that explain nearly as much as one of them."""
@@ -120,7 +123,7 @@ def _settled(y, at, new, near, response, least):
     return np.concatenate(out), np.unique(np.concatenate(instead))
 
 
-def _gains(want, r, others):
+def _gains(want: Array, r: Array, others: list[int]) -> Array:
     """Squared surprise of each sample in its standard deviations, given that the `others` are off,
     too.
     """
@@ -134,7 +137,7 @@ def _gains(want, r, others):
     return out
 
 
-def _heights(y, at, response):
+def _heights(y: Array, at: Array, response: Array) -> Array:
     """What the samples `at` are off, given all others, in standard deviations of one alone."""
     reach = len(response) - 1
     first = np.searchsorted(at, at - reach)

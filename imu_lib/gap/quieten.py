@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.arrays import Array
+
 #: Samples that a segment has for one ordinate's width of the band at the least, and its lengths.
 SHORTEST_SEGMENT, LONGEST_SEGMENT = 1024, 65536
 
@@ -21,7 +23,15 @@ def segment_length(n: int, fs: float, width: float) -> int:
     return length
 
 
-def quietened(x, fs: float, bands, rng, *, start: float = 0.0, stop: float | None = None):
+def quietened(
+    x: Array,
+    fs: float,
+    bands: list[tuple[float, float]],
+    rng: np.random.Generator,
+    *,
+    start: float = 0.0,
+    stop: float | None = None,
+) -> Array:
     """`x` (n,) with the `bands` [(low, high) Hz, ...] at the level of what is beside them.
 
     Segments under a sine window, half-overlapping, put together again under the same window (its
@@ -57,7 +67,9 @@ def quietened(x, fs: float, bands, rng, *, start: float = 0.0, stop: float | Non
     return x + _fade(n, fs, start, stop, hop) * (out - x)
 
 
-def _ordinates(f, bands):
+def _ordinates(
+    f: Array, bands: list[tuple[float, float]]
+) -> tuple[list[Array], list[tuple[Array, Array]]]:
     """Ordinates of each band, and those beside it that no band holds."""
     taken = np.zeros(len(f), bool)
     inside = []
@@ -80,7 +92,7 @@ def _ordinates(f, bands):
     return inside, sides
 
 
-def _level(power, at, beside):
+def _level(power: Array, at: Array, beside: tuple[Array, Array]) -> Array:
     """Level at the ordinates `at` from the mean logarithms of the power beside, shape (1, at): a
     line between the two sides where both are there.
     """
@@ -95,7 +107,7 @@ def _level(power, at, beside):
     return np.exp(np.interp(at, places, values))[None, :]
 
 
-def _fade(n: int, fs: float, start: float, stop: float | None, hop: int):
+def _fade(n: int, fs: float, start: float, stop: float | None, hop: int) -> Array:
     """1 between `start` and `stop` s, 0 away from it, with ramps outside; shape (n,)."""
     t = np.arange(n)
     ramp = max(1, min(hop // 2, int(0.5 * fs)))

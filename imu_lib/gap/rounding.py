@@ -10,15 +10,17 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
+from imu_lib.arrays import Array
 from imu_lib.gap.data import statistics
-from imu_lib.gap.innovations import trend
+from imu_lib.gap.innovations import Smooth, trend
+from imu_lib.processes import Quantization
 
 #: Steps in standard deviations of the rounded noise from which on rounding is more than white
 #: noise of step^2 / 12.
 COARSE = 0.9
 
 
-def moments(sd: float, points: int = 129):
+def moments(sd: float, points: int = 129) -> tuple[Array, Array, Array]:
     """Mean and variance of round(mu + sd z), z standard normal, for mu over half a step either
     side of a level: (mu, mean, variance).
     """
@@ -41,26 +43,30 @@ class Rounding:
     part moves between two levels (1 where that is less than a per cent).
     """
 
-    def __init__(self, x, smooth, grid):
+    def __init__(self, x: Array, smooth: Smooth, grid: tuple[float, float]) -> None:
         self.smooth, (self.step, offset), self.n = smooth, grid, len(x)
         level = (trend(x, smooth.m) - offset) / self.step
         after = smooth.sample_variance / self.step**2
         self.coarse = after < 1 / COARSE**2
-        self.base, self.variance, self.slope, self.swing = level, max(after - 1 / 12, 0.0), 1.0, 1.0
+        self.base, self.variance, self.slope = level, max(after - 1 / 12, 0.0), 1.0
+        self.swing: Array | float = 1.0
         if self.coarse:
             self._before(level, after)
 
-    def _before(self, level, variance):
+    def _before(self, level: Array, variance: float) -> None:
         whole = np.rint(level)
         few = (level - whole)[:: max(1, len(level) // 4000)]
 
-        def after(sd, part=few):
+        def after(sd: float, part: Array = few) -> tuple[Array, Array]:
             mu, mean, spread = moments(sd)
             before = np.interp(part, mean, mu)
             return before, np.interp(before, mu, spread)
 
         low, high = 0.05, max(2.0, 2 * np.sqrt(variance))
-        excess = lambda sd: float(np.mean(after(sd)[1])) - variance  # noqa: E731
+
+        def excess(sd: float) -> float:
+            return float(np.mean(after(sd)[1])) - variance
+
         sd = low if excess(low) >= 0 else brentq(excess, low, high, xtol=1e-5)
         part, spread = after(sd, level - whole)
         self.base, self.variance = whole + part, sd**2
@@ -71,11 +77,11 @@ class Rounding:
         self.swing = swing if np.std(swing) > 0.01 else 1.0
 
     @cached_property
-    def _before_level(self):
+    def _before_level(self) -> Array:
         smooth = self.smooth
         return smooth.level * self.variance * self.step**2 / smooth.sample_variance
 
-    def _drawn(self, level, rng):
+    def _drawn(self, level: Array, rng: np.random.Generator) -> tuple[Array, Array]:
         """The signal before the rounding with noise of the spectrum `level` in the bins, and after
         it.
         """
@@ -88,7 +94,7 @@ class Rounding:
         before = self.base * self.step + noise
         return before, np.rint(before / self.step)
 
-    def twin(self, rng, of_integral=None) -> np.ndarray:
+    def twin(self, rng: np.random.Generator, of_integral: Quantization | None = None) -> np.ndarray:
         """A simulation of the rounded samples, in steps, shape (n,); increments of a rounded
         integral where its quantization is given.
         """
@@ -104,13 +110,13 @@ class Rounding:
         before, _ = self._drawn(np.maximum(level - noise, 0.02 * level), rng)
         return np.rint(of_integral.round(before, fs, rng) / self.step)
 
-    def extra(self, rng) -> np.ndarray:
+    def extra(self, rng: np.random.Generator) -> np.ndarray:
         """Density that the rounding adds in the bins, by simulation: it is neither white nor
         independent of the signal.
         """
         return self._unrounded(rng)[1]
 
-    def _unrounded(self, rng):
+    def _unrounded(self, rng: np.random.Generator) -> tuple[Array, Array]:
         """Spectrum before the rounding and what the rounding adds to it, in the bins."""
         smooth, k = self.smooth, self.smooth.layout.slow
         level, kernel = self._before_level, np.ones(15) / 15
@@ -118,8 +124,8 @@ class Rounding:
             extra = np.zeros_like(level)
             for _ in range(draws):
                 before, after = self._drawn(level, rng)
-                after, before = (statistics(v, smooth.fs) for v in (after * self.step, before))
-                extra += (after.mean_power - before.mean_power) / draws
+                rounded = statistics(after * self.step, smooth.fs)
+                extra += (rounded.mean_power - statistics(before, smooth.fs).mean_power) / draws
             # rounding changes a spectrum smoothly: average over neighbours, leave the slow end to
             # its own level
             extra = np.convolve(np.pad(extra, 7, mode="edge"), kernel, "valid")

@@ -6,10 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap import measured
+from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.resolution import grid_of, ladder
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.gap.steps import Step
+from imu_lib.model import Model
+from imu_lib.record import Record
 
 #: Confidence at the most in a vibration of one channel that begins or ends: a faint tone whose
 #: amplitude rises looks the same (three of nine such tones 18 dB above the noise).
@@ -22,39 +26,42 @@ class RecordView:
     grid (NaN where a sample is missing) at `fs` Hz, the temperature there, the given model.
     """
 
-    record: object
-    raw: dict
+    record: Record
+    raw: dict[str, Array]
     fs: float
     temperature: np.ndarray | None
-    model: object
+    model: Model | None
 
 
-def vibrations(record, raw, fs, temperature, model) -> tuple[list, dict]:
+def vibrations(
+    record: Record, raw: dict[str, Array], fs: float, temperature: Array | None, model: Model | None
+) -> tuple[list[Finding], dict[str, Array]]:
     """What shakes the record: findings, and what they put into the channels (name -> (n,))."""
     view = RecordView(record, raw, fs, temperature, model)
     found = VIBRATION.candidates(view)
-    known: dict = {}
+    known: dict[str, Array] = {}
     for item in found:
-        for name, signal in item.signal.items():
+        for name, signal in (item.signal or {}).items():
             known[name] = known.get(name, 0.0) + signal
     return found, known
 
 
-def parted(found) -> tuple[list, dict]:
+def parted(found: list[Finding]) -> tuple[list[Finding], dict[str, str]]:
     """Findings that are vibrations, and channel -> sentences about those that are none."""
-    nameless: dict = {}
+    nameless: dict[str, list[str]] = {}
     for item in found:
         if item.doubt:
-            for name in item.signal:
+            for name in item.signal or {}:
                 nameless.setdefault(name, []).append(item.doubt)
     return [item for item in found if not item.doubt], {
         name: "; ".join(told) for name, told in nameless.items()
     }
 
 
-def vibration_step(found) -> Step:
+def vibration_step(found: Finding) -> Step:
     """A vibration as a step of the record."""
     parameters = {k: v for k, v in found.process.to_json().items() if k != "process"}
+    assert found.gain is not None, "it is found by its gain"
     sure = measured.odds(found.gain, found.places)
     if len(found.process.channels) == 1 and found.process.start is not None:
         sure = min(sure, ALONE)
@@ -72,7 +79,7 @@ def vibration_step(found) -> Step:
     )
 
 
-def on_levels(raw: dict) -> dict:
+def on_levels(raw: dict[str, Array]) -> dict[str, Array]:
     """The channels (name -> (n,)) on the levels of their converters, where a calibration has
     blurred these and more digits were printed than there are levels.
     """

@@ -5,10 +5,14 @@ with its gain, its bands and a sentence of where it shows.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.families import weak_lines
+from imu_lib.gap.forest import Forest
+from imu_lib.gap.shared_band import Band
 from imu_lib.gap.sources import Source
 from imu_lib.gap.transforms import Transforms
 from imu_lib.processes import Vibration as Process
@@ -28,13 +32,15 @@ class Shake:
     process: Process
     gain: float
     where: str
-    intervals: dict
-    bands: list = field(default_factory=list)
-    signal: dict = field(default_factory=dict)
+    intervals: dict[str, Any]
+    bands: list[tuple[float, float]] = field(default_factory=list)
+    signal: dict[str, Array] = field(default_factory=dict)
     doubt: str = ""
 
 
-def of_family(f0: float, family, transforms, shortest: float) -> list[Shake]:
+def of_family(
+    f0: float, family: list[Source], transforms: Transforms, shortest: float
+) -> list[Shake]:
     """A family of sources, multiples of `f0` Hz where that is not 0: one shake an episode of
     `shortest` s or more.
     """
@@ -53,7 +59,9 @@ def of_family(f0: float, family, transforms, shortest: float) -> list[Shake]:
         **_lines(f0, keys, ratios),
     )
     spread = 1.96 * max(best.frequency_sd / order, 1e-9)
-    intervals = {"frequency": [process.frequency - spread, process.frequency + spread]}
+    intervals: dict[str, Any] = {
+        "frequency": [process.frequency - spread, process.frequency + spread]
+    }
     intervals["amplitude"] = [
         [max(0.0, a - 1.96 * _sd(family, n)), a + 1.96 * _sd(family, n)]
         for n, a in zip(names, process.amplitude)
@@ -66,36 +74,43 @@ def of_family(f0: float, family, transforms, shortest: float) -> list[Shake]:
     gain, out = float(sum(s.gain for s in family)), []
     spans = [v for v in best.spans if len(best.spans) < 2 or v[1] - v[0] >= shortest]
     total = sum(stop - start for start, stop in spans)
-    for start, stop in spans or [(None, None)]:
+    times: list[tuple[float | None, float | None]] = [*spans] or [(None, None)]
+    for start, stop in times:
         one = process.with_(start=start, stop=stop)
-        share = 1.0 if start is None else (stop - start) / total
+        share = 1.0 if start is None or stop is None else (stop - start) / total
         text = where(one, best.strength, transforms.duration)
         out.append(Shake(one, gain * share, text, intervals, bands))
     return out
 
 
-def _amplitudes(f0, family, transforms):
+def _amplitudes(
+    f0: float, family: list[Source], transforms: Transforms
+) -> tuple[dict[float, dict[str, float]], dict[int, dict[str, float]]]:
     """(amplitudes by channel of each line, by its order or its frequency; those too weak to stand
     out alone).
     """
     weak = weak_lines(f0, family, transforms) if f0 else {}
-    out = {int(round(s.frequency / f0)) if f0 else s.frequency: s.amplitude for s in family}
-    return {**out, **weak}, weak
+    out: dict[float, dict[str, float]] = {
+        int(round(s.frequency / f0)) if f0 else s.frequency: s.amplitude for s in family
+    }
+    for order, amplitude in weak.items():
+        out[order] = amplitude
+    return out, weak
 
 
-def _lines(f0, keys, ratios) -> dict:
+def _lines(f0: float, keys: list[float], ratios: Array) -> dict[str, Any]:
     """Fields of a process of several lines."""
     if len(keys) == 1 and (not f0 or keys == [1]):
         return {}
-    count = max(keys) if f0 else len(keys)
+    count = int(max(keys)) if f0 else len(keys)
     table = np.zeros(count)
     for i, k in enumerate(keys):
-        table[k - 1 if f0 else i] = ratios[i]
-    more = {"harmonics": int(count), "ratios": tuple(float(v) for v in table)}
+        table[int(k) - 1 if f0 else i] = ratios[i]
+    more = {"harmonics": count, "ratios": tuple(float(v) for v in table)}
     return more if f0 else {**more, "lines": tuple(float(k) for k in keys)}
 
 
-def of_band(band) -> Shake:
+def of_band(band: Band) -> Shake:
     """Noise that channels share in a band."""
     process = Process(
         frequency=0.5 * (band.low + band.high),
@@ -126,7 +141,7 @@ def of_tone(source: Source, transforms: Transforms) -> Shake:
     return shake
 
 
-def loudest(transforms: Transforms, name: str, band) -> tuple[float, float]:
+def loudest(transforms: Transforms, name: str, band: tuple[float, float]) -> tuple[float, float]:
     """From when to when (s) the middle two thirds of the power of a band on a channel came."""
     z = transforms.zoom(name, *transforms.ordinates(*band))
     power = np.maximum(np.abs(z) ** 2 - 1.0, 0.0)
@@ -135,7 +150,7 @@ def loudest(transforms: Transforms, name: str, band) -> tuple[float, float]:
     return float(low * transforms.duration), float(high * transforms.duration)
 
 
-def of_forest(found, signal: dict, duration: float) -> Shake:
+def of_forest(found: Forest, signal: dict[str, Array], duration: float) -> Shake:
     """A forest of lines with what it puts into its channels."""
     order = np.argsort(found.frequencies)
     lines, matrix = found.frequencies[order], found.amplitude[:, order]
@@ -184,11 +199,11 @@ def where(process: Process, strength: float, duration: float) -> str:
     return what
 
 
-def _names(channels) -> str:
+def _names(channels: tuple[str, ...]) -> str:
     return ", ".join(channels)
 
 
-def _factors(matrix):
+def _factors(matrix: Array) -> tuple[Array, Array]:
     """Amplitudes of the channels and of the lines over the strongest whose product is nearest to
     `matrix`, shapes (channels,), (lines,).
     """
@@ -198,14 +213,14 @@ def _factors(matrix):
     return np.abs(u[:, 0]) * s[0] * top, ratios / top
 
 
-def _sd(family, name) -> float:
+def _sd(family: list[Source], name: str) -> float:
     """Standard deviation of a channel's amplitude, from its best line."""
     return min((s.sd[name] for s in family if name in s.sd), default=0.0)
 
 
-def _merged(bands):
+def _merged(bands: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Bands in order, those that meet joined."""
-    out = []
+    out: list[tuple[float, float]] = []
     for low, high in sorted(bands):
         if out and low <= out[-1][1]:
             out[-1] = (out[-1][0], max(high, out[-1][1]))

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 from scipy.stats import chi2
+
+from imu_lib.arrays import Array
+from imu_lib.processes import Vibration
 
 #: Segments of the record, ordinates of each, and bands that the spectrum is divided into.
 LENGTH, BANDS = 256, 32
@@ -27,14 +31,14 @@ class Band:
 
     low: float
     high: float
-    amplitude: dict
+    amplitude: dict[str, float]
     coherence: float
     gain: float
     #: Where it stands out at all; `low` to `high` is where it has half of its power or more.
     reach: tuple[float, float]
 
 
-def bands(channels: dict, fs: float, known=()) -> list[Band]:
+def bands(channels: dict[str, Array], fs: float, known: Sequence[Vibration] = ()) -> list[Band]:
     """Bands in which some channels (name -> (n,), fast part) share noise; lines and bands of the
     `known` vibrations are left out.
     """
@@ -46,18 +50,26 @@ def bands(channels: dict, fs: float, known=()) -> list[Band]:
     spectra = np.array([_segments(channels[name], length) for name in names])
     keep = _free(length, fs, known)
     edge = np.unique(np.linspace(2, length // 2, BANDS + 1).astype(int))
-    cross, count = [], []
+    products, counts = [], []
     for a, b in zip(edge[:-1], edge[1:]):
         z = spectra[:, :, a:b][:, :, keep[a:b]].reshape(len(names), -1)
-        count.append(z.shape[1] / 1.7)  # segments and ordinates of a window overlap
-        cross.append(z @ z.conj().T / max(z.shape[1], 1))
-    cross, count = np.array(cross), np.array(count)
+        counts.append(z.shape[1] / 1.7)  # segments and ordinates of a window overlap
+        products.append(z @ z.conj().T / max(z.shape[1], 1))
+    cross, count = np.array(products), np.array(counts)
     level = np.maximum(np.einsum("bii->bi", cross).real, 1e-30)
     square = np.abs(cross) ** 2 / (level[:, :, None] * level[:, None, :])
     return _found(names, cross, level, square, count, edge * fs / length, fs / length)
 
 
-def _found(names, cross, level, square, count, edge, step) -> list[Band]:
+def _found(
+    names: list[str],
+    cross: Array,
+    level: Array,
+    square: Array,
+    count: Array,
+    edge: Array,
+    step: float,
+) -> list[Band]:
     best = None
     for i, j in combinations(range(len(names)), 2):
         stands = chi2.logsf(2 * count * square[:, i, j], 2) / np.log(10) < RARE
@@ -92,11 +104,11 @@ def _found(names, cross, level, square, count, edge, step) -> list[Band]:
             joint = max(float(np.sum(2 * count[a:b] * square[a:b, k, m])) for m in members)
             if chi2.logsf(joint, 2 * (b - a)) / np.log(10) < RARE:
                 members.add(k)
-    members = sorted(members)
     amplitude = {}
     beside = [k for k in (a - 3, a - 2, b + 1, b + 2) if 0 <= k < len(level)]
-    for k in members:
-        others = [m for m in members if m != k]
+    together = sorted(members)
+    for k in together:
+        others = [m for m in together if m != k]
         shared = max(float(np.mean(np.sqrt(square[a:b, k, m]))) for m in others)
         rise = np.mean(level[a:b, k]) - (np.median(level[beside, k]) if beside else np.inf)
         part = max(shared * float(np.mean(level[a:b, k])), float(rise))
@@ -110,7 +122,7 @@ def _found(names, cross, level, square, count, edge, step) -> list[Band]:
     ]
 
 
-def _reach(value, a: int, b: int, edge) -> tuple[float, float]:
+def _reach(value: Array, a: int, b: int, edge: Array) -> tuple[float, float]:
     """Where the coherence comes down to that of the rest of the spectrum on both sides, Hz."""
     floor = SKIRT * np.quantile(value, 0.3)
     while a > LOWEST and value[a - 1] > floor:
@@ -120,7 +132,7 @@ def _reach(value, a: int, b: int, edge) -> tuple[float, float]:
     return float(edge[a]), float(edge[b])
 
 
-def _segments(x, length):
+def _segments(x: Array, length: int) -> Array:
     """Spectra of half-overlapping segments, scaled so that their mean square is the variance of an
     ordinate, shape (segments, length / 2).
     """
@@ -130,7 +142,7 @@ def _segments(x, length):
     return z[:, : length // 2] * (2.0 / length)
 
 
-def _free(length, fs, known):
+def _free(length: int, fs: float, known: Sequence[Vibration]) -> Array:
     """Ordinates that no known vibration reaches, shape (length / 2,)."""
     f = np.arange(length // 2) * fs / length
     out = np.ones(len(f), bool)
@@ -140,7 +152,7 @@ def _free(length, fs, known):
     return out
 
 
-def _run(value, stands) -> tuple[int, int]:
+def _run(value: Array, stands: Array) -> tuple[int, int]:
     """First and one behind the last of the longest run that stands out, holes of one allowed."""
     closed = stands.copy()
     closed[1:-1] |= stands[:-2] & stands[2:]

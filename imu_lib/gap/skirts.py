@@ -4,7 +4,11 @@ its own band has ended.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+
+from imu_lib.arrays import Array
 
 #: Ordinates in a band, widths of the band that a skirt may reach on each side, and widths beyond
 #: that tell the level.
@@ -13,7 +17,14 @@ ORDINATES, REACH, BESIDE = 8, 3.0, 1.5
 LEAST, CHANCE = 1.08, 3.0
 
 
-def widened(x, fs: float, bands, *, start: float = 0.0, stop: float | None = None) -> list:
+def widened(
+    x: Array,
+    fs: float,
+    bands: Sequence[tuple[float, float]],
+    *,
+    start: float = 0.0,
+    stop: float | None = None,
+) -> list[tuple[float, float]]:
     """Bands (low, high) in Hz of a channel `x` (n,) with the skirts of each, as there are between
     `start` and `stop` s.
     """
@@ -21,7 +32,7 @@ def widened(x, fs: float, bands, *, start: float = 0.0, stop: float | None = Non
     return [_widened(part, fs, *band) for band in bands]
 
 
-def _widened(x, fs, low, high):
+def _widened(x: Array, fs: float, low: float, high: float) -> tuple[float, float]:
     width = high - low
     m = int(2 ** np.round(np.log2(max(ORDINATES * fs / width, 32))))
     if len(x) < 16 * m:
@@ -45,7 +56,7 @@ def _widened(x, fs, low, high):
     return min(low, float(f[a])), max(high, float(f[b]))
 
 
-def _level(f, power, low, high, fs):
+def _level(f: Array, power: Array, low: float, high: float, fs: float) -> Array | None:
     """The level under the band: a straight line in the logarithm between what lies beyond the
     skirts; None where one side is missing.
     """

@@ -6,11 +6,14 @@ its samples are then nearly independent complex numbers, normal where there is n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.fft import next_fast_len
 
+from imu_lib.arrays import Array
 from imu_lib.gap.behaviour import BREATHES, SWEEPS, breathes, coherent, fading, rises, sweeps
 from imu_lib.gap.episodes import BLOCKS, episodes
 from imu_lib.gap.narrow_band import Place
@@ -41,8 +44,8 @@ class Source:
     bandwidth: float
     #: When it is there, (from, to) in s each; empty: all the time.
     spans: tuple[tuple[float, float], ...]
-    amplitude: dict
-    sd: dict
+    amplitude: dict[str, float]
+    sd: dict[str, float]
     gain: float
     fading: float
     strength: float
@@ -73,7 +76,7 @@ class Source:
         return self.spans[-1][1] if self.spans else None
 
 
-def examined(place: Place, found_on, transforms: Transforms) -> Source:
+def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source:
     """The source behind a `place` that was found on the channels `found_on`."""
     a, b = transforms.ordinates(place.low, place.high)
     z = {name: transforms.zoom(name, a, b) for name in transforms.names}
@@ -121,7 +124,9 @@ def examined(place: Place, found_on, transforms: Transforms) -> Source:
     )
 
 
-def _felt(z, on, share, found_on) -> dict:
+def _felt(
+    z: dict[str, Array], on: Array, share: float, found_on: set[str]
+) -> dict[str, tuple[float, float]]:
     """Channels that feel it: name -> (power over the surroundings, gain)."""
     out = {}
     dof = max(on.sum() * share, 1.0)
@@ -139,12 +144,14 @@ class _Wide:
     noise of mean square 1, the `ratio` of each, the band's `width` in Hz.
     """
 
-    z: dict
-    ratio: dict
+    z: dict[str, Array]
+    ratio: dict[str, float]
     width: float
 
     @classmethod
-    def around(cls, felt, a, b, transforms) -> _Wide:
+    def around(
+        cls, felt: dict[str, tuple[float, float]], a: int, b: int, transforms: Transforms
+    ) -> _Wide:
         strength = max(r - 1.0 for r, _ in felt.values())
         wider = int(np.clip(min(strength / 2, BLOCKS / (b - a)), 1, 40) * (b - a))
         middle, half = (a + b) // 2, wider // 2 + 1
@@ -163,7 +170,7 @@ class _Wide:
         power = sum(w / total * np.abs(self.z[name]) ** 2 for name, w in weight.items())
         return episodes(power, min(len(weight), 2), duration) or ()
 
-    def strange(self, source: dict, best: str, duration: float) -> str:
+    def strange(self, source: dict[str, Any], best: str, duration: float) -> str:
         """Why it behaves as no vibration does, or nothing."""
         x, spans = self.z[best], source["spans"]
         time = (np.arange(len(x)) + 0.5) / len(x) * duration
@@ -178,7 +185,7 @@ class _Wide:
         return ""
 
 
-def within(spans, time) -> np.ndarray:
+def within(spans: Sequence[tuple[float, float]], time: Array) -> np.ndarray:
     """Whether times (n,) lie in one of the spans (from, to); all where there is none."""
     out = np.full(len(time), not spans)
     for start, stop in spans:
@@ -186,7 +193,14 @@ def within(spans, time) -> np.ndarray:
     return out
 
 
-def _width(z, felt, on, a, b, transforms) -> tuple[float, float, float]:
+def _width(
+    z: dict[str, Array],
+    felt: dict[str, tuple[float, float]],
+    on: Array,
+    a: int,
+    b: int,
+    transforms: Transforms,
+) -> tuple[float, float, float]:
     """Frequency with its standard deviation and width at half power, Hz, of what is felt."""
     count = len(on)
     rate = count / transforms.duration  # of the zoomed samples
@@ -196,9 +210,11 @@ def _width(z, felt, on, a, b, transforms) -> tuple[float, float, float]:
     window = np.sin(np.pi * (np.arange(length) + 0.5) / length)
     size = next_fast_len(4 * length)
     weight = sum((r - 1) for r, _ in felt.values())
-    power = sum(
-        (r - 1) / weight * np.abs(np.fft.fft(z[name][part] * window, size)) ** 2
-        for name, (r, _) in felt.items()
+    power = np.asarray(
+        sum(
+            (r - 1) / weight * np.abs(np.fft.fft(z[name][part] * window, size)) ** 2
+            for name, (r, _) in felt.items()
+        )
     )
     seconds = length / rate
     f = transforms.fs / transforms.n * a + np.arange(size) / size * rate
@@ -225,7 +241,7 @@ def _width(z, felt, on, a, b, transforms) -> tuple[float, float, float]:
     return float(q[1]), float(half / np.sqrt(max(half * seconds, 1.0))), half
 
 
-def sources(places: dict, transforms: Transforms) -> list[Source]:
+def sources(places: dict[str, list[Place]], transforms: Transforms) -> list[Source]:
     """All sources behind the places of the channels (name -> list of `Place`), the strongest
     first, each place used once.
     """
@@ -249,7 +265,7 @@ def sources(places: dict, transforms: Transforms) -> list[Source]:
     return out
 
 
-def _meets(item, place: Place, names, transforms) -> bool:
+def _meets(item: tuple[Place, str], place: Place, names: set[str], transforms: Transforms) -> bool:
     """Whether a place on a channel belongs to one that was found: their bands meet, and at the
     same time or on a channel that shows it already.
     """

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import norm
 from scipy.stats import t as student
+
+from imu_lib.arrays import Array
 
 #: Standard deviations up to which samples tell the noise's own distribution.
 CENTRE = 4.5
@@ -15,7 +20,7 @@ CLASSES = 600
 LEAST = 2.6
 
 
-def beyond(y) -> tuple[float, float, float]:
+def beyond(y: Array) -> tuple[float, float, float]:
     """(gain, probability, scale) of the best spikes of normal heights on Student's noise for the
     surprises `y` (n,), over that noise alone; `scale` in standard deviations of the centre.
     """
@@ -28,7 +33,7 @@ def beyond(y) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0
     alone = max(float(count @ noise), float(count @ _log_student(u, *_student(u, count, np.inf))))
 
-    def loss(v):
+    def loss(v: Array) -> float:
         p, scale = 1.0 / (1.0 + np.exp(-v[0])), np.exp(v[1])
         spike = norm.logpdf(u, scale=np.hypot(width, scale)) + np.log(2)
         return -float(count @ np.logaddexp(np.log1p(-p) + noise, np.log(p) + spike))
@@ -39,7 +44,7 @@ def beyond(y) -> tuple[float, float, float]:
     return -alone - best.fun, float(1.0 / (1.0 + np.exp(-best.x[0]))), float(np.exp(best.x[1]))
 
 
-def odds(y, p: float, scale: float) -> np.ndarray:
+def odds(y: Array, p: float, scale: float) -> np.ndarray:
     """Log odds of each sample for being a spike, shape (n,)."""
     u = np.abs(y) / _sd(y)
     freedom, width = _student(*_counted(u), CENTRE)
@@ -47,11 +52,11 @@ def odds(y, p: float, scale: float) -> np.ndarray:
     return np.log(p / (1 - p)) + spike - _log_student(u, freedom, width)
 
 
-def _sd(y) -> float:
+def _sd(y: Array) -> float:
     return 1.4826 * float(np.median(np.abs(y)))
 
 
-def _counted(u) -> tuple[np.ndarray, np.ndarray]:
+def _counted(u: Array) -> tuple[np.ndarray, np.ndarray]:
     """Sizes and how many samples have them: those near the centre in classes."""
     near, far = u[u < CENTRE], u[u >= CENTRE]
     count, edge = np.histogram(near, CLASSES, (0.0, CENTRE))
@@ -59,19 +64,19 @@ def _counted(u) -> tuple[np.ndarray, np.ndarray]:
     return values, np.r_[count, np.ones(len(far))].astype(float)
 
 
-def _log_student(u, freedom: float, width: float):
+def _log_student(u: Array, freedom: float, width: float) -> Array:
     """Logarithm of the density of sizes."""
     return student.logpdf(u / width, freedom) - np.log(width) + np.log(2)
 
 
-def _student(u, count, end: float) -> tuple[float, float]:
+def _student(u: Array, count: Array, end: float) -> tuple[float, float]:
     """Freedom and width of the Student's distribution that is likeliest for the samples within
     `end`, as a distribution that ends there.
     """
     near = u < end
     u, count = u[near], count[near]
 
-    def loss(v):
+    def loss(v: Array) -> float:
         freedom, width = 1.5 + np.exp(v[0]), np.exp(v[1])
         inside = 1.0 - 2.0 * student.sf(end / width, freedom)
         return float(count.sum() * np.log(inside) - count @ _log_student(u, freedom, width))
@@ -80,5 +85,5 @@ def _student(u, count, end: float) -> tuple[float, float]:
     return 1.5 + float(np.exp(best.x[0])), float(np.exp(best.x[1]))
 
 
-def _least(loss, start):
+def _least(loss: Callable[[Array], float], start: list[float]) -> Any:
     return minimize(loss, start, method="Nelder-Mead", options={"xatol": 1e-2, "fatol": 1e-2})

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.fft import ifft, next_fast_len, rfft
 
+from imu_lib.arrays import Array
+
 
 class Transforms:
     """Transforms of all channels (name -> (n,), fast part), made once."""
 
-    def __init__(self, channels: dict, fs: float):
+    def __init__(self, channels: dict[str, Array], fs: float) -> None:
         self.names, self.fs = list(channels), fs
         self.n = len(next(iter(channels.values())))
         self.z = {name: rfft(x) for name, x in channels.items()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.units import duration
 
 #: Classes of size, in standard deviations of the quiet noise, and rounds of the fit.
@@ -14,7 +15,7 @@ SHARE, RATIO = 0.005, 1.7
 LAGS = np.unique(np.geomspace(1, 2000, 25).astype(int))
 
 
-def sentence(y, fs: float) -> str | None:
+def sentence(y: Array, fs: float) -> str | None:
     """What the innovations `y` (n,) at `fs` Hz do, or None where one noise is as good."""
     share, ratio = two_sizes(y)
     if not SHARE < share < 1.0 - SHARE or ratio < RATIO:
@@ -31,7 +32,7 @@ def sentence(y, fs: float) -> str | None:
     )
 
 
-def two_sizes(y) -> tuple[float, float]:
+def two_sizes(y: Array) -> tuple[float, float]:
     """(share of the loud samples, its standard deviation over that of the quiet ones) of the
     likeliest mixture of two normal distributions about zero.
     """
@@ -54,7 +55,7 @@ def two_sizes(y) -> tuple[float, float]:
     return float(share), float(np.sqrt(loud / quiet))
 
 
-def stays(y) -> float:
+def stays(y: Array) -> float:
     """Samples for which the loud noise is there at a time, from the correlation of sizes."""
     size = np.minimum(np.abs(y), 4.0 * np.std(y))
     size = size - size.mean()

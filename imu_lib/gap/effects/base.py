@@ -7,6 +7,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from imu_lib.arrays import Array
+from imu_lib.gap.data import Data
+from imu_lib.processes import LowPass, Sum
+
 
 class Effect:
     """An entry of the catalogue: its name in the model file, its physical cause in a sentence, the
@@ -37,17 +41,17 @@ class Effect:
         """The name, and behind a colon which of several effects of that name it is."""
         return self.name
 
-    def beside(self, low_pass, fs: float) -> bool:
+    def beside(self, low_pass: LowPass | None, fs: float) -> bool:
         """Whether the effect can stand beside a filter (or None) in the sensor."""
         return True
 
-    def of_differences(self, parameters: dict) -> bool:
+    def of_differences(self, parameters: dict[str, Any]) -> bool:
         """Whether such a finding beside a grid may come of rounding the integral: differenced
         errors, white noise the less, samples that agree.
         """
         return False
 
-    def most_sure(self, parameters: dict, beside: list[Effect], shared: float) -> float:
+    def most_sure(self, parameters: dict[str, Any], beside: list[Effect], shared: float) -> float:
         """Confidence at the most in such a finding `beside` the effects of its channel, which
         shares noise of the density N `shared`.
         """
@@ -89,16 +93,16 @@ class Finding:
     process: Any
     gain: float | None
     where: str
-    intervals: dict = field(default_factory=dict)
+    intervals: dict[str, Any] = field(default_factory=dict)
     mask: np.ndarray | None = None
     doubt: str | None = None
-    blank: dict | None = None
-    signal: dict | None = None
+    blank: dict[str, Array] | None = None
+    signal: dict[str, Array] | None = None
     scale: np.ndarray | None = None
     places: float = 1.0
     evidence: str = ""
     #: Bands (low, high) in Hz that a vibration fills; whether the given model has it already.
-    bands: list = field(default_factory=list)
+    bands: list[tuple[float, float]] = field(default_factory=list)
     held: bool = False
     counted: bool = False
 
@@ -144,7 +148,7 @@ class SignalEffect(Effect):
         """
         raise NotImplementedError
 
-    def foreseen(self, finding: Finding, given, data) -> bool:
+    def foreseen(self, finding: Finding, given: Sum | None, data: Data) -> bool:
         """Whether the given model (or None) has it."""
         return False
 
@@ -162,6 +166,6 @@ class ChannelEffect(Effect):
         """Where the effect may be, in what is left."""
         raise NotImplementedError
 
-    def normal(self, y, finding: Finding):
+    def normal(self, y: Array, finding: Finding) -> Array:
         """Innovations of the levelled samples made normal, for the tests of what is left."""
         return y

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from imu_lib.processes import Flicker as Process
 
 from .competitor import Spectral
@@ -16,7 +18,7 @@ class Flicker(Spectral):
     process = Process
     amplitude = "B"
 
-    def grid(self, fs, duration):
+    def grid(self, fs: float, duration: float) -> list[Any]:
         return [Process(B=1.0)]
 
 

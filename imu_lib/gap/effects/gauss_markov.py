@@ -4,8 +4,12 @@ with the surroundings.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.state import State
 from imu_lib.processes import GaussMarkov as Process
 
 from .competitor import Spectral, near_record
@@ -15,7 +19,7 @@ from .competitor import Spectral, near_record
 BURIED, BURIED_IN_DRIFT = 3.0, 8.0
 
 
-def buried_telegraph(state, candidate) -> bool:
+def buried_telegraph(state: State, candidate: Candidate) -> bool:
     """Whether a telegraph of the same spectrum would look the same, its dwells being lost in the
     noise.
     """
@@ -37,20 +41,20 @@ class GaussMarkov(Spectral):
     process = Process
     amplitude = "sigma"
 
-    def grid(self, fs, duration):
+    def grid(self, fs: float, duration: float) -> list[Any]:
         return [
             Process(sigma=1.0, correlation_time=t) for t in np.geomspace(2 / fs, duration / 3, 20)
         ]
 
-    def levels(self, state, candidate):
+    def levels(self, state: State, candidate: Candidate) -> list[tuple[float, float]]:
         process = state.fit.terms[state.assembly.place(candidate)]
         rate, distance = 0.5 / process.correlation_time, 2 * process.sigma
         return [(distance, rate), (distance, 0.4 * rate)]
 
-    def alike(self, state, candidate):
+    def alike(self, state: State, candidate: Candidate) -> dict[str, float]:
         return {"telegraph": 0.5} if buried_telegraph(state, candidate) else {}
 
-    def log_prior(self, state, candidate):
+    def log_prior(self, state: State, candidate: Candidate) -> float:
         return near_record(state, candidate)
 
 

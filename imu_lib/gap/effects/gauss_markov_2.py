@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.state import State
 from imu_lib.processes import GaussMarkov2 as Process
 
 from .competitor import Spectral, near_record
@@ -17,12 +21,12 @@ class GaussMarkov2(Spectral):
     process = Process
     amplitude = "sigma"
 
-    def grid(self, fs, duration):
+    def grid(self, fs: float, duration: float) -> list[Any]:
         return [
             Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)
         ]
 
-    def log_prior(self, state, candidate):
+    def log_prior(self, state: State, candidate: Candidate) -> float:
         return near_record(state, candidate)
 
 

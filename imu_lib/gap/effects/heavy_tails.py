@@ -7,11 +7,12 @@ from scipy.optimize import minimize
 from scipy.special import gammaln, ndtri
 from scipy.stats import t as student
 
+from imu_lib.arrays import Array
 from imu_lib.gap import turns
 from imu_lib.gap.innovations import whitened
 from imu_lib.processes import HeavyTails as Stage
 
-from .base import ChannelEffect, Finding
+from .base import ChannelEffect, ChannelView, Finding
 from .noise_level_change import unsteady
 from .resolution import grid_of
 
@@ -27,7 +28,7 @@ COARSE, COARSER = 0.5, 1.2
 STEADY = -5.0
 
 
-def fitted(y) -> tuple[float, float, float, float]:
+def fitted(y: Array) -> tuple[float, float, float, float]:
     """(gain over a normal distribution, degrees of freedom, scale, sd of the logarithm of the
     freedom) of the Student's distribution that is likeliest for `y` (n,).
     """
@@ -43,7 +44,7 @@ def fitted(y) -> tuple[float, float, float, float]:
         values, count = square, np.ones(len(square))
     n = count.sum()
 
-    def loss(v):
+    def loss(v: Array) -> float:
         freedom, scale = 2.0 + np.exp(v[0]), np.exp(2 * v[1])
         constant = gammaln(0.5 * (freedom + 1)) - gammaln(0.5 * freedom)
         constant -= 0.5 * np.log(np.pi * freedom * scale)
@@ -66,7 +67,7 @@ class HeavyTails(ChannelEffect):
     cause = "The noise has many sources of unequal strength, or an interpolating or dithering converter: large deviations come more often than in normal noise."
     domain = "distribution"
 
-    def candidates(self, view):
+    def candidates(self, view: ChannelView) -> list[Finding]:
         y, independent = view.y, view.smooth.independent
         held = None if view.given is None else view.given.find(self.name)
         if held is not None:
@@ -75,7 +76,9 @@ class HeavyTails(ChannelEffect):
         coarse = 0.0 if grid is None else grid[0] / np.sqrt(view.smooth.conditional_variance)
         if coarse > COARSER:
             return []  # a few levels have a distribution of their own
-        if coarse > COARSE:  # each level spread over its own width, which makes tails the lighter
+        if (
+            grid is not None and coarse > COARSE
+        ):  # each level spread over its own width, which makes tails the lighter
             rng = np.random.default_rng(len(y))
             y = whitened(view.x + grid[0] * (rng.random(len(y)) - 0.5), view.smooth)
         gain, freedom, _, sd = fitted(y - np.mean(y))
@@ -102,7 +105,7 @@ class HeavyTails(ChannelEffect):
             found.doubt = left[1]
         return [found]
 
-    def normal(self, y, finding):
+    def normal(self, y: Array, finding: Finding) -> Array:
         freedom = finding.process.freedom
         u = (y - np.mean(y)) / np.std(y) * np.sqrt(freedom / (freedom - 2.0))
         return np.sign(u) * -ndtri(np.maximum(student.sf(np.abs(u), freedom), 1e-300))

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.stats import norm
 
 from imu_lib.processes import Jitter as Process
+from imu_lib.record import Record
 
 from .base import Effect, Finding
 
@@ -15,7 +16,7 @@ class Jitter(Effect):
     cause = "The host stamps the samples when it gets to them, not when they were taken."
     domain = "timing"
 
-    def detect(self, record) -> Finding | None:
+    def detect(self, record: Record) -> Finding | None:
         if record.time is None:
             return None
         slots = record.slots().astype(float)

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from imu_lib.gap.candidate import Candidate
+from imu_lib.arrays import Array
+from imu_lib.gap.candidate import Assembly, Candidate
 from imu_lib.gap.data import SCREEN
-from imu_lib.likelihood.layout import Images
+from imu_lib.gap.state import State
+from imu_lib.likelihood.evidence import Maximum
+from imu_lib.likelihood.layout import Images, Layout
 from imu_lib.likelihood.slot import FILTER, Slot
-from imu_lib.processes import Autoregressive, WhiteNoise
+from imu_lib.processes import Autoregressive, Process, WhiteNoise
 from imu_lib.processes import LowPass as Stage
 
 from .competitor import Competitor, factor, process_parameters
 from .parameter_change import elsewhere
+
+if TYPE_CHECKING:
+    from imu_lib.gap.rounds import Weighed
 
 #: Filters of different kinds that are fitted at the most.
 MOST_KINDS = 5
@@ -33,7 +40,7 @@ class LowPass(Competitor):
     simple = False
     rolls_off = True
 
-    def filters(self, fs) -> list:
+    def filters(self, fs: float) -> list[Stage]:
         """Filters from whose shapes the best start is chosen."""
         moving = [Stage(taps=k, rate=fs) for k in (*range(2, 13), 15, 16, 20, 24, 32, 48, 64)]
         # white noise averaged over ten times as many taps at ten times the rate is the same behind
@@ -54,13 +61,13 @@ class LowPass(Competitor):
             ]
         )
 
-    def slot(self, fs) -> Slot:
+    def slot(self, fs: float) -> Slot:
         """The cutoff of a filter of given order."""
         return Slot(
             FILTER, ("cutoff",), (np.log(0.003 * fs),), (np.log(0.495 * fs),), (np.log(100.0),)
         )
 
-    def candidates(self, state):
+    def candidates(self, state: State) -> list[Candidate]:
         if state.fit.low_pass is not None:
             return []
         data, s0 = state.cleaned, state.fit.expected
@@ -68,7 +75,8 @@ class LowPass(Competitor):
         stages, gains = _gains(self, data.layout, data.fs)
         s = np.maximum((s0 - data.extra) * gains + data.extra, 1e-9 * s0)
         gain = 0.5 * np.sum(count * np.log(s0 / s) + power / s0 - power / s, axis=1)
-        out, kinds = [], set()
+        out: list[Candidate] = []
+        kinds = set()
         for i in np.argsort(-gain, kind="stable"):
             stage = stages[i]
             kind = (stage.order, stage.smoothing, stage.rate)
@@ -83,13 +91,13 @@ class LowPass(Competitor):
             out.append(Candidate(self, stage, slot, screen=float(gain[i]), bonus=-rarity))
         return out
 
-    def enter(self, assembly, candidate):
+    def enter(self, assembly: Assembly, candidate: Candidate) -> None:
         assembly.set_filter(candidate)
 
-    def settled(self, state, candidate):
+    def settled(self, state: State, candidate: Candidate) -> Candidate:
         return replace(candidate, process=state.fit.low_pass)
 
-    def against(self, rival):
+    def against(self, rival: Weighed) -> float:
         """A rival that needs the white noise to vanish."""
         state = rival.state
         weakest = np.min(state.fit.expected)
@@ -99,10 +107,17 @@ class LowPass(Competitor):
         )
         return BARE if vanished else 0.0
 
-    def grow(self, state, candidate, fit, terms, stages):
+    def grow(
+        self,
+        state: State,
+        candidate: Candidate,
+        fit: Maximum,
+        terms: list[Any],
+        stages: dict[str, Any],
+    ) -> None:
         stages[self.name] = fit.low_pass
 
-    def report(self, state, candidate):
+    def report(self, state: State, candidate: Candidate) -> tuple[dict[str, Any], dict[str, Any]]:
         process, intervals = state.fit.low_pass, {}
         if candidate.slot is not None:
             _, at = state.free(FILTER)
@@ -111,13 +126,13 @@ class LowPass(Competitor):
         return process_parameters(process), intervals
 
 
-def _behind(term, stage, fs) -> bool:
+def _behind(term: Process, stage: Stage, fs: float) -> bool:
     """Whether the filter can stand behind a noise: one of samples has no spectrum at its rate."""
     return elsewhere(term) or not isinstance(term, Autoregressive) or stage.rate == fs
 
 
 @lru_cache(maxsize=4)
-def _gains(effect, layout, fs):
+def _gains(effect: LowPass, layout: Layout, fs: float) -> tuple[list[Stage], Array]:
     """The filters of the catalogue and their power gains in the bands, shape (filters, b)."""
     stages = effect.filters(fs)
     white = WhiteNoise(N=1.0)  # of the one-sided density 2 before the filter

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
+from imu_lib.arrays import Array
 from imu_lib.processes import NoiseLevelChange as Stage
 
-from .base import ChannelEffect, Finding
+from .base import ChannelEffect, ChannelView, Finding
 
 #: Gain in log-likelihood of a change of level. Twice its largest value over all instants exceeds u
 #: with a probability of about ln(n^2) sqrt(u / 2 pi) exp(-u / 2) (Csorgo and Horvath 1997, Theorem
@@ -21,14 +22,14 @@ SCALES, PARTS = (5.0, 20.0, 60.0, 300.0), (40, 12)
 LEAST_BLOCKS, LEAST_SAMPLES = 8, 24
 
 
-def energies(y, fs, seconds: float):
+def energies(y: Array, fs: float, seconds: float) -> tuple[Array, int]:
     """Mean square of a white series in blocks, and the degrees of freedom of each."""
     m = max(1, int(round(seconds * fs)))
     k = len(y) // m
     return np.mean((y[: k * m] ** 2).reshape(k, m), axis=1), m
 
 
-def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
+def unsteady(y: Array, fs: float, independent: float = 1.0) -> tuple[float, str] | None:
     """(log10 of the p-value, where) of the worst scale at which the mean square wanders more than
     chance; None below three blocks.
 
@@ -42,10 +43,10 @@ def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
     )  # variance of y^2 in units of its mean
     for seconds in _scales(len(y), fs):
         e, m = energies(y, fs, seconds)
-        k, m = len(e), m * independent
+        k, free = len(e), m * independent
         if k < LEAST_BLOCKS:
             continue
-        z = (e / e.mean() - 1.0) * np.sqrt(m / kurt)
+        z = (e / e.mean() - 1.0) * np.sqrt(free / kurt)
         log_p = chi2.logsf(np.sum(z**2), k - 1) / np.log(10)
         line = (
             np.abs(np.fft.rfft(z - z.mean()))[1 : (k + 1) // 2] ** 2 / k
@@ -53,7 +54,7 @@ def unsteady(y, fs, independent: float = 1.0) -> tuple[float, str] | None:
         log_line = (np.log(len(line)) - line.max()) / np.log(10)
         low = min(log_p, log_line)
         if low < worst[0]:
-            wander, chance = 100 * np.std(e) / e.mean(), 100 * np.sqrt(kurt / m)
+            wander, chance = 100 * np.std(e) / e.mean(), 100 * np.sqrt(kurt / free)
             worst = (
                 low,
                 f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where chance allows {chance:.2g} %",
@@ -68,7 +69,7 @@ def _scales(n: int, fs: float) -> tuple[float, ...]:
     return tuple(n / fs / part for part in PARTS if n >= LEAST_SAMPLES * part)
 
 
-def change_point(y, independent: float = 1.0):
+def change_point(y: Array, independent: float = 1.0) -> tuple[float, int, float]:
     """(gain, index, ratio) of the best single change of variance of a white series, to the sample.
 
     Where the series has heavier shoulders than a normal one (a few levels of a coarse grid), its
@@ -98,7 +99,7 @@ class NoiseLevelChange(ChannelEffect):
     cause = "The gain, the supply or the vibration around the sensor changed at one instant."
     domain = "stationarity"
 
-    def candidates(self, view):
+    def candidates(self, view: ChannelView) -> list[Finding]:
         independent = view.smooth.independent
         found = self.detect(view.y, view.fs, independent)
         if found is None:
@@ -108,7 +109,7 @@ class NoiseLevelChange(ChannelEffect):
         found.scale = found.process.factor(len(view.y), view.fs)
         return [found]
 
-    def detect(self, y, fs, independent: float = 1.0) -> Finding | None:
+    def detect(self, y: Array, fs: float, independent: float = 1.0) -> Finding | None:
         """`y` is the whitened fast noise, a share of whose samples is `independent`."""
         gain, k, ratio = change_point(y, independent)
         if gain < MIN_GAIN:
@@ -135,7 +136,9 @@ class NoiseLevelChange(ChannelEffect):
         return found
 
     @staticmethod
-    def anchored(found: Finding, y, fs, level: float, independent: float = 1.0) -> Finding:
+    def anchored(
+        found: Finding, y: Array, fs: float, level: float, independent: float = 1.0
+    ) -> Finding:
         """The change measured from the given model's level where the noise before it has that
         level.
 
@@ -156,7 +159,7 @@ class NoiseLevelChange(ChannelEffect):
         )
 
     @staticmethod
-    def _time_slack(y, k, independent) -> float:
+    def _time_slack(y: Array, k: int, independent: float) -> float:
         """Half width, in samples, of the range of change points within 2.5 of the best
         log-likelihood.
         """

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from imu_lib.processes import Quantization as Process
 
-from .base import Finding
+from .base import Effect, Finding
 from .competitor import SLOPE_BESIDE_FILTER, Spectral
 
 
@@ -17,13 +19,13 @@ class Quantization(Spectral):
     process = Process
     amplitude = "Q"
 
-    def grid(self, fs, duration):
+    def grid(self, fs: float, duration: float) -> list[Any]:
         return [Process(Q=1.0)]
 
-    def of_differences(self, parameters):
+    def of_differences(self, parameters: dict[str, Any]) -> bool:
         return True
 
-    def most_sure(self, parameters, beside, shared):
+    def most_sure(self, parameters: dict[str, Any], beside: list[Effect], shared: float) -> float:
         return SLOPE_BESIDE_FILTER if any(e.rolls_off for e in beside) else 1.0
 
     def on_grid(self, process: Process, levels: int, doubt: str | None = None) -> Finding:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from imu_lib.processes import RandomWalk as Process
 
 from .competitor import Spectral
@@ -16,7 +18,7 @@ class RandomWalk(Spectral):
     process = Process
     amplitude = "K"
 
-    def grid(self, fs, duration):
+    def grid(self, fs: float, duration: float) -> list[Any]:
         return [Process(K=1.0)]
 
 

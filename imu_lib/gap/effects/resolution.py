@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.processes import Resolution as Stage
 
 from .base import Effect, Finding
@@ -12,7 +13,7 @@ from .base import Effect, Finding
 MOST = 0.97
 
 
-def grid_of(x) -> tuple[float, float] | None:
+def grid_of(x: Array) -> tuple[float, float] | None:
     """(step, offset) of the grid that the samples lie on, all but a few per cent, or None where
     they are continuous.
     """
@@ -36,7 +37,7 @@ def grid_of(x) -> tuple[float, float] | None:
     return step, float(u[0] - np.rint(u[0] / step) * step)
 
 
-def printed(x) -> float | None:
+def printed(x: Array) -> float | None:
     """The step of the number format that the samples are printed in, however fine, or None where
     no two agree or they have no common step.
     """
@@ -54,7 +55,7 @@ def printed(x) -> float | None:
 CONCENTRATED, CELLS, WIDEST = 0.55, 8192, 2.8
 
 
-def ladder(x) -> tuple[float, float, np.ndarray] | None:
+def ladder(x: Array) -> tuple[float, float, np.ndarray] | None:
     """(step, width, samples on their levels) of a converter's grid that a calibration has blurred
     or bent and whose values are printed more finely, or None. `x` has shape (n,).
 
@@ -87,7 +88,7 @@ def ladder(x) -> tuple[float, float, np.ndarray] | None:
     return even, width, levels[0] + even * whole
 
 
-def _levels(x, step: float):
+def _levels(x: Array, step: float) -> tuple[Array | None, float]:
     """Middles of the levels that lie about `step` apart, and how far samples scatter about them."""
     u, count = np.unique(x, return_counts=True)
     gap = np.flatnonzero(np.diff(u) > 0.35 * step)
@@ -118,7 +119,7 @@ class Resolution(Effect):
     )
     domain = "distribution"
 
-    def detect(self, x, sd: float, held: float | None) -> Finding | None:
+    def detect(self, x: Array, sd: float, held: float | None) -> Finding | None:
         """`sd` is the standard deviation of the fast noise, `held` the step that the base model
         has.
         """
@@ -143,7 +144,7 @@ class Resolution(Effect):
         )
 
 
-def missing_codes(x, step) -> str | None:
+def missing_codes(x: Array, step: float) -> str | None:
     """A sentence where the levels are occupied as no rounding of a smooth noise would occupy them."""
     k = np.rint((x - x.min()) / step).astype(np.int64)
     if k.max() > 200_000:

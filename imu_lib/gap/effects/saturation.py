@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.processes import Saturation as Stage
 
 from .base import Effect, Finding
@@ -22,7 +23,7 @@ AGAIN, INSIDE, LEVELS = 20, 0.1, 2.5
 BESIDE = 0.1
 
 
-def _piled(x, step, side) -> float:
+def _piled(x: Array, step: float | None, side: float) -> float:
     """How far the outermost value is overfull, as a log-likelihood gain; 0 where it is not, and
     without bound where there is no grid on which values agree by chance.
     """
@@ -72,7 +73,7 @@ class Saturation(Effect):
     cause = "The signal leaves the range of an amplifier or converter and is clipped."
     domain = "distribution"
 
-    def detect(self, x, step: float | None, held) -> Finding | None:
+    def detect(self, x: Array, step: float | None, held: Stage | None) -> Finding | None:
         """`step` of the grid if the output is rounded, `held` the base model's stage."""
         high, low = _piled(x, step, 1.0), _piled(x, step, -1.0)
         tolerance = (step or 0.0) + 1e-6 * np.ptp(x)

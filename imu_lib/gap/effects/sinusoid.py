@@ -6,8 +6,11 @@ import numpy as np
 from scipy.fft import rfft
 from scipy.ndimage import median_filter
 
+from imu_lib.arrays import Array
+from imu_lib.gap.data import Data
 from imu_lib.likelihood import tapered
 from imu_lib.processes import Sinusoid as Process
+from imu_lib.processes import Sum
 
 from .base import Finding, SignalEffect
 
@@ -21,7 +24,7 @@ INDEPENDENT = 1.25
 THRESHOLD = 20.0
 
 
-def local_level(power) -> np.ndarray:
+def local_level(power: Array) -> np.ndarray:
     """A level around every ordinate that lines do not lift: running medians, wider the higher the
     frequency.
     """
@@ -44,7 +47,7 @@ class Sinusoid(SignalEffect):
     cause = "Vibration, mains hum, a clock or a switching supply that couples in."
     domain = "lines"
 
-    def strongest(self, data, level):
+    def strongest(self, data: Data, level: Array) -> tuple[float, float]:
         """Frequencies (Hz) and power over level of the strongest lines, on a grid twice as fine as
         the ordinates.
         """
@@ -56,7 +59,7 @@ class Sinusoid(SignalEffect):
         i = int(np.argmax(ratio))
         return i * data.fs / size, float(ratio[i])
 
-    def refine(self, data, f: float):
+    def refine(self, data: Data, f: float) -> tuple[Process, Array]:
         """Least-squares sinusoid near `f` Hz: amplitude, frequency, phase and the fitted signal."""
         fs, n = data.fs, data.n
         x = data.x - tapered.bridge(data.x)
@@ -87,7 +90,7 @@ class Sinusoid(SignalEffect):
             e + phase
         )
 
-    def doubt(self, data, process, level) -> str | None:
+    def doubt(self, data: Data, process: Process, level: Array) -> str | None:
         """Why the line is not one steady sinusoid, or None: power left beside it, or an amplitude
         that changes.
         """
@@ -102,15 +105,17 @@ class Sinusoid(SignalEffect):
             return f"power spectral density beside {process.frequency:.5g} Hz: what is left is no steady sinusoid"
         return None
 
-    def foreseen(self, finding, given, data):
+    def foreseen(self, finding: Finding, given: Sum | None, data: Data) -> bool:
         # a phase that is given is a drift of the model, and has been taken out
         terms = () if given is None else given.terms
         known = [t.frequency for t in terms if isinstance(t, Process) and t.phase is None]
         return any(abs(f - finding.process.frequency) < 2 / data.duration for f in known)
 
-    def find(self, data, *, most: int = 6, threshold: float = THRESHOLD):
+    def find(
+        self, data: Data, *, most: int = 6, threshold: float = THRESHOLD
+    ) -> tuple[list[tuple[Finding, Array]], Data]:
         """All lines, strongest first: list of (Finding, signal) and the data without them."""
-        found = []
+        found: list[tuple[Finding, Array]] = []
         level = local_level(np.abs(data.z) ** 2 / data.fs)
         for _ in range(most):
             f, ratio = self.strongest(data, level)
@@ -162,7 +167,7 @@ class Sinusoid(SignalEffect):
         return found, data
 
 
-def _around(data, i: int, level: float, reach: int) -> float:
+def _around(data: Data, i: int, level: float, reach: int) -> float:
     """Mean density of the ordinates around a line: the line's own left out, other lines cut down
     to 12 times the level.
     """
@@ -172,7 +177,7 @@ def _around(data, i: int, level: float, reach: int) -> float:
     return float(np.mean(np.minimum(np.abs(data.z[near]) ** 2 / data.fs, 12.0 * level)))
 
 
-def _harmonics(found):
+def _harmonics(found: list[tuple[Finding, Array]]) -> None:
     """Lines at whole multiples of one frequency are one periodic signal that is not a sinusoid; so
     are three of whole hertz.
     """

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.data import Data
+from imu_lib.gap.state import State
 from imu_lib.processes import Step as Process
 
 from .drift import Drift
+
+if TYPE_CHECKING:
+    from imu_lib.gap.absorbed import FreeBase
 
 #: Shares of the record that the change may last, and that there is of each level at the least.
 SHARES, LEVEL = (0.04, 0.08, 0.16, 0.3), 0.08
@@ -26,7 +34,7 @@ class SlowStep(Drift):
     )
     shape = "time"
 
-    def shapes(self, data):
+    def shapes(self, data: Data) -> list[Any]:
         span, out = data.duration, []
         for share in SHARES:
             if share * span < 4 * data.m / data.fs:
@@ -38,7 +46,7 @@ class SlowStep(Drift):
             ]
         return out
 
-    def around(self, process, data, reach, points):
+    def around(self, process: Any, data: Data, reach: float, points: int) -> list[Any]:
         length = process.duration
         shift = np.linspace(-reach, reach, 9 if points < 100 else points) * length / BEGINNINGS
         factor = np.exp(min(reach, 1.0) * LENGTHS) if points < 100 else np.ones(1)
@@ -52,7 +60,7 @@ class SlowStep(Drift):
             ]
         return out
 
-    def penalty(self, data, snr):
+    def penalty(self, data: Data, snr: float) -> float:
         # of a straight change: sd of its middle about its length over the signal-to-noise ratio, of
         # its length likewise; uniform before, the latter in its logarithm
         snr = max(snr, 1.0)
@@ -62,10 +70,10 @@ class SlowStep(Drift):
             + np.log(np.sqrt(2 * np.pi) / (snr * np.log(SHARES[-1] / SHARES[0])))
         )
 
-    def absorbed(self, base):
+    def absorbed(self, base: FreeBase) -> bool:
         return False
 
-    def where(self, state, candidate):
+    def where(self, state: State, candidate: Candidate) -> str:
         p = candidate.process
         return (
             f"mean of the signal: a change from {p.time:.0f} to {p.time + p.duration:.0f} s from one "

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, kstest
 
+from imu_lib.arrays import Array
 from imu_lib.gap import turns
+from imu_lib.gap.innovations import Smooth
 from imu_lib.gap.outliers import loudest, spike_odds
 from imu_lib.gap.tailed import beyond
 from imu_lib.gap.tailed import odds as odds_beyond
@@ -35,7 +40,7 @@ EDGES, SHAPE = (
 )
 
 
-def mixture(y):
+def mixture(y: Array) -> tuple[float, float, float, float]:
     """(gain, probability, scale, curvature) of the best mixture of N(0, 1) and N(0, 1 + scale^2)
     for the surprises `y`.
     """
@@ -46,15 +51,15 @@ def mixture(y):
     far, near = y2[cut:], y2[: cut : max(1, cut // 4000)]
     weight = cut / max(len(near), 1)
 
-    def loss(v):
+    def loss(v: Array) -> float:
         none, one, a = -np.logaddexp(0.0, v[0]), -np.logaddexp(0.0, -v[0]), np.exp(2 * v[1])
 
-        def ll(z):
+        def ll(z: Array) -> Array:
             return np.logaddexp(none, one - 0.5 * np.log1p(a) + 0.5 * z * a / (1 + a))
 
         return -(ll(far).sum() + weight * ll(near).sum())
 
-    best = None
+    best: Any = None  # scipy.optimize.OptimizeResult
     outliers = far[far > OUTLIER**2]
     k = max(len(outliers), 1)
     scale = np.sqrt(np.mean(outliers)) if len(outliers) else 5.0
@@ -70,13 +75,13 @@ def mixture(y):
     return -best.fun, 1 / (1 + np.exp(-best.x[0])), float(np.exp(best.x[1])), s
 
 
-def normal_gain(y, s) -> float:
+def normal_gain(y: Array, s: float) -> float:
     """Log-likelihood of N(0, s^2) for `y` less that of the best normal distribution, shape (n,)."""
     ratio = float(np.mean(y * y)) / s**2
     return 0.5 * len(y) * (1.0 + np.log(ratio) - ratio)
 
 
-def exceedances(y, s):
+def exceedances(y: Array, s: float) -> tuple[float, float, float, float]:
     """As `mixture`, from the surprises beyond `OUTLIER` times `s` alone.
 
     In strongly coloured noise a spike too small to be taken out on its own leaves traces on many
@@ -88,7 +93,7 @@ def exceedances(y, s):
     if k < 2:
         return 0.0, 1.0 / n, OUTLIER, s
 
-    def loss(log_scale):
+    def loss(log_scale: float) -> float:
         wide = np.sqrt(1 + np.exp(2 * log_scale))
         return k * (np.log(wide) + log_ndtr(-OUTLIER / wide)) + 0.5 * np.sum(far**2) / wide**2
 
@@ -103,7 +108,7 @@ def exceedances(y, s):
     return float(gain), p, scale, s
 
 
-def shape(height, tail) -> float:
+def shape(height: Array, tail: Callable[[float], Array | float]) -> float:
     """log10 of the p-value of the heights from one standard deviation on against `tail`, the share
     expected beyond each.
 
@@ -128,7 +133,7 @@ class Spikes(Effect):
     cause = "Transmission errors, electrostatic discharges or shocks throw single samples off."
     domain = "distribution"
 
-    def detect(self, y, smooth, held) -> Finding | None:
+    def detect(self, y: Array, smooth: Smooth, held: Stage | None) -> Finding | None:
         """`y` are the surprises of the samples, in standard deviations."""
         if np.abs(y).max() < OUTLIER:
             return None
@@ -179,7 +184,7 @@ class Spikes(Effect):
         return found
 
     @staticmethod
-    def doubt(y, p, scale, *, shoulders: bool = True) -> str | None:
+    def doubt(y: Array, p: float, scale: float, *, shoulders: bool = True) -> str | None:
         """Why these outliers are no spikes of normal height at random times, or None."""
         hit = np.flatnonzero(np.abs(y) > OUTLIER)
         k = len(hit)
@@ -188,7 +193,7 @@ class Spikes(Effect):
         wide = np.sqrt(1 + scale**2)
 
         # heights beyond the threshold against the two normals of the mixture
-        def tail(a):
+        def tail(a: float | Array) -> float | Array:
             return (1 - p) * 2 * ndtr(-a) + p * 2 * ndtr(-a / wide)
 
         if kstest(1 - tail(np.abs(y[hit])) / tail(OUTLIER), "uniform").pvalue < 1e-4:

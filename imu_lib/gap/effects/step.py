@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
+from imu_lib.arrays import Array
+from imu_lib.gap.candidate import Candidate
+from imu_lib.gap.data import Data
+from imu_lib.gap.state import State
 from imu_lib.processes import Step as Process
 
 from .drift import Drift
@@ -19,18 +26,18 @@ class Step(Drift):
     sharp = True
     fall = 3.0  # an edge is where it is, or a sample beside it
 
-    def shapes(self, data):
+    def shapes(self, data: Data) -> list[Any]:
         blocks = np.arange(2, data.n // data.m - 1)
         return [Process(amplitude=1.0, time=float(t)) for t in blocks * data.m / data.fs]
 
-    def columns(self, processes, data):
+    def columns(self, processes: Sequence[Any], data: Data) -> Array:
         # a sum of cosines from the edge on, whose first sample is the first at or after its time
         edge = np.ceil(np.array([p.time for p in processes]) * data.fs - 1e-6)
         half = 0.5 * np.pi * np.arange(1, data.orders + 1) / data.n
         scale = -np.sqrt(1.0 / (data.n * data.fs)) / np.sin(half)
         return scale[:, None] * np.sin(2 * half[:, None] * edge[None, :])
 
-    def around(self, process, data, reach, points):
+    def around(self, process: Any, data: Data, reach: float, points: int) -> list[Any]:
         block = data.m / data.fs
         times = np.clip(
             process.time + np.linspace(-reach, reach, points) * block,
@@ -39,11 +46,11 @@ class Step(Drift):
         )
         return [process.with_(time=float(t)) for t in np.unique(times)]
 
-    def noted(self, gain):
+    def noted(self, gain: Array) -> dict[str, Any]:
         # log of the share of all instants at which the jump may lie
         return {"width": float(np.log(np.sum(np.exp(gain - gain.max())) / len(gain)))}
 
-    def sharpened(self, process, amplitude, state):
+    def sharpened(self, process: Any, amplitude: float, state: State) -> tuple[Any, dict[str, Any]]:
         data = state.cleaned
         s = state.fit.expected[data.layout.slow :]
         # red noise has edges of its own
@@ -55,14 +62,16 @@ class Step(Drift):
         width = float(np.log((edge[2] - edge[1]) / 3.0 / data.duration))
         return process.with_(time=edge[0]), {"edge": edge, "width": width}
 
-    def log_prior(self, state, candidate):
+    def log_prior(self, state: State, candidate: Candidate) -> float:
         return candidate.note["width"]
 
-    def where(self, state, candidate):
+    def where(self, state: State, candidate: Candidate) -> str:
         return f"mean of the signal: a jump at {candidate.process.time:.1f} s"
 
 
-def sharpen(x, fs, time: float, block: float, amplitude: float, density: float):
+def sharpen(
+    x: Array, fs: float, time: float, block: float, amplitude: float, density: float
+) -> tuple[float, float, float] | None:
     """(time, low, high) of an edge near `time`, found to the sample by least squares of two levels
     in a local window.
 

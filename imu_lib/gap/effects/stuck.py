@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.stats import poisson
 
+from imu_lib.arrays import Array
 from imu_lib.processes import Stuck as Stage
 
 from .base import Effect, Finding
 
 
-def runs(x) -> tuple[np.ndarray, np.ndarray]:
+def runs(x: Array) -> tuple[np.ndarray, np.ndarray]:
     """Start and number of repeats of every run of equal neighbours."""
     same = np.diff(x) == 0
     edge = np.diff(np.concatenate([[False], same, [False]]).astype(np.int8))
@@ -18,7 +21,7 @@ def runs(x) -> tuple[np.ndarray, np.ndarray]:
     return start, stop - start
 
 
-def by_chance(x) -> float:
+def by_chance(x: Array) -> float:
     """How often two neighbours agree by chance: as often as samples further apart, more often as
     neighbours are correlated. `x` has shape (n,).
     """
@@ -30,7 +33,7 @@ def by_chance(x) -> float:
     return float(min(far / (LAGS * len(x)) * max(apart / near, 1.0), 0.5))
 
 
-def _least(length, chance, n: int, rate: float) -> tuple[float, float]:
+def _least(length: Array, chance: Array | None, n: int, rate: float) -> tuple[float, float]:
     """The length from which on most runs are frozen samples, given the runs of a simulation that
     only rounds, or the `rate` at which neighbours of a finer grid agree by chance, and how many
     repeats chance makes in runs of that length or more.
@@ -65,10 +68,12 @@ class Stuck(Effect):
     cause = "The read-out returns an old value again: a bus that is too slow, a register that is not refreshed."
     domain = "distribution"
 
-    def of_differences(self, parameters):
+    def of_differences(self, parameters: dict[str, Any]) -> bool:
         return True
 
-    def detect(self, x, clipped, twin, held) -> Finding | None:
+    def detect(
+        self, x: Array, clipped: Array, twin: Array | None, held: Stage | None
+    ) -> Finding | None:
         """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the
         noise (None where the grid is too fine to matter, and neighbours agree by chance as often as
         others do), `held` what the given model has of it: then the finding says so, since its samples

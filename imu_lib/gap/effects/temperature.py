@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from scipy.optimize import minimize
 
+from imu_lib.arrays import Array
 from imu_lib.gap.candidate import Candidate
-from imu_lib.gap.data import SCREEN
+from imu_lib.gap.data import SCREEN, Data
+from imu_lib.gap.drifts import Scan
+from imu_lib.gap.state import State
 from imu_lib.processes import Temperature as Process
 
 from .drift import Drift
@@ -24,12 +30,13 @@ class Temperature(Drift):
     domain = "temperature"
     amplitude = "slope"
 
-    def shapes(self, data):
-        if data.temperature is None or not np.ptp(data.grid_temperature) > 0:
+    def shapes(self, data: Data) -> list[Any]:
+        t = data.grid_temperature
+        if t is None or not np.ptp(t) > 0:
             return []
-        return [Process(slope=1.0, reference=float(np.mean(data.grid_temperature)))]
+        return [Process(slope=1.0, reference=float(np.mean(t)))]
 
-    def candidates(self, state):
+    def candidates(self, state: State) -> list[Candidate]:
         """As a straight line, and with a curvature, a lag or both; a fitted base may have taken so
         much of it for noise that only the whole shape wins it back.
         """
@@ -47,21 +54,26 @@ class Temperature(Drift):
                     )
         return out
 
-    def report(self, state, candidate):
+    def report(self, state: State, candidate: Candidate) -> tuple[dict[str, Any], dict[str, Any]]:
         parameters, intervals = super().report(state, candidate)
         return parameters, {**intervals, **candidate.note.get("intervals", {})}
 
-    def where(self, state, candidate):
-        low, high = state.data.temperature.min(), state.data.temperature.max()
+    def where(self, state: State, candidate: Candidate) -> str:
+        t = state.data.temperature
+        assert t is not None, "what follows it is not looked for without it"
+        low, high = t.min(), t.max()
         return f"regression on the temperature between {low:.1f} and {high:.1f} degC"
 
-    def bent(self, process, scan, data) -> list:
+    def bent(
+        self, process: Process, scan: Scan, data: Data
+    ) -> list[tuple[Process, dict[str, list[float]], float]]:
         """(process, 95 % intervals, log odds against it) with a curvature, with a lag and with
         both, at their best by `scan(effect, processes)`, which fits the amplitude.
         """
+        assert data.grid_temperature is not None, "what follows it is not looked for without it"
         middle, sd = process.reference, float(np.std(data.grid_temperature))
 
-        def made(v, curved, lagged):
+        def made(v: tuple[float, float] | Array, curved: bool, lagged: bool) -> Process:
             angle = v[0] if curved else 0.0
             return Process(
                 slope=float(np.cos(angle) / sd),
@@ -70,7 +82,7 @@ class Temperature(Drift):
                 lag=float(np.exp(v[1])) if lagged else None,
             )
 
-        def gain(v, curved, lagged):
+        def gain(v: tuple[float, float] | Array, curved: bool, lagged: bool) -> float:
             return float(scan(self, [made(v, curved, lagged)])[0][0])
 
         lags = np.log(np.geomspace(0.5 * data.m / data.fs, data.duration / 4, 9))
@@ -96,7 +108,9 @@ class Temperature(Drift):
         return out
 
     @staticmethod
-    def _intervals(v, curved, lagged, gain, found):
+    def _intervals(
+        v: Array, curved: bool, lagged: bool, gain: Callable[..., float], found: Process
+    ) -> dict[str, list[float]]:
         """95 % intervals of the lag, from the bend of the log-likelihood."""
         if not lagged:
             return {}
@@ -107,10 +121,10 @@ class Temperature(Drift):
         return {"lag": [found.lag * np.exp(-spread), found.lag * np.exp(spread)]}
 
     @staticmethod
-    def _referred(process, data):
+    def _referred(process: Process, data: Data) -> Process:
         """The same characteristic with its slope at the usual reference temperature."""
         t = data.grid_temperature
-        if process.curvature is None or not t.min() - NEAR < USUAL < t.max() + NEAR:
+        if process.curvature is None or t is None or not t.min() - NEAR < USUAL < t.max() + NEAR:
             return process
         slope = 1.0 + 2.0 * process.curvature * (USUAL - process.reference)
         if abs(slope) < 1e-6:

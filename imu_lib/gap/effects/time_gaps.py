@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.processes import TimeGaps as Process
+from imu_lib.record import Record
 
 from .base import Effect, Finding
 
@@ -14,7 +15,7 @@ class TimeGaps(Effect):
     cause = "Samples are lost between the sensor and the file: a full buffer, a busy host, a broken transmission."
     domain = "timing"
 
-    def detect(self, record) -> Finding | None:
+    def detect(self, record: Record) -> Finding | None:
         slots = record.slots()
         holes = np.diff(slots) - 1
         holes = holes[holes > 0]

@@ -4,8 +4,11 @@ at once.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap import forest, narrow_band, shared_band
 from imu_lib.gap.behaviour import BREATHES, BURSTS, SWEEPS, half_in
 from imu_lib.gap.families import grouped, of_mains
@@ -16,10 +19,14 @@ from imu_lib.gap.shakes import Shake, of_band, of_family, of_forest, of_tone
 from imu_lib.gap.skirts import widened
 from imu_lib.gap.sources import NARROW, Source, sources
 from imu_lib.gap.transforms import Transforms
+from imu_lib.model import Model
 from imu_lib.processes import Sinusoid as Line
 from imu_lib.processes import Vibration as Process
 
 from .base import Effect, Finding
+
+if TYPE_CHECKING:
+    from imu_lib.gap.shaken import RecordView
 
 #: Seconds that a vibration lasts at the least: shorter is a knock.
 SHORTEST = 5.0
@@ -52,7 +59,7 @@ class Vibration(Effect):
     level = "record"
     order = 30
 
-    def candidates(self, view) -> list[Finding]:
+    def candidates(self, view: RecordView) -> list[Finding]:
         """Everything that shakes: one finding a cause, with the signal that it puts into each of
         its channels.
         """
@@ -62,14 +69,13 @@ class Vibration(Effect):
             return []
         filled = {name: first_fill(x, np.isnan(x)) for name, x in view.raw.items()}
         block = max(int(2 * fs), len(next(iter(filled.values()))) // SLOW)
-        quick = {name: fast_part(x, block) for name, x in filled.items()}
-        quick = {name: x for name, x in quick.items() if x is not None}
+        quick = _fast_parts(filled, block)
         if not quick:
             return []
         rng = np.random.default_rng(len(next(iter(quick.values()))))
         trees = _felled(filled, fs, rng)
         if trees is not None:
-            quick = {name: fast_part(filled[name], block) for name in quick}
+            quick = _fast_parts({name: filled[name] for name in quick}, block)
         shakes = [] if trees is None else [trees]
         transforms = Transforms(quick, fs)
         # where the largest gain is looked for: frequencies, channels, stretches and widths
@@ -87,7 +93,9 @@ class Vibration(Effect):
             out.append(item)
         return out
 
-    def _families(self, quick, transforms, given, least) -> list[Shake]:
+    def _families(
+        self, quick: dict[str, Array], transforms: Transforms, given: Model | None, least: float
+    ) -> list[Shake]:
         """Lines and families of lines."""
         places = {
             name: narrow_band.places(x, transforms.fs, least=least) for name, x in quick.items()
@@ -103,10 +111,10 @@ class Vibration(Effect):
         return out
 
     @staticmethod
-    def _is_one(s: Source, given, transforms) -> bool:
+    def _is_one(s: Source, given: Model | None, transforms: Transforms) -> bool:
         if s.gain < LEAST_GAIN or s.bandwidth > 0.1 * s.frequency and s.strength < 0.5:
             return False
-        if not s.whole and s.stop - s.start < SHORTEST:
+        if s.start is not None and s.stop is not None and s.stop - s.start < SHORTEST:
             return False
         if given is None:
             return True
@@ -120,7 +128,7 @@ class Vibration(Effect):
         return not set(s.channels) <= foreseen
 
     @staticmethod
-    def _is_vibration(family, swept) -> bool:
+    def _is_vibration(family: list[Source], swept: set[str]) -> bool:
         """Whether a family of sources is a vibration: on several channels, for a time, or a line
         that wanders. A steady line of one channel is a sinusoid, a band of normal noise
         that is not the same on all its channels a resonance of each, and a periodic signal of one channel, a tone that sweeps or one that rises and
@@ -134,12 +142,12 @@ class Vibration(Effect):
         return not s.whole or 0 < s.bandwidth < 0.1 * s.frequency and s.fading < STEADY
 
     @staticmethod
-    def _hums(f0, family) -> bool:
+    def _hums(f0: float, family: list[Source]) -> bool:
         """Whether steady lines of one channel are multiples of the mains, which couple into it."""
         return of_mains(f0, len(family)) and all(s.whole and not s.strange for s in family)
 
     @staticmethod
-    def _is_tone(family, swept) -> bool:
+    def _is_tone(family: list[Source], swept: set[str]) -> bool:
         """Whether it is a tone of one channel whose amplitude rises and falls."""
         s = family[0]
         alone = len(family) == 1 == len(s.channels) and not swept & set(s.channels)
@@ -150,7 +158,7 @@ VIBRATION = Vibration()
 EFFECTS = (VIBRATION,)
 
 
-def _in_bursts(p: Process, quick, fs: float) -> str:
+def _in_bursts(p: Process, quick: dict[str, Array], fs: float) -> str:
     """Words for a wide band whose power comes in bursts, as of steps on a floor."""
     if not p.band or p.start is not None:
         return ""
@@ -160,12 +168,12 @@ def _in_bursts(p: Process, quick, fs: float) -> str:
     return f"in bursts, half of it in {100 * share:.2g} % of the time" if share < BURSTS else ""
 
 
-def _loudness(p: Process, channel: str, quick) -> float:
+def _loudness(p: Process, channel: str, quick: dict[str, Array]) -> float:
     """Amplitude over the scatter of the channel."""
     return p.amplitude[p.channels.index(channel)] / float(np.std(quick[channel]))
 
 
-def _with_bands(shakes, quick, fs: float) -> list[Shake]:
+def _with_bands(shakes: list[Shake], quick: dict[str, Array], fs: float) -> list[Shake]:
     """Lines and, in place of the wide ones that lie in them, bands that channels share."""
     lines = [
         s.process for s in shakes if s.bands and s.process.bandwidth < NARROW * s.process.frequency
@@ -204,12 +212,11 @@ def _within(shake: Shake, band: Shake) -> bool:
     )
 
 
-def _felled(filled, fs: float, rng) -> Shake | None:
+def _felled(filled: dict[str, Array], fs: float, rng: np.random.Generator) -> Shake | None:
     """A forest of lines, taken out of the channels in place, or None."""
     n = len(next(iter(filled.values())))
     block = max(int(2 * fs), n // SLOWER)
-    quick = {name: fast_part(x, block) for name, x in filled.items()}
-    quick = {name: x for name, x in quick.items() if x is not None}
+    quick = _fast_parts(filled, block)
     trees = forest.forest(quick, fs, least=LOWEST * fs / block)
     if trees is None:
         return None
@@ -220,19 +227,23 @@ def _felled(filled, fs: float, rng) -> Shake | None:
     return of_forest(trees, signal, n / fs)
 
 
-def _taken_out(shake: Shake, filled, fs: float, rng):
+def _taken_out(shake: Shake, filled: dict[str, Array], fs: float, rng: np.random.Generator) -> None:
     """Take what shakes out of the channels that feel it, in place, where its bands say so."""
     p = shake.process
-    when = {"start": p.start or 0.0, "stop": p.stop}
+    start, stop = p.start or 0.0, p.stop
     for name in p.channels if shake.bands else ():
         wander = p.bandwidth > 0 and not p.band and p.harmonics == 1
-        bands = widened(filled[name], fs, shake.bands, **when) if wander else shake.bands
-        calm = quietened(filled[name], fs, bands, rng, **when)
+        bands = (
+            widened(filled[name], fs, shake.bands, start=start, stop=stop)
+            if wander
+            else shake.bands
+        )
+        calm = quietened(filled[name], fs, bands, rng, start=start, stop=stop)
         shake.signal[name] = filled[name] - calm
         filled[name] = calm
 
 
-def fast_part(x, block: int) -> np.ndarray | None:
+def fast_part(x: Array, block: int) -> np.ndarray | None:
     """A channel without what is slower than `block` samples, outliers cut down, shape (n,); None
     where most of it is one value.
     """
@@ -241,7 +252,13 @@ def fast_part(x, block: int) -> np.ndarray | None:
     return np.clip(x, -CLIP * sd, CLIP * sd) if sd > 0 and np.ptp(x) > 0 else None
 
 
-def _held(given):
+def _fast_parts(filled: dict[str, Array], block: int) -> dict[str, Array]:
+    """The channels that are not mostly one value, without what is slow in them."""
+    parts = {name: fast_part(x, block) for name, x in filled.items()}
+    return {name: x for name, x in parts.items() if x is not None}
+
+
+def _held(given: Model | None) -> list[Process]:
     return [] if given is None else [p for p in given.record if isinstance(p, Process)]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from imu_lib.processes import WhiteNoise as Process
 
 from .competitor import Spectral
@@ -15,7 +17,7 @@ class WhiteNoise(Spectral):
     process = Process
     amplitude = "N"
 
-    def grid(self, fs, duration):
+    def grid(self, fs: float, duration: float) -> list[Any]:
         return [Process(N=1.0)]
 
 
