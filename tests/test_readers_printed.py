@@ -5,7 +5,7 @@ import re
 import numpy as np
 import printed_logs
 import pytest
-from strange_logs import GYRO, I, T, table
+from strange_logs import ACCEL, DPS, GYRO, IN_G, SI, I, T, table
 from test_readers_kinds import opened, same
 
 from imu_lib import readers
@@ -45,3 +45,48 @@ def test_the_columns_to_paste_take_the_stamp_that_moves_with_the_rows(tmp_path):
         opened(tmp_path / "a.csv", text, "")
     named = re.search(r"--columns '([^']+)'", str(error.value))[1]
     same(opened(tmp_path / "a.csv", text, f"--gyro-unit rad/s --columns {named}"), 100)
+
+
+def test_axes_that_state_units_of_their_own_are_read_in_them(tmp_path):
+    heads = "time [s],gx [rad/s],gy [deg/s],gz [mdps],ax [m/s^2],ay [g],az [mg]"
+    columns = [GYRO[:, 0], DPS[:, 1], DPS[:, 2] * 1e3, ACCEL[:, 0], IN_G[:, 1], IN_G[:, 2] * 1e3]
+    text = table(heads, T, *columns)
+    found = opened(tmp_path / "a.csv", text, "")
+    assert len(same(found, 100).channel_names) == 6
+    assert sum("each was read in its own" in n for n in found.record.notes) == 2
+
+
+def test_one_axis_in_g_among_two_in_si_is_refused(tmp_path):
+    """The sensor stands tilted, so that one axis holds much of gravity."""
+    tilted = np.c_[ACCEL[:, 0] + 6.0, ACCEL[:, 1], ACCEL[:, 2] * 0.79]
+    tilted[:, 0] /= 9.80665
+    text = table("time [s],ax [m/s^2],ay [m/s^2],az [m/s^2]", T, tilted)
+    with pytest.raises(InputError, match="with its x axis in g it would be gravity"):
+        opened(tmp_path / "a.csv", text, "")
+
+
+def test_two_refusals_are_told_at_once(tmp_path):
+    text = table("time [s],gx [deg/s],gy [deg/s],gz [deg/s],ax [g],ay [g],az [g]", T, GYRO * 40, ACCEL)  # fmt: skip
+    with pytest.raises(InputError) as error:
+        opened(tmp_path / "a.csv", text, "")
+    assert "--accel-unit m/s^2" in str(error.value)
+    text = table("time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [g],ay [g],az [g]", T, DPS, ACCEL)
+    with pytest.raises(InputError, match="--accel-unit m/s.2.*--gyro-unit deg/s"):
+        opened(tmp_path / "a.csv", text, "")
+
+
+def test_copies_without_stamps_are_said(tmp_path):
+    rows = np.sort(np.r_[I, I[::4]])
+    text = table("gx,gy,gz,ax,ay,az", GYRO[rows], ACCEL[rows])
+    notes = opened(tmp_path / "a.csv", text, f"{SI} --rate 100").record.notes
+    assert any("repeat the row before in every channel" in n for n in notes)
+    notes = opened(tmp_path / "a.csv", table("gx,gy,gz,ax,ay,az", GYRO, ACCEL), f"{SI} --rate 100").record.notes  # fmt: skip
+    assert not any("repeat the row" in n for n in notes)
+
+
+def test_which_sensor_and_its_units_are_asked_for_at_once(tmp_path):
+    text = "time_s,device,gx,gy,gz\n" + "".join(
+        f"{k / 100},{d},{GYRO[k, 0]},0.1,0.2\n" for k in I for d in ("left", "right")
+    )
+    with pytest.raises(InputError, match="--topic 'device=left'.*--gyro-unit"):
+        opened(tmp_path / "a.csv", text, "")

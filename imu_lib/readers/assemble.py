@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from imu_lib.errors import InputError
-from imu_lib.readers import gravity, names, plausibility, spelling, stamps, treated
-from imu_lib.readers.raw import Raw
+from imu_lib.readers import axis_units, degrees, names, spelling, stamps, treated
+from imu_lib.readers.possible import check_units
+from imu_lib.readers.raw import Raw, numbers
 from imu_lib.record import Record
 
 _INCREMENT = {"gyro": "dtheta", "accel": "dv"}
@@ -40,9 +39,10 @@ def assemble(
     """
     n = raw.rows()
     # what is missing is asked for all at once, before anything is computed
+    axis_units.one_each(raw, {"gyro": gyro_unit, "accel": accel_unit})
     if not trust:
         treated.refuse_angles(raw)
-    scale = _scales(raw, gyro_unit, accel_unit)
+    scale = scales(raw, gyro_unit, accel_unit)
     found = stamps.settle(raw, rate, time_unit=time_unit, lenient=lenient, trust=trust)
     time, rate, keep = found.time, found.rate, found.keep
     channels = {}
@@ -51,7 +51,7 @@ def assemble(
         for axis in "xyz":
             if f"{source}_{axis}" not in raw.columns:
                 continue
-            x = _values(raw, f"{source}_{axis}")
+            x = numbers(raw, f"{source}_{axis}")
             x = x if len(keep) == n else x[keep]
             x = (x - zero) * factor if zero or factor != 1.0 else x.copy()
             if source != kind:
@@ -63,7 +63,7 @@ def assemble(
             raw.notes += (
                 f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",
             )
-    record = _record(raw, channels, rate, time, _temperature(raw, keep))
+    record = _record(raw, channels, rate, time, degrees.celsius(raw, keep))
     if not (trust or raw.simulated):
         record = check_units(
             record,
@@ -100,7 +100,7 @@ def _record(raw, channels, rate, time, temperature):
         raise InputError(f"{raw.source}: {str(error).replace('`', '')}.") from None
 
 
-def _scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, str]]:
+def scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, str]]:
     """Factor to SI, zero and unit of each kind; a unit given for what the file does not have is
     said, and with it the columns that may be meant.
     """
@@ -188,105 +188,3 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
         raw.notes += (f"Readings in [{unit}] were taken as --{kind}-unit {flag} would.",)
         return names.stated(flag, kind)
     return names.UNITS[family][unit], 0.0, unit
-
-
-def _values(raw: Raw, canonical: str) -> np.ndarray:
-    """A column as float64; infinite values are refused, a wholly empty column too."""
-    x = raw.columns[canonical]
-    if x.dtype.kind not in "fiub":
-        raise InputError(
-            f"{raw.source}, `{raw.headings[canonical]}`: holds {x.dtype} instead of numbers."
-        )
-    x = np.ascontiguousarray(x, dtype=np.float64)
-    if x.size and not np.isfinite(x.sum()):
-        infinite = np.flatnonzero(np.isinf(x))
-        if infinite.size:
-            raise InputError(
-                f"{raw.source}, `{raw.headings[canonical]}`, {raw.line(int(infinite[0]))}: the value is infinite "
-                f"({infinite.size:,} of them); "
-                "leave the field empty (NaN) where a sample is missing."
-            )
-        if np.isnan(x).all():
-            raise InputError(
-                f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -."
-            )
-    return x
-
-
-def _temperature(raw: Raw, keep):
-    """Degrees Celsius (n,), None where there is none or it cannot be one."""
-    if "temperature" not in raw.columns:
-        return None
-    unit = raw.units["temperature"]
-    known = spelling.UNITS["temperature"]
-    heading = raw.headings["temperature"]
-    if unit is not None and unit not in known:
-        raise InputError(
-            f"{raw.source}: the temperature `{heading}` is in [{unit}]; degC, degF and K are known: name it temperature[degC] with --columns, or skip it with -."
-        )
-    x = raw.columns["temperature"]
-    if x.dtype.kind not in "fiub" or not np.isfinite(x.astype(float)).any():
-        raw.drop("temperature", "it holds no numbers")
-        return None
-    t = _values(raw, "temperature")[keep]
-    t = {"degF": lambda x: (x - 32.0) / 1.8, "K": lambda x: x - 273.15}.get(
-        unit, lambda x: x * known.get(unit, 1.0)
-    )(t)
-    middle = float(np.nanmedian(t))
-    if not -90 < middle < 200:
-        likely = "K" if 200 <= middle < 400 and unit is None else None
-        raw.notes += (
-            f"The temperature column (median {middle:.6g}) is not in degC and was left out"
-            + ("; it looks like K: name it temperature[K] with --columns." if likely else "."),
-        )
-        raw.drop("temperature", f"no temperature in degC (median {middle:.6g})")
-        return None
-    raw.told("temperature", unit or "degC", None if unit else "no unit stated: taken as degC")
-    if unit is None and middle > 60:
-        raw.notes += (
-            f"The temperature `{heading}` states no unit and was taken as degC; its median of {middle:.4g} would be {(middle - 32) / 1.8:.3g} degC if it were degF "
-            "(name it temperature[degF] with --columns).",
-        )
-    if np.isnan(t).any():
-        good = ~np.isnan(t)
-        t = np.interp(np.arange(len(t)), np.flatnonzero(good), t[good])
-    return t
-
-
-def check_units(
-    record: Record, unit: dict[str, str], factor: dict[str, float], *, strict: bool = True
-) -> Record:
-    """InputError where a stated unit is impossible, with the likely one; a note on the record where
-    it is unusual.
-    """
-    accel = [record.channels[f"accel_{a}"] for a in "xyz" if f"accel_{a}" in record]
-    whole = record["accel"] if len(accel) == 3 else None
-    if accel and "accel" in unit:
-        told = gravity.accel_unit(np.column_stack(accel), unit["accel"], factor["accel"])
-        record = _told(record, told, "accel")
-        if strict and whole is not None and gravity.without_gravity(whole):
-            record = record.with_note(
-                "The accelerometer shows no gravity (its vector averages to nothing): it was taken out before the file was written."
-            )
-    axes = [record.channels[c] for c in record.channels if c.startswith("gyro")]
-    if axes and "gyro" in unit:
-        told = plausibility.gyro_unit(
-            np.column_stack(axes), whole, record.rate, unit["gyro"], factor["gyro"], strict=strict
-        )
-        record = _told(record, told, "gyro")
-        said = treated.bias_note(np.column_stack(axes), record.rate) if strict else None
-        record = record.with_note(said) if said else record
-    return record
-
-
-def _told(record: Record, told, kind: str) -> Record:
-    if told is None:
-        return record
-    if told.refused:
-        remedy = f"correct --{kind}-unit or the header" + (
-            ": " + " or ".join(f"--{kind}-unit {u}" for u in (told.likely, *told.also))
-            if told.likely
-            else ""
-        )
-        raise InputError(f"{record.source}: {told.why}; {remedy}, or --trust-units if it is right.")
-    return record.with_note(f"{told.why[:1].upper()}{told.why[1:]}.")

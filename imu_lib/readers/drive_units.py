@@ -9,7 +9,7 @@ import numpy as np
 
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
-from imu_lib.readers.assemble import check_units
+from imu_lib.readers.possible import check_units
 from imu_lib.units import DEG
 
 EARTH = 6_378_137.0  # m; a sphere will do

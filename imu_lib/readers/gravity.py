@@ -17,6 +17,7 @@ NEAR_ONE = 0.03  # of 1 (g): a length that close to one in m/s^2 is gravity in g
 
 
 OFF_GRAVITY = 0.04  # share by which the specific force at rest may be off gravity without a word
+OFF_FAR = 0.12  # and from which a scale factor does not explain it
 
 
 class Told(NamedTuple):
@@ -63,57 +64,67 @@ def accel_unit(accel: np.ndarray, unit: str, factor: float) -> Told | None:
     if size is None:
         return None
     if axes == 3 and GRAVITY[0] < size < GRAVITY[1]:
-        off = size / units.G - 1.0
-        if abs(off) > OFF_GRAVITY and _steady(accel):
-            return Told(
-                f"the specific force at rest is {size:.4g} m/s^2, {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} gravity: a scale factor, or offsets",
-                False,
-                None,
-            )
-        return None
-    read = size / factor
+        return _near_gravity(accel, size)
     if axes < 3 and size < GRAVITY[1]:
-        near = [
-            u
-            for u in ("g", "mg")
-            if u != unit and abs(read * names.ACCEL_UNITS[u] / units.G - 1.0) < NEAR_ONE
-        ]
-        if near and unit == "m/s^2":
-            return Told(
-                f"the specific force stated in {unit} has a length of {read:.4g} in its {axes} {'axes' if axes > 1 else 'axis'}, "
-                f"which is gravity in {near[0]}; its unit is likely {near[0]}",
-                True,
-                near[0],
-            )
+        return _of_few_axes(size, unit, size / factor, axes)
+    return _far_from_gravity(size, unit, size / factor, axes)
+
+
+def _near_gravity(accel: np.ndarray, size: float) -> Told | None:
+    """A word where a sensor at rest shows less or more than gravity; refused where that is more than a
+    scale factor and one axis in g would explain it.
+    """
+    off = size / units.G - 1.0
+    if abs(off) <= OFF_GRAVITY or not _steady(accel):
         return None
+    said = f"the specific force at rest is {size:.4g} m/s^2, {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} gravity"
+    mean = np.median(some(accel), axis=0)
+    for axis, i in zip("xyz", range(3)):
+        whole = np.linalg.norm(np.where(np.arange(3) == i, mean * units.G, mean))
+        if abs(off) > OFF_FAR and abs(whole / units.G - 1.0) < NEAR_ONE:
+            return Told(f"{said}, and with its {axis} axis in g it would be gravity", True, None)
+    return Told(f"{said}: a scale factor, or offsets", False, None)
+
+
+def _of_few_axes(size: float, unit: str, read: float, axes: int) -> Told | None:
+    """Refused where one or two axes in m/s^2 have the length of gravity in g or mg."""
+    near = [
+        u
+        for u in ("g", "mg")
+        if u != unit and abs(read * names.ACCEL_UNITS[u] / units.G - 1.0) < NEAR_ONE
+    ]
+    if not near or unit != "m/s^2":
+        return None
+    return Told(
+        f"the specific force stated in {unit} has a length of {read:.4g} in its {axes} {'axes' if axes > 1 else 'axis'}, "
+        f"which is gravity in {near[0]}; its unit is likely {near[0]}",
+        True,
+        near[0],
+    )
+
+
+def _far_from_gravity(size: float, unit: str, read: float, axes: int) -> Told | None:
+    """Refused, with the units in which such a length would be gravity."""
     fit = [
         u
         for u in ("m/s^2", "g", "mg", "cm/s^2", "ft/s^2", "ug", "mm/s^2")
         if (GRAVITY[0] if axes == 3 else 0.5) < read * names.ACCEL_UNITS[u] < GRAVITY[1]
         and u != unit
     ]
+    said = f"the specific force stated in {unit} has a median length of {read:.4g}, "
     if fit:
         if axes == 3:  # mg and cm/s^2 are 2 % apart: the nearer one first
             fit.sort(key=lambda u: abs(np.log(read * names.ACCEL_UNITS[u] / units.G)))
         return Told(
-            f"the specific force stated in {unit} has a median length of {read:.4g}, that is {size / units.G:.3g} times gravity; "
-            f"its unit is likely {' or '.join(fit)}",
+            f"{said}that is {size / units.G:.3g} times gravity; its unit is likely {' or '.join(fit)}",
             True,
             fit[0],
             tuple(fit[1:]),
         )
     if size < 0.5:
         return None  # what is left when gravity was taken out
-    return Told(
-        f"the specific force stated in {unit} has a median length of {read:.4g}, {size / units.G:.3g} times gravity; "
-        + (
-            f"if these are counts, counts:{read:.5g} (per g) is near"
-            if read > 50
-            else "check its unit and scale"
-        ),
-        True,
-        None,
-    )
+    how = f"if these are counts, counts:{read:.5g} (per g) is near" if read > 50 else "check its unit and scale"  # fmt: skip
+    return Told(f"{said}{size / units.G:.3g} times gravity; {how}", True, None)
 
 
 def _length(accel: np.ndarray) -> float | None:

@@ -21,6 +21,16 @@ NAMED = words(
     " macaddress board boardid chip chipid channel source src name tag serial serialnumber sn port"
     " type canid slave"
 )
+
+
+class Several(InputError):
+    """Rows of several sensors, and the call does not say which; raw: what the file holds."""
+
+    def __init__(self, said: str, raw=None):
+        super().__init__(said)
+        self.raw = raw
+
+
 MOST = 12  # sensors; a column of more values is no such column
 FEWEST = 5  # rows of a sensor
 
@@ -138,7 +148,7 @@ def rows(found: Instances | None, topic: str | None, source: str) -> np.ndarray 
     if column == found.heading and value in found.values:
         return np.flatnonzero(found.labels == value)
     first, *others = (f"--topic '{found.heading}={v}'" for v in found.values)
-    raise InputError(
+    raise Several(
         f"{source}: `{found.heading}` tells {len(found.values)} sensors apart ({', '.join(found.values)}), whose rows stand in one table; "
         f"choose one with {first} or {' or '.join(others[:3])} (--topic '{found.heading}=*' if all rows are of one sensor)."
     )

@@ -39,7 +39,11 @@ def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
         raise InputError(
             f"{raw.source} has no topics and no column that tells several sensors apart; leave --topic {topic} out."
         )
-    keep = instances.rows(raw.instances, topic, raw.source)
+    try:
+        keep = instances.rows(raw.instances, topic, raw.source)
+    except instances.Several as error:
+        error.raw = raw
+        raise
     if keep is not None:
         fewer = raw.rows() - len(keep)
         raw.notes += (f"{fewer:,} rows of other sensors were left out (--topic {topic}).",)

@@ -190,3 +190,26 @@ class Raw:
                 )
             )
         return unit
+
+
+def numbers(raw: Raw, canonical: str) -> np.ndarray:
+    """A column as float64; infinite values are refused, a wholly empty column too."""
+    x = raw.columns[canonical]
+    if x.dtype.kind not in "fiub":
+        raise InputError(
+            f"{raw.source}, `{raw.headings[canonical]}`: holds {x.dtype} instead of numbers."
+        )
+    x = np.ascontiguousarray(x, dtype=np.float64)
+    if x.size and not np.isfinite(x.sum()):
+        infinite = np.flatnonzero(np.isinf(x))
+        if infinite.size:
+            raise InputError(
+                f"{raw.source}, `{raw.headings[canonical]}`, {raw.line(int(infinite[0]))}: the value is infinite "
+                f"({infinite.size:,} of them); "
+                "leave the field empty (NaN) where a sample is missing."
+            )
+        if np.isnan(x).all():
+            raise InputError(
+                f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -."
+            )
+    return x

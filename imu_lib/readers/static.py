@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from imu_lib.errors import InputError
-from imu_lib.readers import sentinels, stamps, streams, unsigned
-from imu_lib.readers.asking import Unnamed
+from imu_lib.readers import at_once, one_sensor, sentinels, streams, unsigned
 from imu_lib.readers.assemble import (
     UnitAsked,
     ask_for_both,
     ask_of_two,
     assemble,
-    check_units,
 )
 from imu_lib.readers.opening import pair, read_raw
+from imu_lib.readers.possible import check_units
 from imu_lib.readers.raw import Column, Raw
 from imu_lib.record import Record
-
-#: A column that names an axis and no more, or has no name.
-_BARE = re.compile(r"\W*(?:[xyz1-3](?:[ _-]?axis)?|axis[ _-]?[xyz]|column \d+)\W*", re.IGNORECASE)
 
 
 def read_record(path=None, **options) -> Record:
@@ -127,9 +120,9 @@ def read(
 
 def _of_one_file(path, columns, topic, only, units, options) -> Reading:
     """What one file holds, or one sensor of it."""
-    raw = _read_bare(path, columns, topic, units)
+    raw = one_sensor.read_bare(path, columns, topic, units)
     if only:
-        raw = _only(raw, only)
+        raw = one_sensor.only(raw, only)
         units = {k: u if k == only else None for k, u in units.items()}
     record, repeats = of_one(raw, units, options)
     return Reading(record, repeats, tuple(raw.described))
@@ -138,7 +131,7 @@ def _of_one_file(path, columns, topic, only, units, options) -> Reading:
 def _of_two_files(files, columns, topic, units, options) -> Reading:
     """What a file of the gyro and one of the accelerometer hold, side by side; one of them may be None."""
     raws = {
-        kind: _only(read_raw(file, columns=columns, signal=kind, topic=topic), kind)
+        kind: one_sensor.only(read_raw(file, columns=columns, signal=kind, topic=topic), kind)
         for kind, file in files.items()
         if file is not None
     }
@@ -172,37 +165,6 @@ def _cut(record: Record, start, stop) -> Record:
         ) from None
 
 
-def _read_bare(path, columns, topic, units) -> Raw:
-    """The columns of a file; x, y, z that name no sensor are of the one that a unit was given for
-    while no other column is.
-    """
-    given = [k for k, u in units.items() if u]
-    try:
-        raw = read_raw(path, columns=columns, topic=topic)
-    except Unnamed:
-        if len(given) != 1 or columns:
-            raise
-        bare = _as_named(path, topic, given[0])
-        if not all(_BARE.fullmatch(bare.headings[c]) for c in bare.axes(given[0])):
-            raise  # x, y, z of what is for the call to say
-        return bare
-    unused = {c.name.strip().lower() for c in raw.described if c.read_as is None}
-    missing = [k for k in given if not {k, {"gyro": "dtheta", "accel": "dv"}[k]} & raw.kinds()]
-    if columns or len(missing) != 1 or not {"x", "y", "z"} <= unused:
-        return raw
-    again = _as_named(path, topic, missing[0])
-    return again if missing[0] in again.kinds() and raw.kinds() <= again.kinds() else raw
-
-
-def _as_named(path, topic, kind: str) -> Raw:
-    raw = read_raw(path, signal=kind, topic=topic)
-    word = "gyro" if kind == "gyro" else "accelerometer"
-    raw.notes += (
-        f"x, y, z were read as the {word}, the one sensor that a unit was given for (--{kind}-unit).",
-    )
-    return raw
-
-
 def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int]:
     """The record of one file, its streams laid side by side where they are two."""
     flags = {f"{k}_unit": u for k, u in units.items()}
@@ -218,7 +180,7 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
     try:
         ask_for_both(raw, units.get("gyro"), units.get("accel"))
     except InputError as error:
-        raise _with_time(error, raw, options) from None
+        raise at_once.with_time(error, raw, options) from None
     parts = streams.separate(raw)
     if parts is None:
         held = getattr(raw, "held_rows", 1.0)
@@ -227,7 +189,7 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
         try:
             return assemble(raw, **flags, **options), raw.repeats
         except UnitAsked as error:
-            raise _with_time(error, raw, options) from None
+            raise at_once.with_time(error, raw, options) from None
     made = {}
     for kind, one in parts.items():
         more = dict(options)
@@ -243,22 +205,6 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
     return record.with_note(*raw.notes), raw.repeats
 
 
-def _with_time(error: InputError, raw: Raw, options) -> InputError:
-    """The question for a unit, with that for the rate or the unit of the time where one is due: both at
-    once.
-    """
-    timed = {"time", "date", "clock"} & set(raw.columns)
-    if timed and (streams.separate(raw) or "time" not in timed):
-        return error
-    try:
-        stamps.settle(raw, options["rate"], time_unit=options["time_unit"], lenient=True)
-    except InputError as other:
-        said = str(other).removeprefix(raw.source).strip(" ,")
-        if "--rate" in said or "--time-unit" in said:
-            return InputError(f"{str(error).rstrip('.')}; and {said}")
-    return error
-
-
 def _starts(gyro: Raw, accel: Raw, gyro_length: float, accel_length: float):
     """First stamps of two files where they are times of one clock: both absolute, or both of a
     clock that does not begin with the file and overlaps."""
@@ -270,27 +216,3 @@ def _starts(gyro: Raw, accel: Raw, gyro_length: float, accel_length: float):
     if apart != 0 and -0.5 * accel_length < apart < 0.5 * gyro_length:
         return gyro.start, accel.start
     return None, None
-
-
-def _only(raw: Raw, kind: str) -> Raw:
-    """The columns of one kind: the file was given as --gyro or --accel."""
-    for other in [c for c in raw.columns if streams.kind_of(c) not in (None, kind)]:
-        raw.drop(other, f"not of the {kind}")
-        raw.columns.pop(other, None)
-    if kind == "accel" and "time_accel" in raw.columns:
-        raw.columns["time"] = raw.columns.pop("time_accel")
-        raw.units["time"], raw.headings["time"] = (
-            raw.units["time_accel"],
-            raw.headings["time_accel"],
-        )
-    raw.columns.pop("time_accel", None)
-    if not raw.kinds():
-        raise InputError(f"{raw.source} holds no {kind} columns; it was given as --{kind}.")
-    # rows in which this sensor has nothing are rows of the other one
-    empty = np.ones(raw.rows(), dtype=bool)
-    for c in raw.columns:
-        if streams.kind_of(c) == kind:
-            empty &= np.isnan(raw.columns[c]) if raw.columns[c].dtype.kind == "f" else False
-    if 0.3 < empty.mean() < 1.0:
-        streams.without(raw, np.flatnonzero(~empty))
-    return raw

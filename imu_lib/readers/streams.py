@@ -14,6 +14,7 @@ from imu_lib.readers.side_by_side import merge, slow_kind
 __all__ = ["drop_copies", "held", "kind_of", "merge", "part", "separate", "slow_kind", "without"]
 
 PAIR = {"gyro": ("gyro", "dtheta"), "accel": ("accel", "dv")}
+COPIES = 0.02  # share of the rows that may be copies without a word
 MOST_RUNS = 0.95  # share of the runs of one value that must have the usual length
 
 
@@ -109,7 +110,10 @@ def drop_copies(raw: Raw) -> None:
         for c in ("time", "date", "clock", "counter", "time_accel")
         if c in raw.columns
     ]
-    if not stamps or raw.rows() < 3:
+    if raw.rows() < 3:
+        return
+    if not stamps:
+        _say_copies(raw)
         return
     same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
     if not same.any():
@@ -128,6 +132,25 @@ def drop_copies(raw: Raw) -> None:
         f"{int((same & twice).sum()):,} rows are copies of the row before (same time, same values) and were left out.",
     )
     without(raw, np.flatnonzero(np.r_[True, ~(same & twice)]))
+
+
+def _say_copies(raw: Raw) -> None:
+    """A word on rows without stamps that repeat the row before in every channel, where that is no chance
+    and no held reading.
+    """
+    channels = [x for k in PAIR for x in _channels(raw, k)]
+    if len(channels) < 2 or held(channels):
+        return
+    alike = [x[1:] == x[:-1] for x in channels]
+    copies = float(np.logical_and.reduce(alike).mean())
+    others = ~alike[-1]
+    by_chance = float(alike[0][others].mean()) if others.any() else 1.0
+    if copies > COPIES and by_chance < 0.2 * copies:
+        rows = round(copies * (raw.rows() - 1))
+        raw.notes += (
+            f"{rows:,} of {raw.rows():,} rows repeat the row before in every channel: rows logged twice, or copies for lost samples; "
+            "without stamps each counts as a sample.",
+        )
 
 
 def separate(raw: Raw) -> dict[str, Raw] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import assemble, stamps
+from imu_lib.readers import degrees, stamps
 from imu_lib.readers.opening import read_raw
 
 
@@ -28,7 +28,7 @@ def read_temperature(path) -> tuple[np.ndarray, np.ndarray]:
         )
     found = stamps.settle(raw, None, lenient=True, trust=True)
     raw.units.setdefault("temperature", None)
-    x = assemble._temperature(raw, found.keep)
+    x = degrees.celsius(raw, found.keep)
     if x is None:
         raise InputError(f"{path}: its temperature is not in degC; give it in degC, degF or K.")
     time = found.time
