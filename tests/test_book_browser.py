@@ -37,6 +37,11 @@ WIDE = """(() => {
       return box.width && box.right > page + 1 && !scrolls(e); })
     .slice(0, 3).map((e) => e.tagName + '.' + e.className + ' ' + e.textContent.slice(0, 40));
 })()"""
+# printed lines that end beyond the page, but for those that stand in columns
+CUT = """[...document.querySelectorAll('.cell_output pre')].filter((pre) => {
+  const lines = pre.textContent.split('\\n').filter((line) => line.trim());
+  const columns = lines.filter((line) => line.trim().split('  ').length > 1).length;
+  return 2 * columns <= lines.length && pre.scrollWidth > pre.clientWidth + 1; }).map((pre) => pre.textContent)"""
 SEARCHED = """new Promise((done) => { const look = (left) => {
     const links = [...document.querySelectorAll('#search-results ul.search li a')].map((a) => a.getAttribute('href'));
     const summary = document.querySelector('#search-results p.search-summary');
@@ -86,6 +91,7 @@ def test_a_page_is_quiet_and_fits(opened, window):
     for width in WIDTHS:
         window.size(width)
         assert not window.evaluate(WIDE), width
+        assert not window.evaluate(CUT), width
     assert not window.problems
 
 

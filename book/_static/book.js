@@ -1,4 +1,5 @@
-/* Computed tables: a click on a heading sorts, a button saves the table as CSV. No library, no network. */
+/* Computed tables: a click on a heading sorts, a button saves the table as CSV. Printed sentences wrap.
+   No library, no network. */
 (function () {
   "use strict";
   // a page opened from a disk may not fetch others: the search lists titles and headings without excerpts
@@ -31,7 +32,14 @@
     link.click();
     URL.revokeObjectURL(link.href);
   }
+  // sentences that a cell printed wrap; what stands in columns keeps them and scrolls
+  function wrap(pre) {
+    const lines = pre.textContent.split("\n").filter((line) => line.trim());
+    const columns = lines.filter((line) => /\S {2,}\S/.test(line.trim())).length;
+    pre.classList.toggle("wraps", 2 * columns <= lines.length);
+  }
   document.addEventListener("DOMContentLoaded", () => {
+    document.querySelectorAll(".cell_output pre").forEach(wrap);
     document.querySelectorAll("table.computed").forEach((table, number) => {
       const heads = table.tHead ? table.tHead.rows : [];
       if (heads.length) {
