@@ -14,6 +14,8 @@ import numpy as np
 from numba import njit
 from scipy.fft import rfft
 
+from imu_lib.arrays import Array
+
 #: Bands of equal width that the range up to half the sampling rate is divided into, for the
 #: spectrum and its lines.
 BANDS = 64
@@ -36,13 +38,13 @@ def edges(n: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=4)
-def _window(n: int):
+def _window(n: int) -> tuple[Array, Array]:
     """Hann taper of mean square 1, and the edges of the bands."""
     return (np.hanning(n) * np.sqrt(8 / 3)).astype(np.float32), edges(n)
 
 
 @njit(cache=True, nogil=True)
-def _pass(x, b):
+def _pass(x: Array, b: int) -> tuple[Array, Array, Array, float, float, float, int, int]:
     """Block means, mean squares about them, moments and lagged products of the deviations, ties,
     ends of the range.
     """
@@ -78,7 +80,7 @@ def _pass(x, b):
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _avar(c, m, step):
+def _avar(c: Array, m: int, step: int) -> float:
     """Mean square second difference of the cumulative sum `c` over `m` samples at every `step`-th
     instant, per sample squared.
     """
@@ -91,7 +93,7 @@ def _avar(c, m, step):
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _shape(r, sd, lags):
+def _shape(r: Array, sd: float, lags: Array) -> tuple[float, float, float, float, Array]:
     """Shares of deviations beyond 3, beyond 4 and within 0.5 standard deviations, the largest, and
     lagged products.
     """
@@ -116,7 +118,7 @@ def _shape(r, sd, lags):
 _LAGS = np.array([1, 2, 3, 5, 8, 13, 25, 50])
 
 
-def battery(x, fs: float, temperature=None) -> dict:
+def battery(x: Array, fs: float, temperature: Array | None = None) -> dict[str, Array]:
     """Statistics by domain: name of the domain -> ndarray. `x` has shape (n,), no NaN."""
     x = np.asarray(x, float)
     x = x - x.mean()
@@ -131,7 +133,7 @@ def battery(x, fs: float, temperature=None) -> dict:
     }
 
 
-def _spectrum(x) -> dict:
+def _spectrum(x: Array) -> dict[str, Array]:
     """Logarithms of the mean power in bands, and of the largest ordinate over it in the wide ones."""
     taper, edge = _window(len(x))
     z = rfft(x.astype(np.float32) * taper)
@@ -146,7 +148,7 @@ def _spectrum(x) -> dict:
     }
 
 
-def _allan(x) -> np.ndarray:
+def _allan(x: Array) -> np.ndarray:
     """Logarithms of the Allan variances of block sums, from the cumulative sum."""
     n = len(x)
     c = np.concatenate([[0.0], np.cumsum(x)])
@@ -154,7 +156,7 @@ def _allan(x) -> np.ndarray:
     return np.log(np.array([_avar(c, m, max(1, m // 4)) for m in spans]) + 1e-300)
 
 
-def _fast_part(x, fs: float) -> tuple:
+def _fast_part(x: Array, fs: float) -> tuple[Array, Array, dict[str, Array]]:
     """Means of blocks of two seconds, mean squares about them, and what the deviations say."""
     n, b = len(x), max(2, int(BLOCK * fs))
     level, energy, r, third, fourth, same, tops, bottoms = _pass(x, b)
@@ -176,7 +178,7 @@ def _fast_part(x, fs: float) -> tuple:
     return level, energy, {"autocorrelation": products, "distribution": shape}
 
 
-def _means(level) -> np.ndarray:
+def _means(level: Array) -> np.ndarray:
     """Slope, beginning, steepest and largest jump and spread of the means of blocks, over their
     scatter.
     """
@@ -194,7 +196,7 @@ def _means(level) -> np.ndarray:
     )
 
 
-def _energies(e) -> np.ndarray:
+def _energies(e: Array) -> np.ndarray:
     """Scatter and largest of the mean squares over spans of some lengths, and of the halves."""
     k, values = len(e), []
     for join in JOINED:
@@ -206,7 +208,7 @@ def _energies(e) -> np.ndarray:
     return np.array([*values, np.log(e[:half].mean() / e[half:].mean())])
 
 
-def _against(x, temperature) -> np.ndarray:
+def _against(x: Array, temperature: Array | None) -> np.ndarray:
     """Correlations with the temperature, of levels and of changes."""
     if temperature is None or not np.ptp(temperature) > 0:
         return np.zeros(0)
@@ -223,7 +225,7 @@ def _against(x, temperature) -> np.ndarray:
     )
 
 
-def _largest_jump(level):
+def _largest_jump(level: Array) -> float:
     """The largest difference of means on the two sides of any instant, each over a tenth of the
     record.
     """
@@ -234,6 +236,6 @@ def _largest_jump(level):
     return float(np.abs(c[i + w] - 2 * c[i] + c[i - w]).max() / w) if len(i) else 1e-12
 
 
-def stack(rows: list[dict]) -> dict:
+def stack(rows: list[dict[str, Array]]) -> dict[str, Array]:
     """Batteries of many simulations: domain -> ndarray, shape (simulations, statistics)."""
     return {d: np.array([r[d] for r in rows]) for d in rows[0]}

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.fft import irfft, rfft
 from scipy.special import ndtr, ndtri
 
+from imu_lib.arrays import Array
 from imu_lib.gap.innovations import trend
 
 #: Samples that one which is thrown off makes surprising from which on clipped ones are drawn
@@ -36,12 +37,12 @@ class Side:
     limit: float
     sign: float
 
-    def beyond(self, x):
+    def beyond(self, x: Array) -> Array:
         """How far beyond the limit samples are; less than 0 where they are short of it."""
         return self.sign * (x - self.limit)
 
 
-def started(x, sides: Sequence[Side], rng) -> np.ndarray:
+def started(x: Array, sides: Sequence[Side], rng: np.random.Generator) -> np.ndarray:
     """`x` (n,) with its clipped samples drawn from the normal distribution of all samples about the
     level of their surroundings, beyond the limit.
     """
@@ -55,7 +56,15 @@ def started(x, sides: Sequence[Side], rng) -> np.ndarray:
     return out
 
 
-def draw(out, base, inverse, sides: Sequence[Side], rng, *, coupled: bool) -> None:
+def draw(
+    out: Array,
+    base: Array,
+    inverse: Array,
+    sides: Sequence[Side],
+    rng: np.random.Generator,
+    *,
+    coupled: bool,
+) -> None:
     """Clipped samples of `out` drawn anew in place, given all others under the spectrum of which
     `inverse` is the inverse, about `base`; run by run where they are `coupled`.
     """
@@ -73,20 +82,29 @@ def draw(out, base, inverse, sides: Sequence[Side], rng, *, coupled: bool) -> No
                 out[at] = _cut_normal(middle, 1 / np.sqrt(precision[0]), side, rng)
 
 
-def pull(x, inverse):
+def pull(x: Array, inverse: Array) -> Array:
     """A series times the inverse covariance of noise whose inverse spectrum is given at the
     ordinates of a longer transform, shape of `x`.
     """
     return irfft(rfft(x, 2 * (len(inverse) - 1)) * inverse)[: len(x)]
 
 
-def _runs(mask):
+def _runs(mask: Array) -> tuple[Array, Array]:
     """First samples and lengths of the runs in a mask."""
     edge = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
     return edge[::2], np.diff(edge)[::2]
 
 
-def _redraw(out, lean, precision, runs, side: Side, rng, *, draws: int = 64) -> None:
+def _redraw(
+    out: Array,
+    lean: Array,
+    precision: Array,
+    runs: tuple[Array, Array],
+    side: Side,
+    rng: np.random.Generator,
+    *,
+    draws: int = 64,
+) -> None:
     """Runs (first samples, lengths) of clipped samples drawn together, in place, given all samples
     outside of each and that it lies beyond the limit.
 
@@ -116,7 +134,7 @@ def _redraw(out, lean, precision, runs, side: Side, rng, *, draws: int = 64) -> 
         out[at] = new
 
 
-def _cut_normal(middle, sd, side: Side, rng):
+def _cut_normal(middle: Array, sd: float, side: Side, rng: np.random.Generator) -> Array:
     """Normal numbers about `middle`, shape (n,), of standard deviation `sd`, that lie beyond the
     limit.
     """

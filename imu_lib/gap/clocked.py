@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from imu_lib.model import Model
 from imu_lib.processes import Autoregressive, LowPass, Sum
@@ -28,7 +29,7 @@ def at_rate(model: Model | None, fs: float) -> Model | None:
     return replace(model, channels=channels)
 
 
-def _clocked(process, fs: float):
+def _clocked(process: Any, fs: float) -> Any:
     if not isinstance(process, (Autoregressive, LowPass)) or not process.rate:
         return process
     steps = max(round(process.rate / fs), 1)

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 from scipy.stats import chi2
 
+from imu_lib.arrays import Array
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
 from imu_lib.likelihood.tapered import taper
@@ -28,7 +29,7 @@ class Cross:
     in each band, `f` their centres in Hz.
     """
 
-    names: list
+    names: list[str]
     matrix: np.ndarray
     count: np.ndarray
     f: np.ndarray
@@ -48,22 +49,22 @@ class Cross:
         return float(np.sqrt(np.mean([np.abs(a[i, j]) ** 2 for a in z for i, j in pairs])))
 
 
-def cross_spectra(channels: dict, fs: float) -> Cross:
+def cross_spectra(channels: dict[str, Array], fs: float) -> Cross:
     """Averaged cross-spectra between channels (name -> (n,)) in the fast band.
 
     Ordinates at which any channel has a line are left out.
     """
     names = list(channels)
     n = len(next(iter(channels.values())))
-    z = []
+    spectra = []
     for name in names:
         x = first_fill(channels[name], np.isnan(channels[name]))
         x = x - trend(x, max(2, int(2 * fs)))
         sd = 1.4826 * np.median(np.abs(x[::5]))
         x = np.clip(x, -6 * sd, 6 * sd) if sd > 0 else x
         # what the ends leak into a filter's stop band is alike in all channels
-        z.append(np.fft.rfft(taper(n) * x) * np.sqrt(2.0 / (n * fs)))
-    z = np.array(z)
+        spectra.append(np.fft.rfft(taper(n) * x) * np.sqrt(2.0 / (n * fs)))
+    z = np.array(spectra)
     f = np.arange(z.shape[1]) * fs / n
     lo, hi = np.searchsorted(f, 0.02 * fs), np.searchsorted(f, 0.49 * fs)
     z, f = z[:, lo:hi], f[lo:hi]
@@ -83,7 +84,7 @@ def cross_spectra(channels: dict, fs: float) -> Cross:
     return Cross(names, np.array(matrix), np.array(count), np.array(centre))
 
 
-def without(matrix, density, member, fall=None):
+def without(matrix: Array, density: float, member: list[bool], fall: Array | None = None) -> Array:
     """The cross-spectra less a `density` that the members share; behind filters of amplitude
     `fall`, which may turn its phase.
     """
@@ -94,12 +95,12 @@ def without(matrix, density, member, fall=None):
     return matrix * (1.0 - np.minimum(expected / np.maximum(np.abs(matrix), 1e-300), 1.0))
 
 
-def left(rest, seen: Cross) -> str | None:
+def left(rest: Array, seen: Cross) -> str | None:
     """A sentence where a coherence is left in the cross-spectra `rest`, of channels whose spectra
     are those of `seen`.
     """
     names, matrix, count, f = seen.names, seen.matrix, seen.count, seen.f
-    worst = (0.0, None)
+    worst: tuple[float, str | None] = (0.0, None)
     pairs = list(combinations(range(len(names)), 2))
     for i, j in pairs:
         g = np.abs(rest[:, i, j]) ** 2 / (matrix[:, i, i].real * matrix[:, j, j].real) * count * 2

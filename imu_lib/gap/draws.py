@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
-from imu_lib.processes import Sum, WhiteNoise, folded
+from imu_lib.arrays import Array
+from imu_lib.processes import HeavyTails, LowPass, Process, Sum, WhiteNoise, folded
 
 #: Memory of a process, s, from which on it is drawn before a filter.
 PASSES = 10.0
@@ -22,18 +24,26 @@ class Draws:
     of the same normal numbers.
     """
 
-    def __init__(self, seed, n: int, fs: float, temperature=None):
+    def __init__(
+        self, seed: Sequence[int] | int, n: int, fs: float, temperature: Array | None = None
+    ) -> None:
         self.seed, self.n, self.fs, self.temperature = list(np.atleast_1d(seed)), n, fs, temperature
         self.t = np.arange(n) / fs
-        self._made = {}
+        self._made: dict[tuple[Process, int, LowPass | None, str | None], Array] = {}
 
-    def rng(self, name: str, count: int = 0):
+    def rng(self, name: str, count: int = 0) -> np.random.Generator:
         """The generator of what is called `name`, the same at every call."""
         return np.random.default_rng([*self.seed, count, *name.encode()])
 
-    def terms(self, terms, low_pass=None, tails=None) -> tuple[np.ndarray, np.ndarray]:
+    def terms(
+        self,
+        terms: Iterable[Process],
+        low_pass: LowPass | None = None,
+        tails: HeavyTails | None = None,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Sums of the slow and of the quick processes behind the filter, shapes (n,)."""
-        slow, quick, seen = np.zeros(self.n), np.zeros(self.n), {}
+        slow, quick = np.zeros(self.n), np.zeros(self.n)
+        seen: dict[str, int] = {}
         for term in terms:
             count = seen[term.name] = seen.get(term.name, -1) + 1
             if getattr(term, "rounded", None):  # the sum rounds its integral
@@ -52,7 +62,9 @@ class Draws:
             part += getattr(term, amplitude) * one
         return slow, quick
 
-    def unit(self, process, count: int, low_pass, name: str | None = None) -> np.ndarray:
+    def unit(
+        self, process: Process, count: int, low_pass: LowPass | None, name: str | None = None
+    ) -> np.ndarray:
         """A process of amplitude 1, the one that is drawn as number `count` of its `name`, behind
         the filter, shape (n,).
         """
@@ -69,7 +81,7 @@ class Draws:
         return self._made[key]
 
 
-def through(x, low_pass, fs: float) -> np.ndarray:
+def through(x: Array, low_pass: LowPass, fs: float) -> np.ndarray:
     """Noise whose power lies far below the rate at which the filter runs, behind the filter but
     for its delay, shape (n,).
     """
@@ -80,7 +92,7 @@ def through(x, low_pass, fs: float) -> np.ndarray:
     return irfft(z * np.sqrt(low_pass.gain(np.arange(len(z)) * fs / size, fs)), size)[:n] + line
 
 
-def _behind(x, low_pass, fs: float) -> np.ndarray:
+def _behind(x: Array, low_pass: LowPass, fs: float) -> np.ndarray:
     """White samples behind the filter, the last of them before the first, shape (n,)."""
     reach = len(folded.response(low_pass, fs)) // 2
     return folded.behind(np.pad(x, reach, mode="wrap"), low_pass, fs)
@@ -98,14 +110,16 @@ def _ordinates(size: int, fs: float) -> np.ndarray:
 
 
 @lru_cache(maxsize=32)
-def _amplitudes(unit, low_pass, size: int, fs: float) -> np.ndarray:
+def _amplitudes(unit: Process, low_pass: LowPass, size: int, fs: float) -> np.ndarray:
     """Root of the folded spectrum of a process behind a filter at the ordinates of `size` samples,
     times the root of size / 4 fs.
     """
     return np.sqrt(Sum((unit,), (low_pass,)).psd(_ordinates(size, fs), fs) * fs * size / 4)
 
 
-def behind(unit, low_pass, n: int, fs: float, rng) -> np.ndarray:
+def behind(
+    unit: Process, low_pass: LowPass, n: int, fs: float, rng: np.random.Generator
+) -> np.ndarray:
     """A stationary process of short memory behind a filter that runs at its own rate, from the
     folded spectrum, shape (n,).
     """

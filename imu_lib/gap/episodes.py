@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.arrays import Array
+
 #: Gain that a beginning and an end have to bring; share of the excess that may be left outside.
 TIMED, OUTSIDE = 18.0, 0.3
 #: Blocks in which the beginning and the end are sought, and episodes at the most: what goes on and
@@ -15,7 +17,7 @@ SHORTEST = 3
 STILL = 0.25
 
 
-def episodes(power, dof: float, duration: float) -> tuple[tuple[float, float], ...] | None:
+def episodes(power: Array, dof: float, duration: float) -> tuple[tuple[float, float], ...] | None:
     """((from, to), ...) in s where the excess has a beginning or an end, else None.
 
     Parameters
@@ -47,7 +49,7 @@ def episodes(power, dof: float, duration: float) -> tuple[tuple[float, float], .
     )
 
 
-def _once(e, dof):
+def _once(e: Array, dof: float) -> tuple[float, list[tuple[int, int]]] | None:
     """(gain, [(first, behind the last block)]) of the likeliest single episode, or None."""
     k = len(e)
     c = np.concatenate([[0.0], np.cumsum(e)])
@@ -63,7 +65,7 @@ def _once(e, dof):
     return _worth(e, dof, [(int(i[best]), int(j[best]))])
 
 
-def _several(e, dof):
+def _several(e: Array, dof: float) -> tuple[float, list[tuple[int, int]]] | None:
     """(gain, runs) of the likeliest two levels that take turns, or None."""
     on, off = float(np.mean(np.sort(e)[-max(3, len(e) // 8) :])), float(np.quantile(e, 0.25))
     runs: list[tuple[int, int]] = []
@@ -85,7 +87,7 @@ def _several(e, dof):
     return _worth(e, dof, runs)
 
 
-def _path(e, dof, on, off):
+def _path(e: Array, dof: float, on: float, off: float) -> Array:
     """The likeliest sequence of the two levels, each change at half of `TIMED`; bool (k,)."""
     cost = dof * np.column_stack([np.log(off) + e / off, np.log(on) + e / on])
     total, back = cost[0].copy(), np.zeros((len(e), 2), np.int8)
@@ -100,7 +102,9 @@ def _path(e, dof, on, off):
     return out.astype(bool)
 
 
-def _worth(e, dof, runs):
+def _worth(
+    e: Array, dof: float, runs: list[tuple[int, int]]
+) -> tuple[float, list[tuple[int, int]]] | None:
     """(gain, runs) where the excess is in the runs and next to nothing beside them, else None."""
     inside = np.zeros(len(e), bool)
     for i, j in runs:

@@ -7,12 +7,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.fft import irfft, rfft
 
+from imu_lib.arrays import Array
 from imu_lib.gap import clipped
 from imu_lib.gap.innovations import Smooth, padded_size
 from imu_lib.likelihood.tapered import bridge
 
 
-def first_fill(x, bad) -> np.ndarray:
+def first_fill(x: Array, bad: Array) -> np.ndarray:
     """Bad samples replaced by the straight line between good ones plus what good samples deviate
     from it elsewhere.
     """
@@ -27,7 +28,7 @@ def first_fill(x, bad) -> np.ndarray:
     return out
 
 
-def _level(x, bad):
+def _level(x: Array, bad: Array) -> Array:
     """The level from the good samples of each of some 2000 blocks, straight lines across blocks
     that have too few of them.
     """
@@ -43,7 +44,15 @@ def _level(x, bad):
 
 
 def impute(
-    x, bad, smooth: Smooth, rng, *, above=None, below=None, before=None, iterations: int = 40
+    x: Array,
+    bad: Array,
+    smooth: Smooth,
+    rng: np.random.Generator,
+    *,
+    above: tuple[Array, float] | None = None,
+    below: tuple[Array, float] | None = None,
+    before: Array | None = None,
+    iterations: int = 40,
 ) -> np.ndarray:
     """Bad samples drawn from their distribution given the good ones under the spectrum
     (conditional simulation).
@@ -79,11 +88,11 @@ def impute(
     return out
 
 
-def _mean_given(residual, bad, inverse, iterations: int) -> np.ndarray:
+def _mean_given(residual: Array, bad: Array, inverse: Array, iterations: int) -> np.ndarray:
     """Mean of the bad samples given the good ones (0 where they are bad) by conjugate gradients."""
     wrong = np.flatnonzero(bad)
 
-    def apply(v):
+    def apply(v: Array) -> Array:
         full = np.zeros(len(residual))
         full[wrong] = v
         return clipped.pull(full, inverse)[wrong]

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imu_lib.arrays import Array
+from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.spikes import Spikes
 from imu_lib.gap.imputation import impute
 from imu_lib.gap.innovations import Smooth, surprises
 from imu_lib.gap.outliers import deconvolved, spike_odds
+from imu_lib.processes import Spikes as Thrown
 
 #: Steps of the grid, in standard deviations of what the other samples leave open, from which on
 #: the levels show in the innovations.
@@ -39,12 +42,20 @@ class Hidden:
     coarse: np.ndarray
     mask: np.ndarray
     clipped: np.ndarray
-    above: tuple
-    below: tuple
-    grid: tuple | None
+    above: tuple[Array, float]
+    below: tuple[Array, float]
+    grid: tuple[float, float] | None
 
     @classmethod
-    def of(cls, raw, rest, coarse, bad, side, grid) -> Hidden:
+    def of(
+        cls,
+        raw: Array,
+        rest: Array,
+        coarse: Array,
+        bad: Array,
+        side: Array,
+        grid: tuple[float, float] | None,
+    ) -> Hidden:
         """Of samples that are `bad` or on one `side` of the range."""
         half = 0.5 * (0.0 if grid is None else grid[0])
         high, low = side > 0, side < 0
@@ -52,7 +63,9 @@ class Hidden:
         below = low, raw[low].max() + half if low.any() else 0.0
         return cls(rest, coarse, bad | (side != 0), side != 0, above, below, grid)
 
-    def filled(self, spiked, smooth: Smooth, rng, before=None) -> np.ndarray:
+    def filled(
+        self, spiked: Array, smooth: Smooth, rng: np.random.Generator, before: Array | None = None
+    ) -> np.ndarray:
         """The rest with the hidden and the `spiked` samples drawn anew; `before` is the former
         filling.
         """
@@ -65,12 +78,14 @@ class Hidden:
         rounded = offset + np.rint((out + self.coarse - offset) / step) * step - self.coarse
         return np.where(self.clipped, rounded, out)
 
-    def _moved(self, mask, limit) -> tuple | None:
+    def _moved(self, mask: Array, limit: float) -> tuple[Array, float] | None:
         """(mask, limit of the rest): the limit of the whole signal moves with what was set aside."""
         return (mask, limit - float(np.median(self.coarse[mask]))) if mask.any() else None
 
 
-def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
+def thrown_off(
+    hidden: Hidden, smooth: Smooth, held: Thrown | None, rng: np.random.Generator
+) -> tuple[Finding | None, Array, Array, Smooth]:
     """(finding or None, mask of the samples, clean rest, its spectrum); `held` are the spikes of the
     given model, or None.
     """
@@ -90,9 +105,10 @@ def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
         count = spiked.sum()
         spiked = np.zeros(len(clean), bool)
         if new is not None:
+            assert new.mask is not None, "they are found by their samples"
             spiked[np.flatnonzero(~hidden.mask)[new.mask]] = True
             spikes = new
-        else:
+        elif held is not None:
             spiked[_of_model(y, even, held)] = True
         spiked |= instead & ~hidden.mask
         if abs(int(spiked.sum()) - int(count)) <= 0.01 * count:
@@ -103,14 +119,16 @@ def thrown_off(hidden: Hidden, smooth: Smooth, held, rng) -> tuple:
     return spikes, spiked, clean, smooth
 
 
-def _of_model(y, smooth: Smooth, held) -> np.ndarray:
+def _of_model(y: Array, smooth: Smooth, held: Thrown) -> np.ndarray:
     """Samples that are spikes of the given model (`held`) with more than even odds, mask (n,)."""
     sd = 1.4826 * float(np.median(np.abs(y)))
     scale = held.scale / (sd * np.sqrt(smooth.conditional_variance))
     return spike_odds(y / sd, min(held.rate / smooth.fs, MOST), scale) > 0
 
 
-def _settled(hidden: Hidden, spiked, smooth: Smooth, rng, clean) -> tuple:
+def _settled(
+    hidden: Hidden, spiked: Array, smooth: Smooth, rng: np.random.Generator, clean: Array | None
+) -> tuple[Array, Smooth]:
     """The clean rest and its spectrum: what was filled in under too loud a spectrum would make its
     neighbours surprising under a better one, and where much is clipped, under too quiet a one, it
     would not go far enough beyond the limit. `clean` is the former rest, or None.
@@ -122,10 +140,13 @@ def _settled(hidden: Hidden, spiked, smooth: Smooth, rng, clean) -> tuple:
         change = smooth.conditional_variance / before
         if change > 0.9 and not (many and abs(change - 1) > STEADY):
             break
+    assert clean is not None, "a round at the least has filled it"
     return clean, smooth
 
 
-def _surprises(hidden: Hidden, clean, smooth: Smooth, rng) -> tuple:
+def _surprises(
+    hidden: Hidden, clean: Array, smooth: Smooth, rng: np.random.Generator
+) -> tuple[Array, Smooth, Array]:
     """(surprises of the samples, the spectrum they are held against, samples that stand for a spike
     found beside them).
     """
@@ -144,7 +165,7 @@ def _surprises(hidden: Hidden, clean, smooth: Smooth, rng) -> tuple:
     return y, even, instead
 
 
-def _edges(x, y, *, reach: int = 4) -> np.ndarray:
+def _edges(x: Array, y: Array, *, reach: int = 4) -> np.ndarray:
     """Surprises where the level before differs from the level after by most of the surprise: a
     jump, not a spike; mask (n,).
     """
@@ -161,7 +182,7 @@ def _edges(x, y, *, reach: int = 4) -> np.ndarray:
         return out
     lag = np.arange(2, reach + 2)
 
-    def levels(at):
+    def levels(at: Array) -> tuple[Array, Array]:
         return np.median(x[at[:, None] - lag], axis=1), np.median(x[at[:, None] + lag], axis=1)
 
     before, after = levels(at)

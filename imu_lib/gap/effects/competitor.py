@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from imu_lib.gap.candidate import Assembly, Candidate
 from imu_lib.gap.data import SCREEN
-from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH, TIME_WIDTH
+from imu_lib.gap.state import State
+from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH, TIME_WIDTH, Maximum
 from imu_lib.likelihood.slot import Slot
+from imu_lib.processes import Process
 
 from .base import Effect
+
+if TYPE_CHECKING:
+    from imu_lib.gap.absorbed import FreeBase
+    from imu_lib.gap.rounds import Weighed
 
 Z95 = 1.959963984540054
 #: Confidence at the most in a noise that is strongest near half the sampling rate, beside a filter:
@@ -36,68 +42,75 @@ class Competitor(Effect):
     local: ClassVar[bool] = False
 
     # -- candidates ------------------------------------------------------------------------------
-    def candidates(self, state) -> list[Candidate]:
+    def candidates(self, state: State) -> list[Candidate]:
         """Where the effect may be in what `state` leaves."""
         return []
 
-    def candidates_beside(self, state, weighed) -> list[Candidate]:
+    def candidates_beside(self, state: State, weighed: list[Weighed]) -> list[Candidate]:
         """Where it may be in place of other candidates, which have been weighed."""
         return []
 
-    def candidates_in_base(self, state) -> list[Candidate]:
+    def candidates_in_base(self, state: State) -> list[Candidate]:
         """Where it may be in what a fitted base may have taken for a red noise of its own."""
         return []
 
-    def candidates_in_place(self, state, term, without) -> list[Candidate]:
+    def candidates_in_place(self, state: State, term: Any, without: State) -> list[Candidate]:
         """Where it may be in place of a `term` of a fitted base; `without` is the base that has all
         others.
         """
         return []
 
-    def path(self, state, term) -> np.ndarray | None:
+    def path(self, state: State, term: Any) -> np.ndarray | None:
         """What the samples show that a `term` of the given model does in them, shape (n,); None
         where they know no more of it than its spectrum.
         """
         return None
 
-    def levels(self, state, candidate: Candidate) -> list | None:
+    def levels(self, state: State, candidate: Candidate) -> list[tuple[float, float]] | None:
         """(distance, flips per second) of two levels that would look like the fitted candidate;
         None where it does not say how often they flip.
         """
         return None
 
-    def worth_fitting(self, candidate, state, best: float, simple: float) -> bool:
+    def worth_fitting(self, candidate: Candidate, state: State, best: float, simple: float) -> bool:
         """Whether it is fitted, where the best candidate promises `best` and the best simple one
         `simple`.
         """
         return candidate.screen >= 0.35 * best - 15
 
     # -- in a model ------------------------------------------------------------------------------
-    def enter(self, assembly: Assembly, candidate: Candidate):
+    def enter(self, assembly: Assembly, candidate: Candidate) -> None:
         """Make the candidate part of a model."""
         assembly.add_noise(candidate)
 
-    def settled(self, state, candidate: Candidate) -> Candidate:
+    def settled(self, state: State, candidate: Candidate) -> Candidate:
         """The candidate at its fitted values, so that a further fit starts there."""
         return replace(candidate, process=state.fit.terms[state.assembly.place(candidate)])
 
-    def log_prior(self, state, candidate: Candidate) -> float:
+    def log_prior(self, state: State, candidate: Candidate) -> float:
         """Log evidence of the fitted candidate beyond the likelihood and the widths of its slot."""
         return 0.0
 
-    def against(self, rival) -> float:
+    def against(self, rival: Weighed) -> float:
         """Log evidence that is held against a weighed `rival` in its place."""
         return 0.0
 
-    def absorbed(self, base) -> bool:
+    def absorbed(self, base: FreeBase) -> bool:
         """Whether a free base (`absorbed.FreeBase`) may have swallowed it."""
         return False
 
-    def grow(self, state, candidate, fit, terms: list, stages: dict):
+    def grow(
+        self,
+        state: State,
+        candidate: Candidate,
+        fit: Maximum,
+        terms: list[Any],
+        stages: dict[str, Any],
+    ) -> None:
         """Add to the terms and stages of the grown model what `fit.terms` does not hold."""
 
     # -- in the report ---------------------------------------------------------------------------
-    def report(self, state, candidate) -> tuple[dict, dict]:
+    def report(self, state: State, candidate: Candidate) -> tuple[dict[str, Any], dict[str, Any]]:
         """Parameters and 95 % intervals of the fitted candidate."""
         fit, place = state.fit, state.assembly.place(candidate)
         process = fit.terms[place]
@@ -110,11 +123,11 @@ class Competitor(Effect):
                 intervals[name] = factor(getattr(process, name), sd)
         return process_parameters(process), intervals
 
-    def alike(self, state, candidate) -> dict:
+    def alike(self, state: State, candidate: Candidate) -> dict[str, float]:
         """Effects that would look the same, and their share of the confidence."""
         return {}
 
-    def where(self, state, candidate) -> str:
+    def where(self, state: State, candidate: Candidate) -> str:
         """Where the model without the candidate and the record disagree, in physical words."""
         without = state.without(candidate)
         a, b = state.fit.expected, without.fit.expected
@@ -132,12 +145,12 @@ class Competitor(Effect):
         return text
 
 
-def process_parameters(process) -> dict:
+def process_parameters(process: Process) -> dict[str, Any]:
     """Its entry in the model file without the name."""
     return {key: v for key, v in process.to_json().items() if key != "process"}
 
 
-def factor(value: float, sd: float) -> list:
+def factor(value: float, sd: float) -> list[float]:
     """95 % interval of a parameter whose logarithm has the standard deviation `sd`; of one that has
     vanished, and of which the record says nothing, all sizes.
     """
@@ -145,7 +158,7 @@ def factor(value: float, sd: float) -> list:
     return [value / reach, value * reach]
 
 
-def near_record(state, candidate) -> float:
+def near_record(state: State, candidate: Candidate) -> float:
     """Log prior of a correlation time that nears the record's length: it is not seen, and the same
     noise has a name with one parameter less.
     """
@@ -157,12 +170,12 @@ def near_record(state, candidate) -> float:
 class Spectral(Competitor):
     """A noise that is known by its spectrum: a process added to the sum, its parameters free."""
 
-    process: ClassVar[type]
+    process: ClassVar[type[Any]]
     amplitude: ClassVar[str] = "sigma"
     #: Log odds against the effect before the record is seen.
     rarity: ClassVar[float] = 0.0
 
-    def grid(self, fs: float, duration: float) -> list:
+    def grid(self, fs: float, duration: float) -> list[Any]:
         """Processes of unit strength from whose shapes the best start is chosen, each with its
         amplitude's name.
         """
@@ -177,12 +190,12 @@ class Spectral(Competitor):
         widths = tuple(TIME_WIDTH if p.kind == "time" else AMPLITUDE_WIDTH for p in free)
         return Slot(index, names, low, high, widths)
 
-    def absorbed(self, base):
+    def absorbed(self, base: FreeBase) -> bool:
         return self.beside(base.low_pass, base.data.fs) and base.imitates(
             self.grid(base.data.fs, base.data.duration)
         )
 
-    def candidates(self, state):
+    def candidates(self, state: State) -> list[Candidate]:
         fit, data = state.fit, state.cleaned
         if self.single and any(t.name == self.name for t in fit.terms):
             return []

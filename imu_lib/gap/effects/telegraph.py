@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from imu_lib.gap.candidate import Candidate
-from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD
+from imu_lib.arrays import Array
+from imu_lib.gap.candidate import Assembly, Candidate
+from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, State
 from imu_lib.gap.two_levels import TwoLevels, decoded
 from imu_lib.likelihood.evaluate import with_extra
-from imu_lib.likelihood.evidence import amplitude_occam
+from imu_lib.likelihood.evidence import Maximum, amplitude_occam
 from imu_lib.processes import Telegraph as Process
 
 from .competitor import Competitor, factor, process_parameters
 from .gauss_markov import GaussMarkov
+
+if TYPE_CHECKING:
+    from imu_lib.gap.absorbed import FreeBase
+    from imu_lib.gap.rounds import Weighed
 
 #: Samples that a level has to last on average to be told from noise.
 MIN_DWELL_SAMPLES = 50
@@ -42,15 +49,15 @@ class Telegraph(Competitor):
     domain = "distribution"
     process = Process
 
-    def candidates_beside(self, state, weighed):
+    def candidates_beside(self, state: State, weighed: list[Weighed]) -> list[Candidate]:
         """Two levels instead of the noises that would otherwise explain a red spectrum."""
         return self._decoded(state, self._starts(state, weighed))
 
-    def candidates_in_base(self, state):
+    def candidates_in_base(self, state: State) -> list[Candidate]:
         duration, sd = state.data.duration, state.cleaned.slow_sd
         return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
 
-    def candidates_in_place(self, state, term, without):
+    def candidates_in_place(self, state: State, term: Any, without: State) -> list[Candidate]:
         if not isinstance(term, TWIN.process):
             return []
         start = Process(amplitude=2 * term.sigma, rate=0.5 / term.correlation_time)
@@ -62,7 +69,7 @@ class Telegraph(Competitor):
             item = self._item(without, decoded(*self._seen(without, item.process, fit=fit)))
         return [] if item is None else [item]
 
-    def path(self, state, term):
+    def path(self, state: State, term: Any) -> Array | None:
         """The levels of a telegraph that is given, where the samples show them, and show no other
         distance or rate: of few flips the spectrum is that of a Gauss-Markov process in name only,
         and each of them would be a step.
@@ -77,7 +84,7 @@ class Telegraph(Competitor):
         like = free is not None and free.differs(term, state.data.duration) < MIN_LIKELIHOOD
         return found.signal if like else None
 
-    def _decoded(self, state, starts):
+    def _decoded(self, state: State, starts: list[tuple[float, float]]) -> list[Candidate]:
         if not starts:
             return []
         held, out = self._held(state), []
@@ -88,7 +95,7 @@ class Telegraph(Competitor):
             out.append(self._item(state, decoded(*self._seen(state, start)), held))
         return [item for item in out if item is not None]
 
-    def _item(self, state, found: TwoLevels | None, held: float = 0.0) -> Candidate | None:
+    def _item(self, state: State, found: TwoLevels | None, held: float = 0.0) -> Candidate | None:
         """The candidate, where there are flips enough and few enough to be two levels."""
         if found is None or found.flips < MIN_FLIPS:
             return None
@@ -97,7 +104,9 @@ class Telegraph(Competitor):
         return self._candidate(state, found, held)
 
     @staticmethod
-    def _seen(state, start, but=None, fit=None) -> tuple:
+    def _seen(
+        state: State, start: Process, but: Any = None, fit: Maximum | None = None
+    ) -> tuple[Array, float, Process, float, Callable[[int, float], Array] | None]:
         """What two levels are decoded from: the record, what to start from, the white noise, and the
         gain of the other noises of the `fit` - the state's own where none is given - without `but`
         one of them.
@@ -109,7 +118,7 @@ class Telegraph(Competitor):
         density = min(float(np.median(s[:40])), float(np.median(s))) / 2
         drift = [t for t in fit.terms if t.memory > 0 and t is not but]
 
-        def gain(size, rate):
+        def gain(size: int, rate: float) -> Array:
             f = np.maximum(np.arange(size // 2 + 1), 0.5) * rate / size
             d = sum(t.psd(f) for t in drift)
             return d / (d + 2 * density)
@@ -117,7 +126,7 @@ class Telegraph(Competitor):
         x = data.x - state.drift if len(fit.beta) else data.x
         return x, data.fs, start, density, gain if drift else None
 
-    def _held(self, state) -> float:
+    def _held(self, state: State) -> float:
         """Log-likelihood by which the given model with two levels of its own is better than `state`:
         with them as with those that are found, it is beyond that of their spectrum.
         """
@@ -129,7 +138,7 @@ class Telegraph(Competitor):
         return max(out - state.ll, 0.0)
 
     @staticmethod
-    def _starts(state, weighed) -> list:
+    def _starts(state: State, weighed: list[Weighed]) -> list[tuple[float, float]]:
         """(amplitude, rate) to start from, after the red noises that promise most."""
         starts, data = [], state.cleaned
         for w in weighed:
@@ -144,7 +153,7 @@ class Telegraph(Competitor):
                 starts += [(2 * sd, 10 / data.duration), (2 * sd, 60 / data.duration)]
         return starts
 
-    def _candidate(self, state, found: TwoLevels, held: float) -> Candidate:
+    def _candidate(self, state: State, found: TwoLevels, held: float) -> Candidate:
         """What the two levels gain beyond the Gauss-Markov noise of their spectrum is no affair of
         the likelihood of the record without them; those of the given model gain `held`.
         """
@@ -159,20 +168,27 @@ class Telegraph(Competitor):
             gain=float(alike.ll - trial.ll + found.beyond - held),
         )
 
-    def absorbed(self, base):
+    def absorbed(self, base: FreeBase) -> bool:
         # two levels whose dwells are lost in the noise have the spectrum of a Gauss-Markov process
         return base.has(TWIN.process) or TWIN.absorbed(base)
 
-    def enter(self, assembly, candidate):
+    def enter(self, assembly: Assembly, candidate: Candidate) -> None:
         """It is taken out of the record instead."""
 
-    def settled(self, state, candidate):
+    def settled(self, state: State, candidate: Candidate) -> Candidate:
         return candidate
 
-    def grow(self, state, candidate, fit, terms, stages):
+    def grow(
+        self,
+        state: State,
+        candidate: Candidate,
+        fit: Maximum,
+        terms: list[Any],
+        stages: dict[str, Any],
+    ) -> None:
         terms.append(candidate.process)
 
-    def report(self, state, candidate):
+    def report(self, state: State, candidate: Candidate) -> tuple[dict[str, Any], dict[str, Any]]:
         p, found = candidate.process, candidate.note["found"]
         amplitude, rate = found.spread()
         return process_parameters(p), {
@@ -180,7 +196,7 @@ class Telegraph(Competitor):
             "rate": factor(p.rate, rate),
         }
 
-    def where(self, state, candidate):
+    def where(self, state: State, candidate: Candidate) -> str:
         return (
             f"distribution of the bias: two levels, about {candidate.note['found'].flips:.0f} flips "
             f"in {state.data.duration:.0f} s"
