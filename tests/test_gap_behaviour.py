@@ -32,6 +32,13 @@ def test_a_tone_of_one_channel_that_is_no_vibration_is_not_named(kind):
     assert named <= 1
 
 
+def test_what_the_sampling_folds_of_a_periodic_signal_is_no_line_of_its_own():
+    """The twenty-seventh multiple beside the nineteenth was a vibration that wanders."""
+    t, rng = np.arange(90_000) / FS, np.random.default_rng(9)
+    raw = {"gyro_x": rng.standard_normal(90_000) + 0.6 * np.sign(np.sin(2 * np.pi * 2.1741 * t))}
+    assert not [f for f in found_in(raw) if not f.doubt]
+
+
 def test_a_machine_that_goes_on_and_off_is_named_with_its_times():
     t, rng = np.arange(N) / FS, np.random.default_rng(8)
     raw = {c: rng.standard_normal(N) for c in ("gyro_x", "gyro_y", "accel_z")}

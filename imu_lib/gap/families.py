@@ -153,6 +153,21 @@ def _fitted(members: list[Source], orders: list[int], transforms: Transforms) ->
     return float(top / sum(w * k * k for w, k in zip(weight, orders)))
 
 
+def folds(s: Source, families: list[Family], transforms: Transforms) -> bool:
+    """Whether a line is a multiple, between half the sampling rate and all of it, of a family that
+    its channels have, as the sampling folds it.
+    """
+    for f0, family in families:
+        if f0 == 0.0 or s in family or not _line(s) or not _together(s, family[0]):
+            continue
+        order = round((transforms.fs - s.frequency) / f0)
+        known = max(round(m.frequency / f0) for m in family)
+        slack = _slack(s, transforms) * (1 + order / known)
+        if abs(transforms.fs - order * f0 - s.frequency) < min(slack, 0.1 * f0):
+            return True
+    return False
+
+
 def weak_lines(
     f0: float, family: list[Source], transforms: Transforms
 ) -> dict[int, dict[str, float]]:

@@ -11,7 +11,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.gap import forest, narrow_band, shared_band
 from imu_lib.gap.behaviour import BREATHES, BURSTS, SWEEPS, half_in
-from imu_lib.gap.families import grouped, of_mains
+from imu_lib.gap.families import folds, grouped, of_mains
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
 from imu_lib.gap.quieten import quietened
@@ -103,7 +103,10 @@ class Vibration(Effect):
         found = [s for s in sources(places, transforms) if self._is_one(s, given, transforms)]
         swept = {c for s in found if s.strange == SWEEPS for c in s.channels}
         out: list[Shake] = []
-        for f0, family in grouped(found, transforms):
+        families = grouped(found, transforms)
+        for f0, family in families:
+            if len(family) == 1 and folds(family[0], families, transforms):
+                continue  # of a periodic signal, which has a cause or none
             if self._is_vibration(family, swept) or self._hums(f0, family):
                 out += of_family(f0, family, transforms, SHORTEST)
             elif self._is_tone(family, swept):
