@@ -3,6 +3,7 @@ record.
 """
 
 import re
+import shlex
 
 import browser as chromium
 import numpy as np
@@ -10,9 +11,11 @@ import pytest
 
 from conftest import ROOT
 from imu_lib.book import build, own
-from imu_lib.cli.main import main
+from imu_lib.cli.book import FLAGS, _of_record
+from imu_lib.cli.main import joined, main, parser
 from imu_lib.errors import InputError
 from imu_lib.processes import GaussMarkov, WhiteNoise
+from imu_lib.record import Record
 
 #: What only the embedded records, the papers' sensors or their truth may be called.
 OTHERS = re.compile(
@@ -187,3 +190,17 @@ def test_what_a_template_imports_is_there(name):
             for alias in node.names:
                 if not hasattr(module, alias.name):
                     import_module(f"{node.module}.{alias.name}")
+
+
+def test_the_commands_on_page_one_read_the_same(tmp_path):
+    """Two files, an own rate, a stretch: each command that is shown takes the file as it was read."""
+    flags = "--rate 50 --gyro-unit deg/s --accel-unit m/s^2 --columns=-,x --start 2 --trust-units"
+    for given in (f"'a b.csv' {flags}", f"--gyro 'a b.csv' --accel acc.csv {flags} --only gyro"):
+        asked = parser("book").parse_args(["book", *shlex.split(given)])
+        record = Record({"gyro_x": np.zeros(5000)}, 50.0)
+        subject = _of_record(asked, record, tmp_path)
+        for line in own.commands(subject).splitlines():
+            words = joined(shlex.split(line)[1:])
+            again = parser(words[0]).parse_args(words)
+            for name in ("file", "trust_units", *FLAGS):
+                assert getattr(again, name) == getattr(asked, name), (line, name)

@@ -1,12 +1,14 @@
 """What `check` sees: each defect put in is found, and a sound record has none."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from imu_lib import health, units
 from imu_lib.cli.main import main
+from imu_lib.health import driven
 from imu_lib.record import Record
 
 N, RATE = 120_000, 100.0
@@ -156,3 +158,18 @@ def test_a_copy_with_the_sign_reversed_is_said_so():
     x = dict(sound().channels)
     x["accel_y"] = -x["accel_x"] + 0.1
     assert "sign reversed" in ready(Record(x, 100.0)).left_out["accel_y"]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_bias_of_the_vertical_accelerometer_has_the_sign_of_the_file(sign):
+    """An accelerometer that reads -9.46 where it should read -9.81 has a bias of +0.35."""
+    accel = np.tile([0.0, 0.0, -sign * 9.46], (2000, 1)) + 1e-3 * sound()["accel_x"][:2000, None]
+    drive = SimpleNamespace(
+        time=np.arange(2000) / 100.0,
+        rate=100.0,
+        accel=accel,
+        gyro=np.zeros((2000, 3)),
+        gnss_position=np.array([[0.8, 0.2, 100.0]]),
+    )
+    (told,) = driven._weight(drive)
+    assert f"a bias of {'+-'[sign < 0]}0.35 m/s^2 on the accelerometer's z" in told

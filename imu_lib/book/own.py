@@ -31,8 +31,8 @@ class Subject:
     """What the book is about, in the words of its owner.
 
     title : name for the title; shown : path as the user gave it; path : the file that the cells
-    read; about : its length in words; facts : rows of the first table; options : flags of the call;
-    commands : the calls that give the same, {} where file and flags go
+    read; about : its length in words; facts : rows of the first table; call, options : file and
+    flags of the call; commands : the calls that give the same, {} where file and flags go
     """
 
     title: str
@@ -41,6 +41,7 @@ class Subject:
     about: str
     facts: tuple[tuple[str, str], ...]
     notes: tuple[str, ...] = ()
+    call: str = ""
     options: str = ""
     commands: tuple[str, ...] = ()
 
@@ -244,7 +245,7 @@ def downloads(folder: Path) -> str:
 
 def commands(subject: Subject) -> str:
     """The commands that give what the pages show."""
-    call = f"{subject.shown} {subject.options}".strip()
+    call = f"{subject.call} {subject.options}".strip()
     return "\n".join(f"imu-lib {line.format(call)}" for line in subject.commands)
 
 

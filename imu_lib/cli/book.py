@@ -114,6 +114,7 @@ def _of_record(args, record, folder):
     return own.Subject(
         title=args.title or record.name or path.stem,
         shown=shlex.quote(args.file or args.gyro or args.accel),
+        call=shlex.quote(args.file) if args.file else "",
         path=path,
         about=about,
         facts=(
@@ -145,8 +146,9 @@ def _of_drive(args, drive, folder):
     path = Path(folder) / f"{own.safe_name(args.file)}.npz"
     shutil.copyfile(args.file, path)
     return own.Subject(
-        title=args.title or Path(args.file).name,
+        title=args.title or Path(args.file).stem,
         shown=shlex.quote(args.file),
+        call=shlex.quote(args.file),
         path=path,
         about=about,
         facts=(
@@ -160,11 +162,27 @@ def _of_drive(args, drive, folder):
     )
 
 
+#: Flags that say what is in the file.
+FLAGS = (
+    "gyro",
+    "accel",
+    "rate",
+    "time_unit",
+    "gyro_unit",
+    "accel_unit",
+    "columns",
+    "topic",
+    "only",
+    "start",
+    "stop",
+)
+
+
 def _options(args) -> str:
     """The flags that the file was opened with, as they were given."""
     words = []
-    for flag in ("rate", "gyro_unit", "accel_unit", "columns", "start", "stop"):
+    for flag in FLAGS:
         value = getattr(args, flag, None)
         if value is not None:
             words += [f"--{flag.replace('_', '-')}", shlex.quote(str(value))]
-    return " ".join(words)
+    return " ".join(words + ["--trust-units"] * bool(getattr(args, "trust_units", False)))

@@ -84,12 +84,17 @@ def _weight(drive):
         axis=1
     ).sum(axis=1)
     still = np.argsort(scatter)[: max(count // 20, 5)]
-    size = float(np.median(np.linalg.norm(blocks[still].mean(axis=1), axis=1)))
+    readings = blocks[still].mean(axis=1)
+    size = float(np.median(np.linalg.norm(readings, axis=1)))
     if abs(size / g - 1.0) < HEAVY:
         return []
+    down = np.median(readings, axis=0)
+    axis = int(np.argmax(np.abs(down)))
+    bias = np.sign(down[axis]) * (size - g)  # added to what the file has on that axis
     return [
         f"Gravity reads {size:.3f} m/s^2 in the quietest seconds, {g:.3f} is true there: a scale factor of "
-        f"{size / g - 1:+.3f} or a bias of {size - g:+.2f} m/s^2 on the vertical accelerometer; `imu-lib gap` tells which, where the drive can."
+        f"{size / g - 1:+.3f} or a bias of {bias:+.2f} m/s^2 on the accelerometer's {'xyz'[axis]}; "
+        "`imu-lib gap` tells which, where the drive can."
     ]
 
 
