@@ -83,4 +83,4 @@ def rounded(process, pieces, fs, rng):
 
 def level(change, size, fs, start):
     """The factor of a change of noise level on `size` samples from sample `start` on."""
-    return np.where(np.arange(start, start + size) / fs >= change.time - 1e-9, change.ratio, 1.0)
+    return change.factor(size, fs, start)

@@ -42,6 +42,7 @@ def value(symbol: str, x, channel: str) -> str:
         "correlation_time": "s",
         "time_constant": "s",
         "time": "s",
+        "duration": "s",
         "frequency": "Hz",
         "cutoff": "Hz",
         "rate": "/s",

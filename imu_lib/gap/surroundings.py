@@ -40,20 +40,27 @@ def environment(found: Report, seen: list[tuple[str, Step]], more: str) -> str:
     for effect, text in (
         ("temperature", "the temperature moves {}"),
         ("warm_up", "{} warmed up"),
-        ("noise_level_change", "the noise changed its level on {}"),
     ):
         on = [w for w, _ in settled(seen, (effect,))]
         if on:
-            parts.append(text.format(words.names(on)))
+            parts.append(text.format(words.channels(on)))
     louder: dict[str, list[str]] = {}
-    for where, step in settled(seen, ("wandering_level",)):
-        louder.setdefault(in_short(step.where), []).append(where)
-    parts += [f"{text} on {words.names(on)}" for text, on in louder.items()]
+    for where, step in settled(seen, ("noise_level_change", "wandering_level")):
+        louder.setdefault(_louder(step), []).append(where)
+    parts += [f"{text} on {words.channels(on)}" for text, on in louder.items()]
     if not parts:
         if told.relevant(found.steps):
             return ""
         return f"Of the environment it shows nothing{more}."
     return f"Of the environment: {'; '.join(parts)}."
+
+
+def _louder(step: Step) -> str:
+    """What the noise level does."""
+    p = step.parameters
+    if step.effect == "wandering_level" or p.get("duration"):
+        return in_short(step.where)
+    return "the noise changed its level"
 
 
 def _shook(steps: list[Step]) -> str:

@@ -19,31 +19,38 @@ from .stage import Stage
 
 @dataclass(frozen=True)
 class NoiseLevelChange(Stage):
-    """From `time` on the fast noise (white, quantization) is `ratio` times as strong.
+    """From `time` on the fast noise (white, quantization) is `ratio` times as strong, or comes to that
+    along a straight line over a `duration`.
 
     Parameters
     ----------
     ratio : float
     time : float, s from the first sample
+    duration : float, optional, s
     """
 
     ratio: float = FREE
     time: float = FREE
+    duration: float | None = None
     name: ClassVar[str] = "noise_level_change"
     place: ClassVar[int] = 1
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("ratio", "ratio", "of the standard deviations after and before"),
         Parameter("time", "other", "s from the first sample"),
+        Parameter("duration", "time", "s of a change that is not sudden", optional=True),
     )
 
     @property
     def onset(self) -> float:
         return self.time
 
-    def factor(self, n: int, fs: float) -> Array:
-        """The factor on the fast noise, shape (n,)."""
+    def factor(self, n: int, fs: float, first: int = 0) -> Array:
+        """The factor on the fast noise from the sample `first` on, shape (n,)."""
         self._require()
-        return np.where(np.arange(n) / fs >= self.time - 1e-9, self.ratio, 1.0)
+        since = np.arange(first, first + n) / fs - self.time
+        if self.duration:
+            return np.asarray(1.0 + (self.ratio - 1.0) * np.clip(since / self.duration, 0.0, 1.0))
+        return np.where(since >= -1e-9, self.ratio, 1.0)
 
     def apply(self, x: Array, fs: float, rng: np.random.Generator) -> Array:
         """On a bare signal: what deviates from its mean counts as noise."""

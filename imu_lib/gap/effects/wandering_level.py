@@ -202,12 +202,12 @@ GROWS, FALLS, WANDERS = "the noise grows", "the noise falls", "the noise rises a
 WITH, AGAINST = "as the temperature does", "against the temperature"
 
 
-def behaviour(known, temperature=None) -> str:
+def behaviour(known, temperature=None, *, wholly: bool = False) -> str:
     """What the logarithm of a level, `known` in blocks (k,), does over the record, and whether the
-    temperature (n,) does the same.
+    temperature (n,) does the same; `wholly`: from its first to its last value.
     """
     level = np.exp(known - np.mean(known))
-    low, high = np.quantile(level, [0.025, 0.975])
+    low, high = np.quantile(level, [0.0, 1.0] if wholly else [0.025, 0.975])
     trend = float(spearmanr(np.arange(len(known)), known).statistic)
     if abs(trend) < ONE_WAY:
         text = f"{WANDERS} between {low:.2g} and {high:.2g} times its usual level"

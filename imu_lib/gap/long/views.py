@@ -85,6 +85,8 @@ def _later(p: Process, seconds: float) -> Process | None:
     """A process or stage of a channel as a part that begins later sees it."""
     if p.name == "step":
         return p.with_(time=p.time - seconds) if p.time > seconds else None
+    if p.name == "noise_level_change" and p.duration:
+        return p.with_(time=p.time - seconds)
     if p.name == "noise_level_change":
         return p.with_(time=max(p.time - seconds, 1e-9))
     if p.name == "warm_up":

@@ -1,0 +1,111 @@
+"""A noise level that grows or falls over a good part of the record."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+
+from imu_lib.processes import NoiseLevelChange as Stage
+
+from .base import ChannelEffect, Finding
+from .noise_level_change import unsteady
+from .wandering_level import STEADY, Level, behaviour
+
+#: Trial beginnings and lengths, shares of the record; the shortest is no sudden change.
+BEGINNINGS = (0.0, 0.15, 0.3, 0.45, 0.6)
+LENGTHS = (0.25, 0.4, 0.6, 0.8, 1.0)
+#: Gain in log-likelihood that it has to bring, and what its three parameters are held against it.
+GAIN, HANDICAP = 20.0, 6.0
+#: Trial shapes.
+PLACES = len(BEGINNINGS) * len(LENGTHS)
+
+
+class GradualLevel(ChannelEffect):
+    name = "noise_level_change"
+    key = "noise_level_change:gradual"
+    alters = True
+    #: Before the sudden change, which the catalogue knows by this name.
+    order = 49
+    cause = (
+        "What makes the noise grows or fades through the record: the sensor warms up, a supply sags, "
+        "something begins to shake."
+    )
+    domain = "stationarity"
+
+    def candidates(self, view):
+        y, independent = view.y, view.smooth.independent
+        if view.given is not None and view.given.find(self.name) is not None:
+            return []
+        before = unsteady(y, view.fs, independent)
+        if before is None or before[0] > STEADY:
+            return []
+        level = Level(y, view.fs, independent)
+        if level.k < 40:
+            return []
+        gain, process, spread = fitted(level, y, view)
+        if gain < GAIN + HANDICAP:
+            return []
+        scale = process.factor(len(y), view.fs)
+        after = unsteady(y / scale, view.fs, independent)
+        if after is not None and after[0] < STEADY:
+            return []
+        path = np.log(scale[(np.arange(level.k) * level.m)])
+        start, stop = process.time, process.time + process.duration
+        ratio = process.ratio
+        return [
+            Finding(
+                self,
+                process,
+                gain - HANDICAP,
+                f"variance of the innovations: {behaviour(path, view.temperature, wholly=True)}, from "
+                f"{max(start, 0.0):.0f} to {min(stop, len(y) / view.fs):.0f} s",
+                {"ratio": [ratio * np.exp(-1.96 * spread), ratio * np.exp(1.96 * spread)]},
+                scale=scale,
+                places=PLACES,
+            )
+        ]
+
+
+def fitted(level: Level, y, view) -> tuple[float, Stage, float]:
+    """(gain over a steady level, the change, standard deviation of the logarithm of its ratio)."""
+    whole = len(y) / view.fs
+    time = (np.arange(level.k) + 0.5) * level.step
+    weight = level.m * view.smooth.independent
+
+    def shape(begin, length):
+        return np.clip((time - begin) / length, 0.0, 1.0)
+
+    def gain(ratio, s):
+        square = (1.0 + (np.exp(ratio) - 1.0) * s) ** 2
+        mean = np.mean(level.energy / square)  # before the change
+        return 0.5 * weight * np.sum(np.log(np.mean(level.energy)) - np.log(mean * square))
+
+    def loss(v):
+        return -gain(v[0], shape(v[1] * whole, np.exp(v[2]) * whole))
+
+    best = None
+    for begin in BEGINNINGS:
+        for length in LENGTHS:
+            if begin + length > 1.01:
+                continue
+            s = shape(begin * whole, length * whole)
+            centred = s - s.mean()
+            ratio = float(centred @ level.log / (centred @ centred))
+            value = gain(ratio, s)
+            if best is None or value > best[0]:
+                best = value, [ratio, begin, np.log(length)]
+    bounds = ((-4.0, 4.0), (-0.05, 0.8), (np.log(0.2), 0.05))
+    options = {"xatol": 1e-3, "fatol": 1e-2, "maxiter": 200}
+    r = minimize(loss, best[1], method="Nelder-Mead", bounds=bounds, options=options)
+    centred = shape(r.x[1] * whole, np.exp(r.x[2]) * whole)
+    centred = centred - centred.mean()
+    spread = 1.0 / np.sqrt(max(2.0 * weight * float(centred @ centred), 1e-12))
+    process = Stage(
+        ratio=float(np.exp(r.x[0])),
+        time=float(r.x[1] * whole),
+        duration=float(np.exp(r.x[2]) * whole),
+    )
+    return -float(r.fun), process, float(spread)
+
+
+EFFECTS = (GradualLevel(),)
