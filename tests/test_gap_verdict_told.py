@@ -24,7 +24,7 @@ TOLD = {
     "autoregressive": ({"a": [0.5], "sigma": 1e-3, "rate": 100.0}, "autoregressive noise"),
     "common_mode": ({"N": 1e-4, "channels": ["gyro_x", "gyro_y"]}, "noise in common"),
     "dropout": ({"fraction": 0.01, "value": 0.0, "channels": ["gyro_x"]}, "drop-outs"),
-    "disturbance": ({"start": 99.0, "duration": 0.3, "channels": ["gyro_x"]}, "touched at 99 s"),
+    "disturbance": ({"start": 99.0, "duration": 0.3, "channels": ["gyro_x"]}, "touched or shaken at 99 s"),
     "flicker": ({"B": 1e-5}, "flicker"),
     "gauss_markov": ({"sigma": 1e-3, "correlation_time": 30.0}, "Gauss-Markov"),
     "gauss_markov_2": ({"sigma": 1e-3, "correlation_time": 30.0}, "Gauss-Markov"),

@@ -194,3 +194,16 @@ def test_a_band_that_comes_in_bursts_is_said_to():
         felt = {c: raw[c] + 2e-3 * loud * band for c in ("gyro_x", "gyro_y")}
         (item,) = [i for i in found_in({**raw, **felt}, fs) if i.process.band]
         assert (words in item.evidence) if words else item.evidence == ""
+
+
+def test_a_filter_that_is_switched_on_in_the_middle_shakes_nothing():
+    """The fast end is there in the first half only, on all channels: pieces of it were vibrations
+    that end at 150 s.
+    """
+    rng, n, fs = np.random.default_rng(12), 30_000, 100.0
+    sos = signal.butter(2, 15.0, fs=fs, output="sos")
+    raw = {}
+    for c in ("gyro_x", "gyro_y", "accel_x"):
+        x = rng.standard_normal(n)
+        raw[c] = np.r_[x[: n // 2], signal.sosfilt(sos, x)[n // 2 :]]
+    assert not found_in(raw, fs)

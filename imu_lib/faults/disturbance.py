@@ -33,6 +33,9 @@ PLAIN, CROWD = 120.0, 16
 FINE = 0.25
 #: s between two findings that are one.
 JOINED = 0.6
+#: s of the windows in which a knock rings down, for how long at the most, and share of the record's
+#: windows that are as quiet as what follows it.
+WINDOW, RINGS, USUAL = 0.1, 8.0, 0.97
 #: s up to which it is a knock.
 KNOCK = 1.0
 
@@ -221,12 +224,29 @@ def _edges(hit: Hit, channels, names, rate) -> tuple[int, int]:
         return _slow_edges(hit, channels, names, rate)
     first, last = _without_chance(loud, max(2, round(JOINED * rate)))
     margin = max(1, int(0.05 * rate))
-    fast = max(0, low + int(first) - margin), min(n, low + int(last) + 1 + margin)
+    stop = _rung_down(hit, channels, names, rate, min(n, low + int(last) + 1))
+    fast = max(0, low + int(first) - margin), min(n, stop + margin)
     if hit.slow:  # means over short blocks are blunt: only what is longer by more is theirs
         slow = _slow_edges(hit, channels, names, rate)
         if slow[1] - slow[0] > fast[1] - fast[0] + 1.5 * rate + 4:
             return slow
     return fast
+
+
+def _rung_down(hit: Hit, channels, names, rate: float, stop: int) -> int:
+    """The row up to which what follows a knock is louder than nearly all of the record: it rings
+    below the level at which single samples stand out.
+    """
+    size = max(4, round(WINDOW * rate))
+    end = min(len(channels[names[0]].x), stop + int(RINGS * rate))
+    out = stop
+    for c in hit.channels:
+        y, at = channels[names[c]].fast, stop
+        usual = np.quantile((windows(y, size, 0) ** 2).mean(axis=1), USUAL)
+        while at + size <= end and np.mean(y[at : at + size] ** 2) > usual:
+            at += size
+        out = max(out, at)
+    return out
 
 
 def _without_chance(loud: np.ndarray, reach: int) -> tuple[int, int]:

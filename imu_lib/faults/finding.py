@@ -21,7 +21,7 @@ class Finding:
     ----------
     kind : str
         `dropout`, `held`, `stuck`, `constant`, `gap`, `burst`, `time_grid`, `jitter`,
-        `disturbance`, `tilt`, `restart`, `warm_up` or `rate`.
+        `disturbance`, `tilt`, `restart`, `warm_up`, `rate`, `copied` or `dead_zone`.
     channels : tuple of str
     start, stop : float
         First moment touched and the first sound one after the last, s from the first sample.

@@ -10,6 +10,9 @@ import numpy as np
 
 #: Chance alarms allowed in a record, on several channels together.
 TOGETHER = 1e-4
+#: Correlation of the energies of two channels over the record from which on one is no witness of
+#: what the other shows.
+ALIKE = 0.2
 
 
 def together(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.ndarray:
@@ -46,7 +49,10 @@ def with_others(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.
         return out
     u = _ranks(power, at, quiet)
     u[stands[:, at]] = 2.0  # it is no witness of its own
+    alike = np.corrcoef(np.log(np.maximum(power[:, quiet], 1e-12))) > ALIKE
     for j, window in enumerate(at):
+        # what is loud together all the time, as in a vibration, tells the same twice
+        u[alike[stands[:, window]].any(axis=0) & ~stands[:, window], j] = 1.0
         order = np.sort(u[:, j])[: k - 1]
         p = [comb(k - 1, m) * order[m - 1] ** m for m in range(2, k)]
         best = int(np.argmin(p))

@@ -9,6 +9,7 @@ import numpy as np
 from imu_lib.faults import (
     clock,
     copied,
+    dead_zone,
     disturbance,
     dropout,
     held,
@@ -47,8 +48,12 @@ def find(record: Record) -> tuple[Finding, ...]:
     for item in data:
         if len(item.channels) > 1:
             blind[item.rows] = True
+    dead = dead_zone.find({c: np.where(blind, np.nan, x) for c, x in channels.items()}, time)
     data += held.constant(channels, time)
     data += held.find(channels, time, record.rate, levels, blind)
+    # what stands at the value of a dead zone is neither lost nor frozen
+    swallowed = {c for item in dead for c in item.channels}
+    data = [d for d in data if not set(d.channels) <= swallowed] + dead
     data += dropout.missing(channels, time)
     data += copied.find(channels, time)
     found = data + clock.find(record) + warm_up.find(record)
@@ -76,6 +81,7 @@ def _rank(finding: Finding) -> int:
     order = (
         "constant",
         "copied",
+        "dead_zone",
         "dropout",
         "stuck",
         "held",

@@ -81,6 +81,13 @@ def ready(record: Record, model: Model | None = None) -> Ready:
         for f in findings
         if f.kind == "copied"
     }
+    left_out |= {
+        c: f"stands at {f.parameters['value']:.4g} in {np.mean(record.channels[c] == f.parameters['value']):.0%} "
+        "of its samples between values on both sides, a dead zone that hides its noise"
+        for f in findings
+        if f.kind == "dead_zone"
+        for c in f.channels
+    }
     kept = {c: x for c, x in record.channels.items() if c not in left_out}
     if not kept:
         raise InputError(_nothing(record, left_out))

@@ -6,7 +6,6 @@ its samples are then nearly independent complex numbers, normal where there is n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,12 +15,10 @@ from scipy.fft import next_fast_len
 from imu_lib.arrays import Array
 from imu_lib.gap.behaviour import BREATHES, SWEEPS, breathes, coherent, fading, rises, sweeps
 from imu_lib.gap.episodes import BLOCKS, episodes
+from imu_lib.gap.felt import beside, felt_on, within
 from imu_lib.gap.narrow_band import Place
 from imu_lib.gap.transforms import Transforms
 
-#: Gain in log-likelihood from which on a channel feels what another one shows, and power over its
-#: surroundings that it needs at the least.
-FELT, LEAST = 9.0, 1.12
 #: Width over frequency up to which what several channels show at one place is one cause.
 NARROW = 0.04
 #: Width over that of a stronger place from which on what is faint is what is left beside it.
@@ -83,11 +80,11 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
     count = len(next(iter(z.values())))
     time = (np.arange(count) + 0.5) / count * transforms.duration
     on = (time >= place.start) & (time <= place.stop)
-    felt = _felt(z, on, (b - a) / count, found_on)
+    felt = felt_on(z, on, (b - a) / count, found_on)
     wide = _Wide.around(felt, a, b, transforms)
     spans = wide.episodes(transforms.duration)
     on = within(spans, time)
-    felt = _felt(z, on, (b - a) / count, found_on)
+    felt = felt_on(z, on, (b - a) / count, found_on, beside(spans, a, b, transforms))
     frequency, frequency_sd, bandwidth = _width(z, felt, on, a, b, transforms)
     best = max(felt, key=lambda name: felt[name][1])
     ratio = felt[best][0]
@@ -124,20 +121,6 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
     )
 
 
-def _felt(
-    z: dict[str, Array], on: Array, share: float, found_on: set[str]
-) -> dict[str, tuple[float, float]]:
-    """Channels that feel it: name -> (power over the surroundings, gain)."""
-    out = {}
-    dof = max(on.sum() * share, 1.0)
-    for name, x in z.items():
-        r = float(np.mean(np.abs(x[on]) ** 2)) / share
-        gain = dof * (r - 1 - np.log(max(r, 1e-9))) if r > 1 else 0.0
-        if name in found_on or gain > FELT and r > LEAST:
-            out[name] = (max(r, 1.0 + 1e-6), float(gain))
-    return out
-
-
 @dataclass(frozen=True)
 class _Wide:
     """A band as much wider as its strength allows, so that its samples are shorter: `z` by channel,
@@ -172,7 +155,9 @@ class _Wide:
 
     def strange(self, source: dict[str, Any], best: str, duration: float) -> str:
         """Why it behaves as no vibration does, or nothing."""
-        x, spans = self.z[best], source["spans"]
+        # who feels it only in its episodes is not among the channels of the wider band
+        x = self.z[best if best in self.z else max(self.ratio, key=lambda c: self.ratio[c])]
+        spans = source["spans"]
         time = (np.arange(len(x)) + 0.5) / len(x) * duration
         on = within(spans, time)
         whole = not spans
@@ -183,14 +168,6 @@ class _Wide:
         if line and (breathes(x[on]) or rises(parts)):
             return BREATHES
         return ""
-
-
-def within(spans: Sequence[tuple[float, float]], time: Array) -> np.ndarray:
-    """Whether times (n,) lie in one of the spans (from, to); all where there is none."""
-    out = np.full(len(time), not spans)
-    for start, stop in spans:
-        out |= (time >= start) & (time <= stop)
-    return out
 
 
 def _width(

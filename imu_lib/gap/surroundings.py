@@ -60,7 +60,7 @@ def _louder(step: Step) -> str:
     p = step.parameters
     if step.effect == "wandering_level" or p.get("duration"):
         return in_short(step.where)
-    return "the noise changed its level"
+    return f"the noise changed its level at {p['time']:.0f} s"
 
 
 def _shook(steps: list[Step]) -> str:

@@ -131,7 +131,7 @@ def _touched(steps) -> list[str]:
     tilts = sorted((s for s in steps if s.effect == "tilt"), key=lambda s: s.parameters["time"])
     knocks = sorted(s.parameters["start"] for s in steps if s.effect == "disturbance")
     if knocks:
-        parts.append(f"it was touched at {_times(knocks)} s")
+        parts.append(f"it was touched or shaken at {_times(knocks)} s")
     parts += [
         text.format(at=_times([s.parameters["time"] for s in some]), by=_sizes(some))
         for text, some in (

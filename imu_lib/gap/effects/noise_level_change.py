@@ -20,6 +20,11 @@ MIN_GAIN = 13.0
 #: short for the first of these; blocks at the least, and samples in one.
 SCALES, PARTS = (5.0, 20.0, 60.0, 300.0), (40, 12)
 LEAST_BLOCKS, LEAST_SAMPLES = 8, 24
+#: Share of the variance of the block energies that a loud stretch explains, and share of the record
+#: that it lasts at the most.
+EXPLAINED, MOST_LOUD = 0.6, 0.5
+#: Blocks among which it is looked for.
+MOST_BLOCKS = 300
 
 
 def energies(y: Array, fs: float, seconds: float) -> tuple[Array, int]:
@@ -37,7 +42,7 @@ def unsteady(y: Array, fs: float, independent: float = 1.0) -> tuple[float, str]
     each scale: dispersion of the
     block energies, and the largest line in their periodogram.
     """
-    worst = (0.0, "")
+    worst, of_worst = (0.0, ""), (np.zeros(0), 0.0)
     kurt = max(
         np.mean(y**4) / np.mean(y**2) ** 2 - 1.0, 0.5
     )  # variance of y^2 in units of its mean
@@ -54,12 +59,36 @@ def unsteady(y: Array, fs: float, independent: float = 1.0) -> tuple[float, str]
         log_line = (np.log(len(line)) - line.max()) / np.log(10)
         low = min(log_p, log_line)
         if low < worst[0]:
+            of_worst = e, seconds
             wander, chance = 100 * np.std(e) / e.mean(), 100 * np.sqrt(kurt / free)
             worst = (
                 low,
-                f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where chance allows {chance:.2g} %",
+                f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where "
+                f"chance allows {chance:.2g} %",
             )
-    return worst if worst[1] else None
+    return (worst[0], worst[1] + _loudest(*of_worst)) if worst[1] else None
+
+
+def _loudest(e: Array, seconds: float) -> str:
+    """From when to when the noise is louder than in the rest of the record, where two levels
+    explain its block energies `e` for the most part.
+    """
+    join = -(-len(e) // MOST_BLOCKS)
+    e = e[: len(e) // join * join].reshape(-1, join).mean(axis=1)
+    k, c, seconds = len(e), np.concatenate([[0.0], np.cumsum(e)]), seconds * join
+    i, j = np.triu_indices(k + 1, 1)
+    keep = (j - i <= MOST_LOUD * k) & (j - i < k)
+    i, j = i[keep], j[keep]
+    inside, count = c[j] - c[i], j - i
+    on, off = inside / count, (c[-1] - inside) / (k - count)
+    explained = count * (k - count) / k * (on - off) ** 2
+    best = int(np.argmax(np.where(on > off, explained, -1.0)))
+    if explained[best] < EXPLAINED * np.sum((e - e.mean()) ** 2):
+        return ""
+    return (
+        f", loudest from {i[best] * seconds:.0f} to {j[best] * seconds:.0f} s, "
+        f"{np.sqrt(on[best] / off[best]):.2g} times the rest"
+    )
 
 
 def _scales(n: int, fs: float) -> tuple[float, ...]:

@@ -48,6 +48,8 @@ SLOW, SLOWER = 128, 32
 LOWEST = 2.0
 #: Amplitude over that of a line in it below which a band is the skirt of the line.
 SKIRT = 0.3
+#: Share of the power of a channel from which on a band that it shares with others is told.
+FAINT = 1e-3
 #: Deviations at which samples are clipped before the search, in robust standard deviations.
 CLIP = 12.0
 
@@ -182,9 +184,17 @@ def _with_bands(shakes: list[Shake], quick: dict[str, Array], fs: float) -> list
         s.process for s in shakes if s.bands and s.process.bandwidth < NARROW * s.process.frequency
     ]
     bands = [of_band(band) for band in shared_band.bands(quick, fs, lines)]
+    bands = [b for b in bands if _matters(b.process, quick)]
     bands = [b for b in bands if not any(_skirt(b, s) for s in shakes if s.process in lines)]
     out = [s for s in shakes if s.process in lines or not any(_within(s, b) for b in bands)]
     return out + bands
+
+
+def _matters(p: Process, quick: dict[str, Array]) -> bool:
+    """Whether a band has a share of the power of any of its channels that a figure would show: what
+    leaks into the stop band of a filter is alike on all of them.
+    """
+    return any(_loudness(p, c, quick) ** 2 / 2 > FAINT for c in p.channels)
 
 
 def _skirt(band: Shake, line: Shake) -> bool:
