@@ -7,12 +7,12 @@ from scipy.linalg import toeplitz
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
+from imu_lib.gap.chain import posterior
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.two_levels import (
     _amplitude,
     _beyond_spectrum,
     _cosines,
-    _posterior,
     decoded,
 )
 from imu_lib.processes import Sum, Telegraph, from_json
@@ -31,7 +31,7 @@ def test_what_a_path_says_beyond_its_spectrum_is_exact_under_white_noise(seed):
     y -= y.mean()
     means = np.linspace(-0.5, 0.5, 201)
     at = np.array(
-        [_posterior(y - m, a, flip, var)[1] - 0.5 * np.sum((y - m) ** 2) / var for m in means]
+        [posterior(y - m, a, flip, var)[1] - 0.5 * np.sum((y - m) ** 2) / var for m in means]
     )
     levels = (
         logsumexp(at)
@@ -46,7 +46,7 @@ def test_what_a_path_says_beyond_its_spectrum_is_exact_under_white_noise(seed):
         basis.T @ y, cov=own + white
     ) - multivariate_normal.logpdf(basis.T @ y, cov=white)
     middle = means[np.argmax(at)]
-    s, ll, _ = _posterior(y - middle, a, flip, var)
+    s, ll, _ = posterior(y - middle, a, flip, var)
     got = _beyond_spectrum(y, y - middle, s - 0.5, a, flip, ll, var, 1.0)
     assert levels - gaussian > 5
     assert (

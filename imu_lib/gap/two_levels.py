@@ -9,99 +9,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from scipy.fft import dct, idct
 from scipy.special import expit
 
 from imu_lib.arrays import Array
+from imu_lib.gap import chain
 from imu_lib.processes import Telegraph
 
 #: Step in the logarithms of distance and rate over which the bend of the likelihood is measured.
 BEND = 0.02
 #: Rounds of the expectation maximisation.
 ROUNDS = 12
-
-
-@njit(cache=True, nogil=True)
-def _posterior(y: Array, a: float, flip: float, var: float) -> tuple[Array, float, float]:
-    """Probability of the upper level and log-likelihood against pure noise of y = a (s - 1/2) +
-    N(0, var).
-    """
-    n = len(y)
-    alpha = np.empty(n)
-    ll = 0.0
-    p = 0.5
-    for k in range(n):
-        q = p * (1 - flip) + (1 - p) * flip
-        odds = a * y[k] / var  # log of upper to lower, relative to the likelier one: no overflow
-        up, down = (1.0, np.exp(-odds)) if odds > 0 else (np.exp(odds), 1.0)
-        total = q * up + (1 - q) * down
-        ll += np.log(total) + 0.5 * abs(odds) - a * a / (8 * var)
-        p = q * up / total
-        alpha[k] = p
-    out = np.empty(n)
-    out[n - 1] = alpha[n - 1]
-    flips = 0.0
-    for k in range(n - 2, -1, -1):
-        forward = alpha[k] * (1 - flip) + (1 - alpha[k]) * flip
-        stay_up = alpha[k] * (1 - flip) / max(forward, 1e-300)
-        up_to_down = alpha[k] * flip / max(1 - forward, 1e-300)
-        out[k] = out[k + 1] * stay_up + (1 - out[k + 1]) * up_to_down
-        flips += (1 - out[k + 1]) * up_to_down + out[k + 1] * (1 - stay_up)
-    return out, ll, flips
-
-
-@njit(cache=True, nogil=True)
-def _path(y: Array, a: float, flip: float, var: float, chance: Array) -> Array:
-    """One path over the two levels, 1 and 0, out of those that `y` leaves open, by as many numbers
-    of `chance` between 0 and 1 (forward filtering, backward sampling: Chib 1996).
-    """
-    n = len(y)
-    odds, out = np.empty(n), np.empty(n)
-    p = 0.5
-    for k in range(n):
-        q = p * (1 - flip) + (1 - p) * flip
-        odds[k] = np.log(q) - np.log1p(-q) + a * y[k] / var
-        p = min(max(1 / (1 + np.exp(-odds[k])), 1e-15), 1 - 1e-15)
-    stays = np.log((1 - flip) / flip)
-    for k in range(n - 1, -1, -1):
-        after = 0.0 if k == n - 1 else stays * (2 * out[k + 1] - 1)
-        out[k] = 1.0 if chance[k] < 1 / (1 + np.exp(-odds[k] - after)) else 0.0
-    return out
-
-
-@njit(cache=True, nogil=True)
-def _followed(y: Array, a: float, flip: float, var: float, walk: float) -> Array:
-    """Log odds of the upper level after each of y = a (s - 1/2) + w + N(0, var), beside a random
-    walk w of variance `walk` a step: a Kalman filter for each level, each from both levels before
-    (generalised pseudo-Bayesian of second order, Bar-Shalom, Li and Kirubarajan 2001, sec. 11.6.4).
-    """
-    n = len(y)
-    out = np.empty(n)
-    weight, mean, spread = np.full(2, 0.5), np.empty(2), np.full(2, 1e6 * var)
-    mean[0], mean[1] = y[0] + a / 2, y[0] - a / 2
-    chance = np.empty((2, 2))
-    to, error = np.empty((2, 2)), np.empty((2, 2))
-    for k in range(n):
-        for i in range(2):
-            for j in range(2):
-                before = spread[i] + walk
-                total = before + var
-                off = y[k] - (j - 0.5) * a - mean[i]
-                stays = 1 - flip if i == j else flip
-                chance[i, j] = np.log(weight[i] * stays) - 0.5 * (np.log(total) + off**2 / total)
-                to[i, j] = mean[i] + before / total * off
-                error[i, j] = before * var / total
-        chance = np.exp(chance - chance.max())
-        chance /= chance.sum()
-        for j in range(2):
-            share = chance[:, j] + 1e-300
-            share = share / share.sum()
-            mean[j] = np.sum(share * to[:, j])
-            spread[j] = np.sum(share * (error[:, j] + (to[:, j] - mean[j]) ** 2))
-            weight[j] = max(chance[0, j] + chance[1, j], 1e-300)
-        out[k] = np.log(weight[1] / weight[0])
-    return out
 
 
 def _cosines(x: Array) -> Array:
@@ -201,7 +119,9 @@ class TwoLevels:
 
         def log_likelihood(u: float, v: float) -> float:
             flip = _flips(self.process.rate * np.exp(v), self.step)
-            return _posterior(self.left, self.process.amplitude * np.exp(u), flip, self.variance)[1]
+            return chain.posterior(
+                self.left, self.process.amplitude * np.exp(u), flip, self.variance
+            )[1]
 
         h, top = BEND, log_likelihood(0.0, 0.0)
         bend = np.empty((2, 2))
@@ -238,6 +158,19 @@ def _in_means(x: Array, fs: float, start: Telegraph, density: float) -> tuple[Ar
     return y - 0.5 * (np.quantile(y, 0.1) + np.quantile(y, 0.9)), q
 
 
+def _beside_walk(y: Array, a: float, flip: float, var: float, gain: Array) -> Array:
+    """Probability of the upper level, shape (n,), before the drift of Wiener `gain` is known: from
+    the jumps alone, beside the walk that is as loud as the white noise at the same ordinate.
+
+    Before its first jump a level is known from the end of the record only, after the last from its
+    start.
+    """
+    walk = var * (np.pi * np.count_nonzero(gain > 0.5) / len(y)) ** 2
+    forward = chain.followed(y, a, flip, var, walk)
+    backward = chain.followed(y[::-1], a, flip, var, walk)[::-1]
+    return np.asarray(expit(forward + backward))
+
+
 def decoded(
     x: Array,
     fs: float,
@@ -271,26 +204,18 @@ def decoded(
     # share of the noise that is white at each ordinate
     quiet = 1.0 if gain is None else 1.0 - gain
     if gain is not None:
-        # the walk that is as loud as the white noise at the same ordinate: a level is told from a
-        # drift by its jumps before the drift is known
-        walk = var * (np.pi * np.count_nonzero(gain > 0.5) / k) ** 2
-        flip = _flips(rate, q / fs)
-        # before its first jump a level is known from the end only, and after the last from the start
-        odds = _followed(y, a, flip, var, walk) + _followed(y[::-1], a, flip, var, walk)[::-1]
-        drift = idct((waves - a * _cosines(expit(odds) - 0.5)) * gain, norm="ortho")
+        s = _beside_walk(y, a, _flips(rate, q / fs), var, gain)
+        drift = idct((waves - a * _cosines(s - 0.5)) * gain, norm="ortho")
     for _ in range(rounds):
         if not (np.isfinite(a) and a > 0):
             return None
-        s, _, flips = _posterior(y - drift - middle, a, _flips(rate, q / fs), var)
+        s, _, flips = chain.posterior(y - drift - middle, a, _flips(rate, q / fs), var)
         rest = y - drift
-        # two levels by weighted means
-        up, down = np.sum(s), np.sum(1 - s)
-        if min(up, down) < 2:
+        if min(np.sum(s), np.sum(1 - s)) < 2:
             return None
-        high, low = np.sum(s * rest) / up, np.sum((1 - s) * rest) / down
         states = _cosines(s - 0.5)
         own, sd = _amplitude(waves, states, np.mean(s * (1 - s)), var, quiet)
-        middle = 0.5 * (high + low)
+        middle = 0.5 * (np.average(rest, weights=s) + np.average(rest, weights=1 - s))
         seldom, often = 2.0 * fs / len(x), fs / q / 4
         rate = -0.5 * np.log1p(-2 * min(flips / (k - 1), 0.45)) * fs / q
         a, rate = (a, start.rate) if fixed else (own, float(np.clip(rate, seldom, often)))
@@ -299,11 +224,10 @@ def decoded(
     if not (np.isfinite(a) and a > 0):  # the last round may have lost the levels
         return None
     left, flip = y - drift - middle, _flips(rate, q / fs)
-    s, ll, flips = _posterior(left, a, flip, var)
+    s, ll, flips = chain.posterior(left, a, flip, var)
     beyond = _beyond_spectrum(y, left, s - 0.5, a, flip, ll, var, quiet)
-    path = _path(left, a, flip, var, np.random.default_rng(k).random(k))
-    signal = np.repeat(a * (path - 0.5), q)
-    signal = np.concatenate([signal, np.full(len(x) - len(signal), signal[-1])])
+    path = chain.path(left, a, flip, var, np.random.default_rng(k).random(k))
+    signal = a * (path[np.minimum(np.arange(len(x)) // q, k - 1)] - 0.5)
     process = Telegraph(amplitude=float(a), rate=rate)
     unknown = float(4 * np.mean(s * (1 - s)))
     return TwoLevels(process, signal, unknown, float(flips), beyond, sd, left, q / fs, var)
