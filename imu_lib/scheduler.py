@@ -13,8 +13,11 @@ import logging
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from typing import TypeVar
 
 from imu_lib.errors import InputError
+
+T = TypeVar("T")
 
 #: How often a task is taken up again whose worker was lost.
 RETRIES = 3
@@ -221,7 +224,7 @@ def _on_dask(function, tasks, address):
             ) from None
 
 
-def shared(function: Callable, tasks: list[tuple], workers: int) -> Iterator[object]:
+def shared(function: Callable[..., T], tasks: list[tuple], workers: int) -> Iterator[T]:
     """Results as they come, this process being one of the workers: for few large tasks, where a
     process that only waits would cost its memory.
     """

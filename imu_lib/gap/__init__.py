@@ -15,8 +15,12 @@ after.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from imu_lib.drive import Drive
 from imu_lib.long_record import LongRecord
+from imu_lib.model import Model
+from imu_lib.record import Record
 
 from .effects import CATALOGUE
 from .ensemble import Index
@@ -24,10 +28,15 @@ from .found import ChannelReport, Report
 from .loop import close as _of_record
 from .steps import Step
 
+if TYPE_CHECKING:
+    from .drive import DriveReport
+
 __all__ = ["CATALOGUE", "ChannelReport", "Index", "Report", "Step", "close"]
 
 
-def close(measured, model=None, **options):
+def close(
+    measured: Record | LongRecord | Drive, model: Model | None = None, **options: Any
+) -> Report | DriveReport:
     """What is missing from `model`, held against a record at rest or against a drive.
 
     Parameters

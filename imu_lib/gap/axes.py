@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import expit, logit
@@ -10,13 +11,16 @@ from scipy.special import expit, logit
 from imu_lib.gap import effects, measured
 from imu_lib.gap.steps import Step
 
+if TYPE_CHECKING:
+    from imu_lib.gap.channel import ChannelResult
+
 #: Relative difference up to which two axes have the same value.
 ALIKE = 0.05
 #: Axes that have to agree.
 LEAST = 2
 
 
-def agreed(results: dict) -> dict:
+def agreed(results: dict[str, ChannelResult]) -> dict[str, ChannelResult]:
     """Results by channel in which the names of what is of the sensor's design (its grid, its filter)
     are as sure as all axes that agree on it make them; what was weighed among rivals only where
     nothing is left unexplained.
@@ -46,9 +50,9 @@ def _of_design(step: Step) -> bool:
     return bool(effects.CATALOGUE[step.effect].of_design)
 
 
-def _groups(named) -> list[list[tuple[str, Step]]]:
+def _groups(named: list[tuple[str, Step]]) -> list[list[tuple[str, Step]]]:
     """Steps of one effect whose values agree, two or more together."""
-    out: list[list] = []
+    out: list[list[tuple[str, Step]]] = []
     for c, s in named:
         near = next((g for g in out if _alike(g[0][1], s) and c not in {o for o, _ in g}), None)
         if near is None:

@@ -13,6 +13,7 @@ from imu_lib.arrays import Array, ArrayLike
 from imu_lib.gap import (
     effects,
     electronics,
+    evenness,
     held_out,
     measured,
     noise_level,
@@ -39,7 +40,7 @@ MOST_AMONG_MANY = 0.8
 #: log10 p of the stationarity tests below which only one round is run for the noises.
 VETO = -9.0
 #: Domains of which the doubts about a finding say more than the test does.
-SAID_BETTER = ("stationarity", "distribution", verdict.SKEW)
+SAID_BETTER = ("stationarity", "distribution", evenness.SKEW)
 NO_DRIFT = tuple(e.name for e in effects.COMPETITORS if e not in effects.DRIFTS)
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.stats import norm
 
+from imu_lib.arrays import Array
 from imu_lib.gap.check import Check
 
 #: Domain of the test of skewness.
@@ -18,7 +21,7 @@ TAIL = 0.05
 BEYOND = float(norm.cdf(-3.0))
 
 
-def tail_error(u) -> float:
+def tail_error(u: Array) -> float:
     """Relative error at the most of the quantiles at plus and minus three standard deviations of
     samples `u` with mean 0 and variance 1, where they are taken for normal.
 
@@ -36,7 +39,7 @@ def tail_error(u) -> float:
 BULK, LEANS = 3.0, 0.4
 
 
-def _uneven(u, skew: float) -> str:
+def _uneven(u: Array, skew: float) -> str:
     """What makes samples `u` of mean 0 and variance 1 uneven: a few far ones, or all of them."""
     above, below = np.count_nonzero(u > 4), np.count_nonzero(u < -4)
     bulk = u[np.abs(u) < BULK]
@@ -51,7 +54,7 @@ def _uneven(u, skew: float) -> str:
     return f"{text}: all of the distribution leans to one side"
 
 
-def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[Check]:
+def distribution(y: Array, independent: float = 1.0, *, rounded: bool = False) -> list[Check]:
     """Skewness and excess of the whitened fast noise, a share of whose samples is `independent`."""
     n = len(y) * independent
     u = (y - y.mean()) / y.std()
@@ -75,6 +78,6 @@ def distribution(y, independent: float = 1.0, *, rounded: bool = False) -> list[
     ]
 
 
-def log10_normal(z) -> float:
+def log10_normal(z: Array | float) -> Any:
     """log10 of the two-sided p-value of a normal number, far into the tails."""
     return (norm.logsf(np.abs(z)) + np.log(2)) / np.log(10)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from imu_lib.gap import ensemble
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.steps import Step
 from imu_lib.gap.summary import sentences
+from imu_lib.long_record.record import LongRecord
 from imu_lib.model import Model
 from imu_lib.record import Record
 
@@ -19,13 +21,13 @@ class ChannelReport:
     result: ChannelResult
     before: ensemble.Index | None = None
     after: ensemble.Index | None = None
-    held_out: dict | None = None
-    batteries: dict = field(default_factory=dict)
+    held_out: dict[str, float] | None = None
+    batteries: dict[str, Any] = field(default_factory=dict)
 
-    def to_json(self) -> dict:
+    def to_json(self) -> dict[str, Any]:
         r = self.result
         by_domain = {}
-        if self.before is not None:
+        if self.before is not None and self.after is not None:
             by_domain = {
                 d: {"before": round(v, 3), "after": round(self.after.domains[d], 3)}
                 for d, v in self.before.domains.items()
@@ -56,7 +58,7 @@ class Report:
     record_unexplained: str | None
     base: Model
     model: Model
-    record: Record
+    record: Record | LongRecord
     seconds: float
     given: bool
     notes: tuple[str, ...] = ()
@@ -65,9 +67,9 @@ class Report:
     #: Length of the whole record, s; None: that of the stretch.
     whole: float | None = None
     #: Effects that nothing in the record tells of: {"effect", "parameter", "why"} each.
-    invisible: tuple[dict, ...] = ()
+    invisible: tuple[dict[str, str], ...] = ()
 
-    def to_json(self) -> dict:
+    def to_json(self) -> dict[str, Any]:
         """The contract's object."""
         return {
             "channels": {name: c.to_json() for name, c in self.channels.items()},

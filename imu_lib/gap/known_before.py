@@ -4,10 +4,14 @@ does not have comes back as its opposite, and what the record does have is no fi
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from imu_lib.gap.steps import Step
-from imu_lib.processes import Process
+
+if TYPE_CHECKING:
+    from imu_lib.gap.found import Report
 
 #: Nearness to the opposite of what is given: of the amplitudes, as a share; of the times, in shares
 #: of the record.
@@ -19,7 +23,7 @@ OF_SENSOR = (
 )  # fmt: skip
 
 
-def absent(found) -> list[tuple[str, Step]]:
+def absent(found: Report) -> list[tuple[str, Step]]:
     """(channel, step) of what was found and only takes back what the given model holds."""
     if not found.given:
         return []
@@ -31,7 +35,7 @@ def absent(found) -> list[tuple[str, Step]]:
     ]
 
 
-def _takes_back(step: Step, term: Process, duration: float) -> bool:
+def _takes_back(step: Step, term: Any, duration: float) -> bool:
     amplitude = getattr(term, "amplitude", None)
     if term.name != step.effect or not term.deterministic or not amplitude:
         return False
@@ -44,7 +48,7 @@ def _takes_back(step: Step, term: Process, duration: float) -> bool:
     return abs(change + 1) < ALIKE and apart < NEAR * duration
 
 
-def sentence(found, gone) -> str:
+def sentence(found: Report, gone: list[tuple[str, Step]]) -> str:
     """The sentence on what the given model holds: what this record has not, and what it has."""
     if not found.given:
         return ""

@@ -5,13 +5,19 @@ needs, or by less than the gyros can show. One cause, not a step a channel.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.faults.finding import seconds
 from imu_lib.faults.tilt import MEANS, angle_in_words, rotation
 from imu_lib.gap.effects.step import Step as Jump
 from imu_lib.gap.steps import Step
+
+if TYPE_CHECKING:
+    from imu_lib.gap.channel import ChannelResult
+    from imu_lib.gap.prepared import Prepared
 
 #: Seconds that two jumps of one cause may seem apart, beside their own intervals.
 APART = 2.0
@@ -26,7 +32,9 @@ SEEN, OFF = 6.0, 4.0
 SHOWN, HIDDEN = 0.95, 0.8
 
 
-def as_tilts(results: dict, about) -> tuple[dict, list[Step]]:
+def as_tilts(
+    results: dict[str, ChannelResult], about: Prepared
+) -> tuple[dict[str, ChannelResult], list[Step]]:
     """Results by channel without the steps that are tilts, and the tilts as steps of the record."""
     accels = [f"accel_{a}" for a in "xyz"]
     if any(c not in about.raw for c in accels):
@@ -69,7 +77,7 @@ def _together(a: Step, b: Step) -> bool:
     return abs(a.parameters["time"] - b.parameters["time"]) < reach
 
 
-def _change(group, accels) -> np.ndarray | None:
+def _change(group: list[tuple[str, Step]], accels: list[str]) -> np.ndarray | None:
     """Change of the specific force, m/s^2; None where one axis jumps twice."""
     channels = [c for c, _ in group]
     if len(channels) != len(set(channels)):
@@ -80,7 +88,7 @@ def _change(group, accels) -> np.ndarray | None:
     return change
 
 
-def _angles(change, force) -> np.ndarray | None:
+def _angles(change: Array, force: Array) -> np.ndarray | None:
     """Angles by which a tilt makes the change, rad; None where none does."""
     up = force / np.linalg.norm(force)
     if abs(change @ up) > ALONG * np.linalg.norm(change):
@@ -93,7 +101,7 @@ def _or_tilt(step: Step) -> Step:
     return replace(step, indistinguishable=[*dict.fromkeys([*step.indistinguishable, "tilt"])])
 
 
-def _tilt(group, angles, time: float, shown) -> Step:
+def _tilt(group: list[tuple[str, Step]], angles: Array, time: float, shown: bool | None) -> Step:
     """The jumps of one moment as a tilt."""
     channels = [c for c, _ in group]
     size = angle_in_words(float(np.linalg.norm(angles)))
@@ -113,7 +121,7 @@ def _tilt(group, angles, time: float, shown) -> Step:
     )
 
 
-def _gyros_show(angles, time: float, about) -> bool | None:
+def _gyros_show(angles: Array, time: float, about: Prepared) -> bool | None:
     """Whether the gyros turn by the angles; None where their noise is larger."""
     gyros = [f"gyro_{a}" for a in "xyz"]
     if any(c not in about.raw for c in gyros):

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.effects.step import Step as Jump
 from imu_lib.gap.steps import Step
 from imu_lib.units import G
+
+if TYPE_CHECKING:
+    from imu_lib.gap.channel import ChannelResult
+    from imu_lib.gap.prepared import Prepared
 
 #: Processes whose path a single change may be.
 PROCESSES = ("gauss_markov", "gauss_markov_2", "random_walk", "flicker", "autoregressive")
@@ -23,7 +29,7 @@ SHARE, SIZE = 0.985, 12.0
 DOUBTED = 0.5
 
 
-def change(x, fs: float) -> tuple[float, float, float] | None:
+def change(x: Array, fs: float) -> tuple[float, float, float] | None:
     """(from s, to s, size) of the one change of `x` (n,) from a level to another, by a straight line
     between them; None where that does not explain it.
     """
@@ -33,7 +39,8 @@ def change(x, fs: float) -> tuple[float, float, float] | None:
     means = np.nanmean(x[: size * BLOCKS].reshape(BLOCKS, size), axis=1)
     if not np.isfinite(means).all():
         return None
-    index, best = np.arange(BLOCKS), None
+    index = np.arange(BLOCKS)
+    best = np.inf, 0, 0, 0.0
     total = float(np.sum((means - means.mean()) ** 2))
     for first in range(LEVEL, BLOCKS - LEVEL):
         for last in range(first, BLOCKS - LEVEL, 2):
@@ -41,7 +48,7 @@ def change(x, fs: float) -> tuple[float, float, float] | None:
             centred = shape - shape.mean()
             height = float(centred @ means / (centred @ centred))
             left = total - height**2 * float(centred @ centred)
-            if best is None or left < best[0]:
+            if left < best[0]:
                 best = left, first, last, height
     left, first, last, height = best
     sd = np.sqrt(max(left, 0.0) / (BLOCKS - 4))
@@ -50,7 +57,7 @@ def change(x, fs: float) -> tuple[float, float, float] | None:
     return first * size / fs, (last + 1) * size / fs, height
 
 
-def doubted(results: dict, about) -> dict:
+def doubted(results: dict[str, ChannelResult], about: Prepared) -> dict[str, ChannelResult]:
     """Results by channel in which a process is in doubt where one change has all of its power."""
     out, begin = dict(results), about.ready.start
     force = {c: float(np.nanmedian(x)) for c, x in about.raw.items() if c.startswith("accel")}
@@ -62,7 +69,7 @@ def doubted(results: dict, about) -> dict:
         found = change(about.raw[name], about.fs)
         if found is None:
             continue
-        accel = name in force and gravity is not None and abs(force[name]) < 0.3 * gravity
+        accel = bool(name in force and gravity is not None and abs(force[name]) < 0.3 * gravity)
         told = _words(name, begin, found, accel)
         steps = [_in_doubt(s, told, accel) if s in named else s for s in result.steps]
         out[name] = replace(result, steps=steps)
@@ -79,7 +86,7 @@ def _in_doubt(step: Step, told: str, accel: bool) -> Step:
     )
 
 
-def _words(name: str, begin: float, found, accel: bool) -> str:
+def _words(name: str, begin: float, found: tuple[float, float, float], accel: bool) -> str:
     start, stop, height = found
     gyro = name.startswith("gyro")
     size = f"{np.rad2deg(height):.3g} deg/s" if gyro else f"{height:.3g} m/s^2"

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.families import MAINS
 from imu_lib.gap.forest import level_of
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.steps import Step
 from imu_lib.likelihood.tapered import taper
+from imu_lib.model import Model
 from imu_lib.processes import Sinusoid, Vibration
 from imu_lib.record import Record
 
@@ -40,7 +42,7 @@ class Pace:
     invisible: str | None
 
 
-def paced(record: Record, model) -> Pace:
+def paced(record: Record, model: Model | None) -> Pace:
     """The record at the rate that lines of known frequency tell: of the given model those of two
     causes at the least, for a single machine may run at another speed.
     """
@@ -63,7 +65,7 @@ def paced(record: Record, model) -> Pace:
     return Pace(_at(record, ratio), _step(ratio, resolution, len(off), of), None)
 
 
-def _of_model(record, model) -> list[tuple[float, float, int]]:
+def _of_model(record: Record, model: Model) -> list[tuple[float, float, int]]:
     """(true rate over the stated one, its resolution, number of the cause) of each line that is
     there, at the one ratio at which most of them are; empty where most are at none.
     """
@@ -80,7 +82,11 @@ def _of_model(record, model) -> list[tuple[float, float, int]]:
     return found if len(found) > LINES * foreseen else []
 
 
-def _common(known, spectra, record) -> float:
+def _common(
+    known: list[tuple[str, float, float, int]],
+    spectra: dict[str, tuple[Array, Array]],
+    record: Record,
+) -> float:
     """The ratio at which the known lines together stand out the most."""
     top = max(f for _, f, _, _ in known)
     step = record.rate / record.n
@@ -93,7 +99,7 @@ def _common(known, spectra, record) -> float:
     return float(trials[int(np.argmax(total))])
 
 
-def _foreseen(over, amplitude, f: float, size: float, record) -> bool:
+def _foreseen(over: Array, amplitude: Array, f: float, size: float, record: Record) -> bool:
     """Whether a line of that size at `f` Hz would stand out."""
     at = min(int(round(f * record.n / record.rate)), len(over) - 1)
     return bool((size / amplitude[at]) ** 2 * over[at] > 2 * STANDS)
@@ -104,7 +110,7 @@ def _at(record: Record, ratio: float) -> Record:
     return replace(record, rate=record.rate * ratio, time=time)
 
 
-def _known(record, model) -> list[tuple[str, float, float, int]]:
+def _known(record: Record, model: Model) -> list[tuple[str, float, float, int]]:
     """(channel, frequency in Hz, amplitude, number of the cause) of the narrow lines of a model."""
     out = [
         (c, t.frequency, t.amplitude, id(t))
@@ -125,14 +131,16 @@ def _known(record, model) -> list[tuple[str, float, float, int]]:
     return [line for line in out if line[1] > 0.02 * record.rate]
 
 
-def _spectrum(x, record):
+def _spectrum(x: Array, record: Record) -> tuple[Array, Array]:
     """(power over its surroundings, amplitude of a line of that power) at the ordinates."""
     x = first_fill(x, np.isnan(x))
     power = np.abs(np.fft.rfft(taper(len(x)) * (x - np.mean(x)))) ** 2
     return power / level_of(power), 2.0 * np.sqrt(power) / len(x)
 
 
-def _ratio(over, amplitude, f: float, size: float, record, near=None):
+def _ratio(
+    over: Array, amplitude: Array, f: float, size: float, record: Record, near: float | None = None
+) -> tuple[float, float] | None:
     """(true rate over the stated one, its resolution) from one line, or None; `near` a ratio, or
     any.
     """
@@ -149,13 +157,13 @@ def _ratio(over, amplitude, f: float, size: float, record, near=None):
     return f / _peak(over, at) / step, 0.5 / at
 
 
-def _peak(over, at: int) -> float:
+def _peak(over: Array, at: int) -> float:
     """Place of a maximum between ordinates."""
     left, middle, right = np.log(over[at - 1 : at + 2] + 1e-12)
     return at + 0.5 * (left - right) / min(left - 2 * middle + right, -1e-9)
 
 
-def _of_mains(record) -> list[tuple[float, float, int]]:
+def _of_mains(record: Record) -> list[tuple[float, float, int]]:
     """As above, of several multiples of the mains in one channel."""
     if LEAST * min(MAINS) > 0.48 * record.rate:
         return []
@@ -173,7 +181,7 @@ def _of_mains(record) -> list[tuple[float, float, int]]:
     return []
 
 
-def _step(ratio, resolution, count, of) -> Step:
+def _step(ratio: float, resolution: float, count: int, of: str) -> Step:
     return Step(
         "rate_error",
         {"ratio": ratio},

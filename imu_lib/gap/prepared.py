@@ -60,7 +60,7 @@ class Prepared:
     shaking: list[Finding] = field(default_factory=list)
     known: dict[str, np.ndarray] = field(default_factory=dict)
     nameless: dict[str, Any] = field(default_factory=dict)
-    shared: object = None
+    shared: CommonMode | None = None
     note: dict[str, Any] = field(default_factory=dict)
     left: str | None = None
     noise: dict[str, float] = field(default_factory=dict)

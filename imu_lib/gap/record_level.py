@@ -4,14 +4,19 @@ channels share.
 
 from __future__ import annotations
 
+from typing import Any
+
 from imu_lib.gap import measured
 from imu_lib.gap.effects.common_mode import CommonMode
 from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.time_gaps import TimeGaps
 from imu_lib.gap.steps import Step
+from imu_lib.model import Model
+from imu_lib.processes import CommonMode as Shared
+from imu_lib.record import Record
 
 
-def timing(record, model) -> tuple[list[Step], str | None]:
+def timing(record: Record, model: Model | None) -> tuple[list[Step], str | None]:
     """Missing samples and jitter, and a sentence where the time stamps do something else."""
     held = {p.name for p in model.record} if model is not None else set()
     steps = []
@@ -40,7 +45,7 @@ def timing(record, model) -> tuple[list[Step], str | None]:
     return steps, None
 
 
-def common_step(process, note) -> Step:
+def common_step(process: Shared, note: dict[str, Any]) -> Step:
     """Noise in common as a step of the record."""
     names = ", ".join(process.channels)
     parameters = {name: v for name, v in process.to_json().items() if name != "process"}

@@ -4,17 +4,20 @@ coherence likeliest.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from imu_lib.arrays import Array
 from imu_lib.errors import UndefinedFormError
 from imu_lib.gap import coherence
 from imu_lib.gap.coherence import Cross, cross_spectra
-from imu_lib.processes import CommonMode, Sum, WhiteNoise
+from imu_lib.processes import CommonMode, LowPass, Sum, WhiteNoise
 
 #: Gain in log-likelihood that noise in common has to bring.
 COMMON_GAIN = 16.0
@@ -36,7 +39,7 @@ class Place:
     mean: np.ndarray
     handicap: float = 0.0
 
-    def gain(self, count, members, density: float) -> float:
+    def gain(self, count: Array, members: list[int], density: float) -> float:
         """Log-likelihood gained by a density that `members` share, each band with its own levels."""
         share = np.minimum(density / self.level[:, members], 0.999)
         model = np.sqrt(share[:, :, None] * share[:, None, :])
@@ -51,14 +54,17 @@ class Place:
             )
         )
 
-    def loss(self, count, members, log_density: float) -> float:
+    def loss(self, count: Array, members: list[int], log_density: float) -> float:
         """What is minimised; a density beyond the noise of a member costs all."""
         return min(-self.gain(count, members, np.exp(log_density)), 1e12)
 
 
 def shared_noise(
-    channels: dict, fs: float, held=(), bases=None
-) -> tuple[CommonMode | None, dict, str | None]:
+    channels: dict[str, Array],
+    fs: float,
+    held: tuple[CommonMode, ...] = (),
+    bases: Mapping[str, Sum] | None = None,
+) -> tuple[CommonMode | None, dict[str, Any], str | None]:
     """Noise in common: the process or None, what was found on the way, and a sentence where
     another coherence is left.
 
@@ -104,7 +110,7 @@ def shared_noise(
     )
 
 
-def _without_held(seen: Cross, held, passed) -> Cross:
+def _without_held(seen: Cross, held: tuple[CommonMode, ...], passed: Array) -> Cross:
     """The cross-spectra less the given model's own noise in common."""
     matrix = seen.matrix
     for process in held:
@@ -114,7 +120,9 @@ def _without_held(seen: Cross, held, passed) -> Cross:
     return replace(seen, matrix=matrix)
 
 
-def _places(seen: Cross, filters, passed, fs: float) -> tuple[Place, Place]:
+def _places(
+    seen: Cross, filters: list[LowPass | None], passed: Array, fs: float
+) -> tuple[Place, Place]:
     """Noise that enters behind the channels' filters, and before them, where each turns the phase
     by its own amount.
     """
@@ -137,14 +145,16 @@ def _places(seen: Cross, filters, passed, fs: float) -> tuple[Place, Place]:
     )
 
 
-def _mean(seen: Cross, matrix):
+def _mean(seen: Cross, matrix: Array) -> Array:
     """Coherence by pairs over all bands, in units of the mean spectra."""
     weight = seen.count / seen.count.sum()
     sd = np.sqrt(weight @ seen.level)
     return np.einsum("b,bij->ij", weight, matrix).real / np.outer(sd, sd)
 
 
-def _likeliest(seen: Cross, behind: Place, before: Place):
+def _likeliest(
+    seen: Cross, behind: Place, before: Place
+) -> tuple[float, list[int], float, Place] | None:
     """(gain, members, density, place) of the likeliest set of channels, or None."""
     k, total = len(seen.names), seen.count.sum()
     strength = np.maximum(behind.mean, before.mean) * np.sqrt(2 * total)
@@ -170,14 +180,14 @@ def _likeliest(seen: Cross, behind: Place, before: Place):
     return best
 
 
-def _low(seen: Cross, before: Place):
+def _low(seen: Cross, before: Place) -> Array:
     """Cross-spectra in the lowest quarter of the bands, where filters let all through."""
     quarter, level = len(seen.f) // 4, seen.level
     norm = np.sqrt(level[:, :, None] * level[:, None, :])
     return np.mean((before.coherence * norm)[:quarter], axis=0)
 
 
-def _spread(seen: Cross, best) -> float:
+def _spread(seen: Cross, best: tuple[float, list[int], float, Place]) -> float:
     """Standard deviation of the logarithm of N, from the curvature of the likelihood."""
     _, members, density, place = best
     h = 1e-2
@@ -188,13 +198,13 @@ def _spread(seen: Cross, best) -> float:
     return float(0.5 / np.sqrt(max(curve / h**2, 1e-9)))
 
 
-def _share(best) -> float:
+def _share(best: tuple[float, list[int], float, Place]) -> float:
     """Share of the noise power of the channels that they have in common, their mean."""
     _, members, density, place = best
     return float(density / np.exp(np.mean(np.log(np.mean(place.level[:, members], axis=0)))))
 
 
-def _passed(low_pass, f, fs):
+def _passed(low_pass: LowPass | None, f: Array, fs: float) -> Array:
     """Share of white noise that the low-pass filter of a channel lets through, shape of `f`."""
     return (
         np.ones(len(f))
@@ -203,7 +213,14 @@ def _passed(low_pass, f, fs):
     )
 
 
-def _with_levels(density, spread, members, seen: Cross, fs, bases):
+def _with_levels(
+    density: float,
+    spread: float,
+    members: list[int],
+    seen: Cross,
+    fs: float,
+    bases: Mapping[str, Sum],
+) -> tuple[float, float]:
     """(density, sd of the logarithm of N) sharpened by the levels of the channels, where the bases
     foretell these and agree.
     """
@@ -214,7 +231,7 @@ def _with_levels(density, spread, members, seen: Cross, fs, bases):
     except (KeyError, UndefinedFormError):
         return density, spread
 
-    def loss(log_density):
+    def loss(log_density: float) -> float:
         model = np.exp(log_density) * np.ones((len(f), len(names), len(names)))
         model[:, range(len(names)), range(len(names))] += own
         return float(

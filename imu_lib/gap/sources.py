@@ -150,7 +150,7 @@ class _Wide:
         """(from, to) in s; empty where it is there all the time."""
         weight = {name: (r - 1) / r for name, r in self.ratio.items()}
         total = sum(weight.values())
-        power = sum(w / total * np.abs(self.z[name]) ** 2 for name, w in weight.items())
+        power = np.asarray(sum(w / total * np.abs(self.z[name]) ** 2 for name, w in weight.items()))
         return episodes(power, min(len(weight), 2), duration) or ()
 
     def strange(self, source: dict[str, Any], best: str, duration: float) -> str:

@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
+from imu_lib.arrays import Array
 from imu_lib.gap.check import Check
 from imu_lib.gap.effects.noise_level_change import unsteady
+from imu_lib.gap.innovations import Smooth
+from imu_lib.gap.state import State
 from imu_lib.likelihood.evaluate import with_extra
 
 
-def stationarity(y, fs, smooth, *, coarse_steps: bool = False) -> list[Check]:
+def stationarity(y: Array, fs: float, smooth: Smooth, *, coarse_steps: bool = False) -> list[Check]:
     """Variance at several scales, as a whole and in bands of frequency outside the stop band of a
     filter.
     """
@@ -34,7 +37,7 @@ def stationarity(y, fs, smooth, *, coarse_steps: bool = False) -> list[Check]:
     return out
 
 
-def _block_powers(y, m):
+def _block_powers(y: Array, m: int) -> Array:
     """Periodograms of successive blocks of `m` samples (even) under a sine window, shape (blocks,
     m / 2 + 1).
     """
@@ -50,7 +53,13 @@ def _independent(ordinates: int) -> float:
     return ordinates / (1.0 + 0.5 * (1.0 - 1.0 / ordinates))
 
 
-def _levels(power, fs, bands, joins, excess=0.0) -> list[Check]:
+def _levels(
+    power: Array,
+    fs: float,
+    bands: list[tuple[int, int]],
+    joins: list[int] | tuple[int, int],
+    excess: float = 0.0,
+) -> list[Check]:
     """Whether bands (first and last ordinate of the blocks' `power`) keep their level over `joins`
     blocks, singly and all in all.
 
@@ -101,7 +110,7 @@ def _levels(power, fs, bands, joins, excess=0.0) -> list[Check]:
 DOUBTFUL = 1.5
 
 
-def resonances(state, y) -> list[Check]:
+def resonances(state: State, y: Array) -> list[Check]:
     """Whether a noise that was added at a place in the spectrum is there all the time and all over
     its width: a tone that
     wanders or sweeps fills the same place on average."""

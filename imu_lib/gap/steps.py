@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from imu_lib.gap import measured, rounds
+from imu_lib.gap.effects.base import Finding
+from imu_lib.gap.state import State
+from imu_lib.processes import Process
 
 
 @dataclass(frozen=True)
@@ -19,12 +23,12 @@ class Step:
     """
 
     effect: str
-    parameters: dict
-    intervals: dict
+    parameters: dict[str, Any]
+    intervals: dict[str, Any]
     where: str
     confidence: float
-    runner_up: dict
-    indistinguishable: list
+    runner_up: dict[str, Any]
+    indistinguishable: list[str]
     gain: float | None = 0.0
     gap_before: float | None = None
     gap_after: float | None = None
@@ -36,7 +40,7 @@ class Step:
         """The same step with no more than that confidence."""
         return replace(self, confidence=min(self.confidence, most))
 
-    def to_json(self) -> dict:
+    def to_json(self) -> dict[str, Any]:
         out = {
             "effect": self.effect,
             "parameters": _plain(self.parameters),
@@ -55,7 +59,7 @@ class Step:
         return out
 
 
-def _plain(value):
+def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {k: _plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
@@ -67,19 +71,20 @@ def _plain(value):
     return value
 
 
-def _parameters(process) -> dict:
+def _parameters(process: Process) -> dict[str, Any]:
     out = process.to_json()
     out.pop("process")
     return out
 
 
-def steps_of_findings(findings, fs) -> list[Step]:
+def steps_of_findings(findings: list[Finding], fs: float) -> list[Step]:
     """Electronics, noise level and lines."""
     out = []
     for f in findings:
         # where there is no likelihood: as often as such a finding was right
-        detected = f.gain is None or not np.isfinite(f.gain)
-        sure = measured.share(f.effect.name) if detected else measured.odds(f.gain, f.places)
+        gain = None if f.gain is None or not np.isfinite(f.gain) else float(f.gain)
+        detected = gain is None
+        sure = measured.share(f.effect.name) if gain is None else measured.odds(gain, f.places)
         rival = {"effect": "none", "confidence": float(1 - sure)}
         out.append(
             Step(
@@ -90,7 +95,7 @@ def steps_of_findings(findings, fs) -> list[Step]:
                 0.5 if f.doubt else float(sure),
                 rival,
                 [],
-                gain=None if detected else float(f.gain),
+                gain=gain,
                 cause=f.effect.cause,
                 detected=detected,
                 evidence=f.evidence or (f.where if detected else ""),
@@ -99,13 +104,13 @@ def steps_of_findings(findings, fs) -> list[Step]:
     return out
 
 
-def steps_of_items(state, rivals) -> list[Step]:
+def steps_of_items(state: State, rivals: list[dict[str, float]]) -> list[Step]:
     """The effects of the competition with their intervals and rivals."""
     out = []
     for item, others in zip(state.items, rivals):
         parameters, intervals = item.effect.report(state, item)
         sure, weights = rounds.confidence(others) if others else (1.0, {})
-        by_name: dict = {}
+        by_name: dict[str, float] = {}
         for key, w in weights.items():
             name = key.split(":")[0] or "none"
             if name == item.name and item.at is None:  # of another kind, but of the same name
@@ -118,7 +123,7 @@ def steps_of_items(state, rivals) -> list[Step]:
         weight, sure = sure, measured.calibrated(sure)
         rest = (1.0 - sure) / max(1.0 - weight, 1e-12)  # what is left is the rivals'
         by_name = {n: min(w * rest, 1.0 - sure) for n, w in by_name.items()}
-        second = max(by_name, key=by_name.get) if by_name else "none"
+        second = max(by_name, key=by_name.__getitem__) if by_name else "none"
         near = sorted(
             (n for n, w in by_name.items() if n != "none" and w > 0.05 * max(sure, 1e-9)),
             key=lambda n: -by_name[n],

@@ -20,6 +20,7 @@ from imu_lib.processes import Resolution, Sum, Telegraph
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report
     from imu_lib.gap.steps import Step
+    from imu_lib.long_record.record import LongRecord
     from imu_lib.record import Record
 
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
@@ -140,7 +141,9 @@ def _sensor(found: Report) -> str:
     return words.sentence(out) + (f" ({words.listed(without)} taken out)" if without else "") + "."
 
 
-def _character(model: Sum, record: Record) -> tuple[float | None, float | None, float | None]:
+def _character(
+    model: Sum, record: Record | LongRecord
+) -> tuple[float | None, float | None, float | None]:
     """(N, B, averaging time in s) of a channel: density near a twentieth of the rate, least Allan
     deviation over 0.664 where the record reaches it; None where there is none.
     """
@@ -208,7 +211,7 @@ def _next(found: Report) -> str:
     return f"Next: {words.listed(advice[:3])}."
 
 
-def _lost(step: Step, record: Record) -> bool:
+def _lost(step: Step, record: Record | LongRecord) -> bool:
     """Whether a step is samples that are lost all the time, not a first row or bursts."""
     if step.effect not in LOST or step.evidence == BURSTS:
         return False

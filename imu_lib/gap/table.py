@@ -5,6 +5,8 @@ from __future__ import annotations
 from textwrap import wrap
 
 from imu_lib.gap.described import describe
+from imu_lib.gap.found import Report
+from imu_lib.gap.steps import Step
 from imu_lib.gap.summary import sentences
 
 #: Columns of a terminal, or of a page of the book.
@@ -21,7 +23,7 @@ def _folded(indent: int, text: str) -> list[str]:
     )
 
 
-def table(found) -> str:
+def table(found: Report) -> str:
     """The whole result."""
     lines = [*wrap(" ".join(sentences(found)), WIDTH), ""]
     lines += [f"{'channel':<9}{'gap before':>11}{'after':>7}{'held out':>15}  found"]
@@ -54,7 +56,7 @@ def table(found) -> str:
     return "\n".join(lines)
 
 
-def on_channel(found, name: str) -> str:
+def on_channel(found: Report, name: str) -> str:
     """What was found on a channel, in a line: its own effects, then those that stand on the record
     and that it feels.
     """
@@ -73,7 +75,7 @@ def on_channel(found, name: str) -> str:
     return "; ".join(parts)
 
 
-def _steps(steps, name):
+def _steps(steps: list[Step], name: str) -> list[str]:
     out = []
     for s in steps:
         out.append(f"{'':<11}{describe(s, name)}   (confidence {s.confidence:.3g})")

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
 from imu_lib.gap.described import describe
 from imu_lib.gap.wrong import FAULTS, JUMPS, TOUCHED
+
+if TYPE_CHECKING:
+    from imu_lib.gap.steps import Step
 
 #: Confidence from which on a finding has its place in the verdict.
 LEAST = 0.5
@@ -29,12 +35,12 @@ SURROUNDINGS = ("vibration", "temperature", "warm_up", "wandering_level", "noise
 MOVED = 0.05
 
 
-def relevant(steps) -> list:
+def relevant(steps: list[tuple[str, Step]]) -> list[tuple[str, Step]]:
     """(channel or "record", step) of `steps` that a verdict has to tell."""
     return [(w, s) for w, s in steps if s.confidence >= LEAST and not _faint(s)]
 
 
-def _faint(step) -> bool:
+def _faint(step: Step) -> bool:
     """Whether it is noise in common that moves the sum of its channels by next to nothing: of k
     channels that share `share` of their power its variance grows by (k - 1) times that.
     """
@@ -43,11 +49,13 @@ def _faint(step) -> bool:
     return share is not None and (len(p["channels"]) - 1) * share < (1 + MOVED) ** 2 - 1
 
 
-def sentence(steps, sure: float, of_sensor=()) -> str:
+def sentence(
+    steps: list[tuple[str, Step]], sure: float, of_sensor: Collection[tuple[str, str]] = ()
+) -> str:
     """The sentence about what is told nowhere else; `of_sensor` are the (channel, effect) that the
     sensor's own sentence has; what is less than `sure` is told as likely.
     """
-    by_effect: dict = {}
+    by_effect: dict[tuple[str, bool], list[tuple[str, Step]]] = {}
     for where, s in relevant(steps):
         settled = s.confidence >= sure or where == "record"
         elsewhere = s.effect in (*FAULTS, *JUMPS, *TOUCHED) or (where, s.effect) in of_sensor
@@ -58,7 +66,7 @@ def sentence(steps, sure: float, of_sensor=()) -> str:
     return f"In the signals: {'; '.join(parts)}." if parts else ""
 
 
-def _effect(effect: str, found, settled: bool) -> str:
+def _effect(effect: str, found: list[tuple[str, Step]], settled: bool) -> str:
     name = MEANING.get(effect, effect.replace("_", " "))
     seen = [_seen(where, s) for where, s in found[:SHOWN]]
     if len(found) > SHOWN:
@@ -70,7 +78,7 @@ def _effect(effect: str, found, settled: bool) -> str:
     return text
 
 
-def _seen(where: str, s) -> str:
+def _seen(where: str, s: Step) -> str:
     """Place and parameters, and what else one change may be."""
     parameters = " ".join(describe(s, where).split()).removeprefix(s.effect).strip()
     place = "" if where == "record" else f"on {where} "

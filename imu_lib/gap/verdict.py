@@ -4,12 +4,19 @@ sentence of where.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from scipy.fft import idct
 from scipy.stats import chi2, kurtosistest
 
+from imu_lib.arrays import Array
 from imu_lib.gap.check import Check
+from imu_lib.gap.data import Data
 from imu_lib.gap.evenness import SKEW, distribution, log10_normal
+from imu_lib.gap.innovations import Smooth
+from imu_lib.gap.state import State
 from imu_lib.gap.steadiness import resonances, stationarity
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.evaluate import with_extra
@@ -33,7 +40,7 @@ OF_SAMPLES = (
 ONE_SIDED = ("saturation", "spikes", "stuck")
 
 
-def weighed(tests, named) -> tuple[Check, list[str]]:
+def weighed(tests: list[Check], named: list[str]) -> tuple[Check, list[str]]:
     """The worst test of those whose disagreement matters, and what the others see beyond chance, in
     words; `named` are the effects that the channel has.
     """
@@ -44,13 +51,13 @@ def weighed(tests, named) -> tuple[Check, list[str]]:
     return worst, [c.where for c in small if c.log_p < LIMIT]
 
 
-def _log10_chi2(value, dof):
+def _log10_chi2(value: float | Array, dof: float | Array) -> Any:
     """log10 of the two-sided p-value of chi-square values, far into the tails."""
     upper, lower = chi2.logsf(value, dof), chi2.logcdf(value, dof)
     return (np.minimum(upper, lower) + np.log(2)) / np.log(10)
 
 
-def spectrum(state) -> Check:
+def spectrum(state: State) -> Check:
     """Bins of the spectrum, singly and in runs of 3, 9 and 27, against the model; the model's own
     fit error is allowed for.
     """
@@ -84,7 +91,7 @@ def spectrum(state) -> Check:
 MODEL = 0.004
 
 
-def bias(state) -> list[Check]:
+def bias(state: State) -> list[Check]:
     """The slow cosine coefficients over their expectation, and the bias of which they are the
     transform: size, colour, outliers.
     """
@@ -142,13 +149,14 @@ def bias(state) -> list[Check]:
     return out
 
 
-def _bent(r, known, curves, data) -> Check:
+def _bent(r: Array, known: Array, curves: Array, data: Data) -> Check:
     """The regression on the temperature: what the `curves` explain of `r` beyond what is `known`, a
     straight line on it and the drifts that are there.
     """
     basis, _ = np.linalg.qr(known)
     bent, _ = np.linalg.qr(curves - basis @ (basis.T @ curves))
     gain = float(np.sum((bent.T @ (r - basis @ (basis.T @ r))) ** 2))
+    assert data.temperature is not None, "there are no curves without it"
     low, high = data.temperature.min(), data.temperature.max()
     return Check(
         "temperature",
@@ -157,7 +165,7 @@ def _bent(r, known, curves, data) -> Check:
     )
 
 
-def _curves(data) -> np.ndarray:
+def _curves(data: Data) -> np.ndarray:
     """Temperature, its square and lines that begin at its quartiles as columns of the regression,
     shape (orders, 5); none where it is not known.
     """
@@ -175,7 +183,7 @@ MIN_SHARE_OF_MEAN = 1e-3
 MIN_LAG, MAX_LAG = 24, 4000
 
 
-def residual_autocorrelation(state, rest) -> Check:
+def residual_autocorrelation(state: State, rest: Array) -> Check:
     """Autocorrelation at long lags of what is left of the samples, `rest`, shape (n,), whitened by
     the model.
 
@@ -208,7 +216,7 @@ def residual_autocorrelation(state, rest) -> Check:
     return Check("autocorrelation", float(log10_normal(z[j]) + np.log10(len(lags))), where)
 
 
-def _second_order(state):
+def _second_order(state: State) -> State:
     """The state with every telegraph as the Gauss-Markov noise of its spectrum: the expected path
     takes out noise around its edges.
     """
@@ -221,7 +229,13 @@ def _second_order(state):
 
 
 def checks(
-    state, rest, y, smooth, *, coarse_steps: bool = False, as_noise=lambda state: state
+    state: State,
+    rest: Array,
+    y: Array,
+    smooth: Smooth,
+    *,
+    coarse_steps: bool = False,
+    as_noise: Callable[[State], State] = lambda state: state,
 ) -> list[Check]:
     """All tests; `rest` is what the state leaves of the samples as noise, `y` its fast part,
     whitened by `smooth`. `coarse_steps`: it is rounded so coarsely that it is no longer normal;

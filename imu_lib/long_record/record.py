@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.record import Record
 
 #: Longest gap that is bridged by a straight line, samples, as `Record.continuous` has it.
@@ -14,11 +17,19 @@ FILL = 10
 SHORTEST = 1 << 17
 
 
+class Source(Protocol):
+    """A file whose columns are read by pieces."""
+
+    def pieces(self, name: str, start: int, stop: int) -> Iterable[Array]:
+        """The numbers start .. stop - 1 of a column, in order."""
+        ...
+
+
 @dataclass(frozen=True)
 class Column:
     """Where a channel lies: SI value = factor * (column's value) + zero."""
 
-    source: object
+    source: Source
     name: str
     factor: float
     zero: float
@@ -50,28 +61,28 @@ class LongRecord:
         The first row; others than 0 where the record was cut.
     """
 
-    columns: dict = field(repr=False)
+    columns: dict[str, Column] = field(repr=False)
     rate: float
     runs: np.ndarray = field(repr=False)
-    flat: tuple
+    flat: tuple[str, ...]
     name: str
     source: str
-    notes: tuple
+    notes: tuple[str, ...]
     rows: int = 0
     steps: np.ndarray = field(repr=False, default_factory=lambda: np.zeros((0, 2), np.int64))
-    described: tuple = ()
+    described: tuple[Any, ...] = ()
     temperature: Column | None = None
     begin: int = 0
 
-    def __contains__(self, channel):
+    def __contains__(self, channel: object) -> bool:
         return channel in self.columns
 
-    def slot(self, row):
+    def slot(self, row: Any) -> Any:
         """Number of a row on the even grid; an array for an array."""
         lost = np.concatenate([[0], np.cumsum(self.steps[:, 1])])
         return row + lost[np.searchsorted(self.steps[:, 0], row, side="right")]
 
-    def row(self, slot):
+    def row(self, slot: int) -> int:
         """The row at a number of the even grid, the next one where a gap is there."""
         lost = np.concatenate([[0], np.cumsum(self.steps[:, 1])])
         before = int(np.searchsorted(self.steps[:, 0] + lost[1:], slot, side="right"))
@@ -80,11 +91,11 @@ class LongRecord:
             at = min(at, int(self.steps[before, 0]))
         return min(at, self.rows)
 
-    def second(self, row):
+    def second(self, row: int) -> float:
         """Moment of a row, s from the first."""
         return float(self.slot(row) - self.slot(self.begin)) / self.rate
 
-    def time_gaps(self):
+    def time_gaps(self) -> tuple[tuple[float, float, int], ...]:
         """(start s, duration s, missing samples) of each gap in the stamps."""
         return tuple(
             (self.second(int(row) - 1), float(m + 1) / self.rate, int(m))
@@ -92,10 +103,11 @@ class LongRecord:
             if self.begin < row < self.rows
         )
 
-    def part(self, low, high) -> Record:
+    def part(self, low: int, high: int) -> Record:
         """The rows low .. high - 1 as a record in memory, missing numbers as NaN."""
         channels = {name: _values(column, low, high) for name, column in self.columns.items()}
-        temperature = self.temperature and _values(self.temperature, low, high)
+        warmth = self.temperature
+        temperature = None if warmth is None else _values(warmth, low, high)
         slots = self.slot(np.arange(low, high))
         even = slots[-1] - slots[0] == high - low - 1
         time = None if even else (slots - slots[0]) / self.rate
@@ -106,21 +118,21 @@ class LongRecord:
         return replace(self.part(self.begin, self.rows), notes=self.notes)
 
     @property
-    def channel_names(self):
+    def channel_names(self) -> tuple[str, ...]:
         return tuple(self.columns)
 
     @property
-    def n(self):
+    def n(self) -> int:
         """Samples that are there."""
         return int((self.runs[:, 1] - self.runs[:, 0]).sum())
 
     @property
-    def duration(self):
+    def duration(self) -> float:
         """Seconds covered, gaps included."""
         last = self.runs[-1]
         return float(last[2] + last[1] - last[0] - self.runs[0, 2]) / self.rate
 
-    def gaps(self):
+    def gaps(self) -> tuple[tuple[float, float, int], ...]:
         """(start s, duration s, missing samples) of each gap."""
         ends = self.runs[:, 2] + self.runs[:, 1] - self.runs[:, 0]
         missing = self.runs[1:, 2] - ends[:-1]
@@ -130,7 +142,7 @@ class LongRecord:
             for s, m in zip(start, missing, strict=True)
         )
 
-    def continuous(self):
+    def continuous(self) -> Array:
         """Runs (k, 3) of the longest part without a gap of more than FILL samples."""
         ends = self.runs[:, 2] + self.runs[:, 1] - self.runs[:, 0]
         breaks = np.flatnonzero(self.runs[1:, 2] - ends[:-1] > FILL) + 1
@@ -139,16 +151,17 @@ class LongRecord:
         return self.runs[longest]
 
     @property
-    def longest(self):
+    def longest(self) -> int:
         """Samples of the longest part without a gap of more than FILL samples."""
         runs = self.continuous()
         return int(runs[-1, 2] + runs[-1, 1] - runs[-1, 0] - runs[0, 2])
 
-    def pieces(self, channel, runs):
+    def pieces(self, channel: str, runs: Array) -> Iterator[Array]:
         """The samples of these runs in order, SI, gaps between them bridged by straight lines;
         `channel` may be temperature.
         """
         column = self.temperature if channel == "temperature" else self.columns[channel]
+        assert column is not None, "the record has no temperature"
         last = None
         for start, stop, slot in runs:
             for x in column.source.pieces(column.name, int(start), int(stop)):
@@ -161,15 +174,15 @@ class LongRecord:
                 yield x
 
 
-def _values(column, low, high):
+def _values(column: Column, low: int, high: int) -> Array:
     """The rows low .. high - 1 of a column, SI."""
     x = np.concatenate([y for y in column.source.pieces(column.name, low, high)])
     return column.factor * x.astype(float) + column.zero
 
 
-def counted(missing, steps, rate):
+def counted(missing: int, steps: Array, rate: float) -> tuple[str, ...]:
     """Sentences on what is missing: rows without a number, gaps (row, samples)."""
-    out = ()
+    out: tuple[str, ...] = ()
     if missing:
         out += (f"{missing:,} samples have no number in at least one channel.",)
     if len(steps):

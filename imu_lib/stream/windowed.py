@@ -7,6 +7,9 @@ and its last values: those make the windows that straddle the seam.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from typing import Self
+
 import numpy as np
 
 
@@ -29,15 +32,15 @@ class Windowed:
         self.head = np.empty(0)
         self.tail = np.empty(0)
 
-    def use(self, values, count):
+    def use(self, values: np.ndarray, count: int) -> None:
         """Take `count` windows in; the first begins with `values`, the next `stride` later."""
         raise NotImplementedError
 
-    def absorb(self, other):
+    def absorb(self, other: Self) -> None:
         """Add the sums of the pass that follows; the seam is done."""
         raise NotImplementedError
 
-    def feed(self, x):
+    def feed(self, x: np.ndarray) -> None:
         """The next values, ndarray (k,)."""
         if self.head.size < self.span - 1:
             self.head = np.concatenate([self.head, x[: self.span - 1 - self.head.size]])
@@ -52,7 +55,7 @@ class Windowed:
             values = values[count * self.stride :]
         self.tail = values.copy()
 
-    def merge(self, other):
+    def merge(self, other: Self) -> None:
         """Go on with a pass that began where this one ends."""
         if other.begin != self.end:
             raise ValueError(f"`other` begins at {other.begin}, this pass ends at {self.end}")
@@ -71,34 +74,34 @@ class Windowed:
 class Keep(Windowed):
     """All values, one after the other: for a series that is short by now."""
 
-    def __init__(self, begin=0):
+    def __init__(self, begin: int = 0) -> None:
         super().__init__(1, begin=begin)
-        self.parts = []
+        self.parts: list[np.ndarray] = []
 
-    def use(self, values, count):
+    def use(self, values: np.ndarray, count: int) -> None:
         self.parts.append(values[:count].copy())
 
-    def absorb(self, other):
+    def absorb(self, other: Self) -> None:
         self.parts += other.parts
 
     @property
-    def values(self):
+    def values(self) -> np.ndarray:
         return np.concatenate(self.parts) if self.parts else np.empty(0)
 
 
 class Means(Windowed):
     """Means of `size` values, handed on to `children`."""
 
-    def __init__(self, size, children, begin=0):
+    def __init__(self, size: int, children: Sequence[Windowed], begin: int = 0) -> None:
         super().__init__(size, size, begin)
         self.children = children
 
-    def use(self, values, count):
+    def use(self, values: np.ndarray, count: int) -> None:
         means = values[: count * self.span].reshape(count, self.span).mean(axis=1)
         for child in self.children:
             child.feed(means)
 
-    def absorb(self, other):
+    def absorb(self, other: Self) -> None:
         for child, after in zip(self.children, other.children, strict=True):
             child.merge(after)
 
@@ -106,11 +109,11 @@ class Means(Windowed):
 class LagSums(Windowed):
     """Sums of x_t x_{t+d} for the lags d = 0 ... `lags`, of x, and the number of values."""
 
-    def __init__(self, lags, begin=0):
+    def __init__(self, lags: int, begin: int = 0) -> None:
         super().__init__(lags + 1, begin=begin)
         self.products, self.sum, self.count = np.zeros(lags + 1), 0.0, 0
 
-    def use(self, values, count):
+    def use(self, values: np.ndarray, count: int) -> None:
         for low in range(0, count, 8192):  # in the cache, and below what BLAS gives to threads
             x = values[low : min(low + 8192, count)]
             for d in range(self.span):
@@ -118,13 +121,13 @@ class LagSums(Windowed):
             self.sum += x.sum()
         self.count += count
 
-    def absorb(self, other):
+    def absorb(self, other: Self) -> None:
         self.products += other.products
         self.sum += other.sum
         self.count += other.count
 
     @property
-    def total(self):
+    def total(self) -> tuple[np.ndarray, float, int]:
         """(products, sum, number) with the last values, whose longer lags do not exist."""
         products = self.products.copy()
         for d in range(min(self.span, self.tail.size)):
@@ -135,16 +138,16 @@ class LagSums(Windowed):
 class Products(Windowed):
     """Sum over segments of `size` values of the outer product of each with itself."""
 
-    def __init__(self, size, begin=0):
+    def __init__(self, size: int, begin: int = 0) -> None:
         super().__init__(size, size, begin)
         self.matrix, self.count = np.zeros((size, size)), 0
 
-    def use(self, values, count):
+    def use(self, values: np.ndarray, count: int) -> None:
         y = values[: count * self.span].reshape(count, self.span)
         self.matrix += y.T @ y
         self.count += count
 
-    def absorb(self, other):
+    def absorb(self, other: Self) -> None:
         self.matrix += other.matrix
         self.count += other.count
 
@@ -159,17 +162,20 @@ class Segments(Windowed):
         (k, size) -> (k, m), real or complex.
     """
 
-    def __init__(self, size, stride, transform, begin=0):
+    def __init__(
+        self, size: int, stride: int, transform: Callable[[np.ndarray], np.ndarray], begin: int = 0
+    ) -> None:
         super().__init__(size, stride, begin)
-        self.transform, self.power, self.count = transform, 0.0, 0
+        self.transform, self.count = transform, 0
+        self.power: np.ndarray | float = 0.0
 
-    def use(self, values, count):
+    def use(self, values: np.ndarray, count: int) -> None:
         windows = np.lib.stride_tricks.sliding_window_view(values, self.span)
         for k in range(count):
             z = self.transform(windows[k * self.stride])
             self.power = self.power + (z.real**2 + z.imag**2 if np.iscomplexobj(z) else z * z)
         self.count += count
 
-    def absorb(self, other):
+    def absorb(self, other: Self) -> None:
         self.power = self.power + other.power
         self.count += other.count

@@ -117,7 +117,7 @@ class Saturation(Effect):
         return found
 
 
-def _rail(x, on, step: float | None) -> bool:
+def _rail(x: Array, on: Array, step: float | None) -> bool:
     """Whether the samples marked `on`, at one end of the range, show by themselves that the signal
     goes on beyond it.
     """

@@ -12,18 +12,23 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from imu_lib import scheduler, units
+from imu_lib.arrays import Array
 from imu_lib.errors import InputError
 from imu_lib.gap import ensemble, loop
 from imu_lib.gap.found import Report
 from imu_lib.gap.long import begun, joined, looked_at, views
-from imu_lib.gap.long.scan import scan
-from imu_lib.gap.long.windows import stretches, typical_run
+from imu_lib.gap.long.scan import Scan, scan
+from imu_lib.gap.long.windows import Stretch, stretches, typical_run
+from imu_lib.gap.steps import Step
+from imu_lib.long_record.record import LongRecord
 from imu_lib.model import Model
 from imu_lib.processes import Sum
 from imu_lib.stream import Keep, Means
@@ -42,15 +47,15 @@ class LongReport(Report):
 
 
 def close(
-    record,
+    record: LongRecord,
     model: Model | None = None,
     *,
-    channels=None,
+    channels: Sequence[str] | None = None,
     seed: int = 0,
     simulations: int = ensemble.SIZE,
     jobs: int | None = None,
-    progress=None,
-) -> LongReport:
+    progress: loop.Progress | None = None,
+) -> Report:
     """As `gap.close`, of a `LongRecord`: of its longest part without a gap, in bounded memory.
 
     Raises
@@ -67,10 +72,10 @@ def close(
     block = max(2, -(-record.longest // MEANS))
     say.at(0, "one pass over the record")
     work = [(record, n, runs, block) for n in names]
-    of = {s.name: s for s in scheduler.shared(scan, work, jobs)}
+    of: dict[str, Scan] = {s.name: s for s in scheduler.shared(scan, work, jobs)}
     scans = [of[n] for n in names]
     unlike, scores = stretches(scans)
-    options = {"seed": seed, "simulations": simulations, "jobs": jobs}
+    options: dict[str, Any] = {"seed": seed, "simulations": simulations, "jobs": jobs}
     start, fast = _part(record, model, scans, scores, say, options)
     names = [n for n in names if n in fast.channels]
     rate = fs / block
@@ -81,7 +86,7 @@ def close(
     kept = {n: joined.kept(given[n], fast.model[n], rate) for n in names}
     steps = joined.of_part(fast, rate, start)
     grown = replace(given, channels=kept, record=_of_record(given, steps))
-    steps, notes, left = _looked_at(record, grown, steps, unlike, scans[0].window, rate, seed, say)
+    steps, said, left = _looked_at(record, grown, steps, unlike, scans[0].window, rate, seed, say)
     say.at(60, "the whole record")
     common = tuple(p for p in fast.model.record if p.name == "common_mode")
     slow_given = Model(
@@ -90,17 +95,24 @@ def close(
     progress_of = partial(say.of, "the whole record", 60, 39)
     slow = loop.close(means, slow_given, progress=progress_of, **options)
     say.at(100, "done")
-    notes = (*_said(record, fast, slow, start, block), *notes)
-    left = [fast.record_unexplained, *left, slow.record_unexplained]
+    notes = (*_said(record, fast, slow, start, block), *said)
+    without = [fast.record_unexplained, *left, slow.record_unexplained]
     looks = _Looks(record, given, model is not None, kept, fast, slow, block)
-    return looks.together(steps, notes, left, began)
+    return looks.together(steps, notes, without, began)
 
 
-def _of_record(given: Model, steps) -> tuple:
+def _of_record(given: Model, steps: Iterable[Step]) -> tuple[Any, ...]:
     return given.record + tuple(looked_at.process_of(s) for s in steps)
 
 
-def _part(record, model, scans, scores, say, options) -> tuple[float, Report]:
+def _part(
+    record: LongRecord,
+    model: Model | None,
+    scans: list[Scan],
+    scores: Array,
+    say: _Told,
+    options: dict[str, Any],
+) -> tuple[float, Report]:
     """The part at the full rate that is most like the rest: where it begins, s, and what is found."""
     window, fs = scans[0].window, record.rate
     count = min(max(PART // window, 1), scores.shape[1])
@@ -117,7 +129,16 @@ def _part(record, model, scans, scores, say, options) -> tuple[float, Report]:
     return start, found
 
 
-def _looked_at(record, grown, steps, unlike, window, rate, seed, say) -> tuple[list, list, list]:
+def _looked_at(
+    record: LongRecord,
+    grown: Model,
+    steps: list[Step],
+    unlike: list[Stretch],
+    window: int,
+    rate: float,
+    seed: int,
+    say: _Told,
+) -> tuple[list[Step], list[str], list[str]]:
     """Windows unlike the rest, of which `grown` is the model: the steps with theirs, what is said of
     them, and what is left there without a name.
     """
@@ -145,7 +166,7 @@ class _Looks:
     the means began with. block : samples of a mean.
     """
 
-    record: object
+    record: LongRecord
     given: Model
     by_hand: bool
     kept: dict[str, Sum]
@@ -153,7 +174,13 @@ class _Looks:
     slow: Report
     block: int
 
-    def together(self, steps, notes, left, began) -> LongReport:
+    def together(
+        self,
+        steps: list[Step],
+        notes: tuple[str, ...],
+        left: Iterable[str | None],
+        began: float,
+    ) -> LongReport:
         """One report, with the steps of the record, from `began` on."""
         record, given, fast, slow = self.record, self.given, self.fast, self.slow
         lines, fs = joined.lines_of(steps), record.rate
@@ -186,11 +213,19 @@ class _Looks:
         )
 
 
-def _at_once(record, model, channels, seed, simulations, jobs, progress) -> Report:
+def _at_once(
+    record: LongRecord,
+    model: Model | None,
+    channels: Sequence[str] | None,
+    seed: int,
+    simulations: int,
+    jobs: int | None,
+    progress: loop.Progress | None,
+) -> Report:
     """A record whose gaps leave no long part: the longest one at the full rate."""
     low, high = views.rows(record, 0, record.longest)
     part = replace(record.part(low, high), notes=record.notes)
-    options = {"channels": channels, "seed": seed, "simulations": simulations}
+    options: dict[str, Any] = {"channels": channels, "seed": seed, "simulations": simulations}
     found = loop.close(part, model, jobs=jobs, progress=progress, **options)
     used = (
         f"The longest part without a gap of more than 10 samples was used, "
@@ -199,7 +234,7 @@ def _at_once(record, model, channels, seed, simulations, jobs, progress) -> Repo
     return replace(found, notes=(used, *found.notes))
 
 
-def _names(record, channels):
+def _names(record: LongRecord, channels: Sequence[str] | None) -> list[str]:
     wanted = record.channel_names if channels is None else channels
     for name in channels or ():
         if name not in record:
@@ -213,7 +248,7 @@ def _names(record, channels):
     return names
 
 
-def _warmth(record, runs, block):
+def _warmth(record: LongRecord, runs: Array, block: int) -> Array | None:
     """Block means of the temperature, or None."""
     if record.temperature is None:
         return None
@@ -228,18 +263,18 @@ def _warmth(record, runs, block):
 class _Told:
     """Progress over the stages, in hundredths."""
 
-    def __init__(self, progress):
+    def __init__(self, progress: loop.Progress | None) -> None:
         self.progress = progress
 
-    def at(self, done, text):
+    def at(self, done: int, text: str) -> None:
         if self.progress is not None:
             self.progress(done, 100, text)
 
-    def of(self, stage, first, share, done, total, text):
+    def of(self, stage: str, first: int, share: int, done: int, total: int, text: str) -> None:
         self.at(first + round(share * done / total), f"{stage}: {text}")
 
 
-def _said(record, fast, slow, start, block) -> list[str]:
+def _said(record: LongRecord, fast: Report, slow: Report, start: float, block: int) -> list[str]:
     """What was looked at, and what the two views say themselves."""
     out = []
     used, covered = record.longest / record.rate, record.duration

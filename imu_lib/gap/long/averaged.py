@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imu_lib.arrays import Array, ArrayLike
 from imu_lib.processes import LowPass
 from imu_lib.processes.low_pass import _half_power
 
@@ -35,7 +36,7 @@ class Averaged(LowPass):
             inner=inner,
         )
 
-    def gain(self, f, fs):
+    def gain(self, f: ArrayLike, fs: float) -> Array:
         """Power gain at frequencies `f` Hz up to half the rate of the inner filter, same shape."""
         x = np.pi * np.asarray(f, dtype=float) / self.sampled
         with np.errstate(invalid="ignore", divide="ignore"):

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from imu_lib import likelihood
+from imu_lib.arrays import Array
 from imu_lib.gap import loop
+from imu_lib.gap.found import Report
 from imu_lib.gap.long import views
+from imu_lib.gap.long.scan import Scan
 from imu_lib.model import Model
 from imu_lib.processes import GaussMarkov, Sum, Telegraph
+from imu_lib.record import Record
 
 
-def with_bases(model, fast, scans, rate) -> Model:
+def with_bases(model: Model | None, fast: Report, scans: list[Scan], rate: float) -> Model:
     """The given model; a channel that it lacks has what the part at the full rate was started
     from, with the slow processes that the likelihood chooses for the block means.
     """
@@ -26,7 +31,9 @@ def with_bases(model, fast, scans, rate) -> Model:
     return replace(model, channels={**model.channels, **found})
 
 
-def between_levels(means, given: Model, free, block: int, options) -> Model:
+def between_levels(
+    means: Record, given: Model, free: list[str], block: int, options: dict[str, Any]
+) -> Model:
     """The model without the Gauss-Markov processes that two levels explain better, of the channels
     `free` whose slow processes nobody gave: the spectrum of both is the same.
     """
@@ -52,7 +59,7 @@ def between_levels(means, given: Model, free, block: int, options) -> Model:
     return replace(given, channels={**given.channels, **levels})
 
 
-def _slow_terms(means, rate):
+def _slow_terms(means: Array, rate: float) -> list[Any]:
     """The slow processes of the sum that the likelihood chooses for a series of block means."""
     stats = likelihood.Statistics.of([means], rate, exclude_lines=True)
     fit = likelihood.choose(stats.between(0.0, 0.2 * rate), None).fit

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap import ensemble
 from imu_lib.gap.channel import ChannelResult
-from imu_lib.gap.found import ChannelReport
+from imu_lib.gap.ensemble import Index
+from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.long import looked_at
 from imu_lib.gap.long.views import LINE, averaged, belongs_to_means, is_slow
 from imu_lib.gap.steps import Step
-from imu_lib.processes import Sum
+from imu_lib.long_record.record import LongRecord
+from imu_lib.processes import Sinusoid, Sum, WhiteNoise
 
 #: Relative change of a noise that the means show beside electronics, which is theirs, and nearness
 #: of a line to the image of a fast one, in widths of an ordinate.
@@ -36,7 +41,7 @@ def kept(given: Sum, grown: Sum, rate: float) -> Sum:
     return Sum((*terms, *extra), grown.stages)
 
 
-def _aligned(terms, grown):
+def _aligned(terms: Iterable[Any], grown: Iterable[Any]) -> list[Any]:
     """For each term the one of its kind, in order, that the grown model has in its place."""
     left, out = list(grown), []
     for t in terms:
@@ -53,12 +58,12 @@ def whole(fast: Sum, slow: Sum, block: int, fs: float) -> Sum:
     """
     began, places = averaged(fast, block, fs)
     aligned = _aligned(began.terms, slow.terms)
-    terms = list(fast.terms)
+    terms: list[Any] = list(fast.terms)
     for b, g, place in zip(began.terms, aligned, places):
         if g is None or place < 0 or g == b:
             continue
-        if b.name == "white_noise":
-            added = b.N**2 - fast.terms[place].N ** 2
+        if isinstance(b, WhiteNoise) and b.name == WhiteNoise.name:
+            added = b.N**2 - terms[place].N ** 2
             g = g.with_(N=float(np.sqrt(max(g.N**2 - added, 1e-4 * g.N**2))))
         terms[place] = g
     used = {id(g) for g in aligned if g is not None}
@@ -68,7 +73,9 @@ def whole(fast: Sum, slow: Sum, block: int, fs: float) -> Sum:
     return Sum(tuple(terms), (*fast.stages, *stages))
 
 
-def of_means(step: Step, fast: Sum, lines, rate: float, duration: float) -> bool:
+def of_means(
+    step: Step, fast: Sum, lines: list[tuple[float, float]], rate: float, duration: float
+) -> bool:
     """Whether an effect found in the means is one, and not what the electronics or a fast line do
     to means.
     """
@@ -84,7 +91,16 @@ def of_means(step: Step, fast: Sum, lines, rate: float, duration: float) -> bool
     return True
 
 
-def channel(name, given: Sum, kept: Sum, fast, slow, lines, block, record):
+def channel(
+    name: str,
+    given: Sum,
+    kept: Sum,
+    fast: ChannelReport,
+    slow: ChannelReport | None,
+    lines: list[tuple[float, float]],
+    block: int,
+    record: LongRecord,
+) -> tuple[ChannelReport, Sum]:
     """(report, model) of a channel: the steps of both views, each with the gap of its own view, the
     gap over the statistics of both. `slow` is None where the means say nothing of it.
     """
@@ -93,7 +109,7 @@ def channel(name, given: Sum, kept: Sum, fast, slow, lines, block, record):
     quick = [s for s in fast.result.steps if not belongs_to_means(s, given, rate)]
     if slow is None:
         return replace(fast, batteries={}), kept
-    lines = [*lines, *((t.frequency, 0.0) for t in kept.terms if t.name == "sinusoid")]
+    lines = [*lines, *((t.frequency, 0.0) for t in kept.terms if isinstance(t, Sinusoid))]
     seen = slow.result.steps
     late = [s for s in seen if of_means(s, kept, lines, rate, record.longest / fs)]
     model = whole(kept, slow.result.model, block, fs) if len(late) == len(seen) else kept
@@ -118,7 +134,7 @@ def channel(name, given: Sum, kept: Sum, fast, slow, lines, block, record):
     return ChannelReport(result, before, after, _held_out(fast, slow), {}), model
 
 
-def of_part(fast, rate, start) -> list[Step]:
+def of_part(fast: Report, rate: float, start: float) -> list[Step]:
     """Steps of the record that a part at the full rate shows, with their times in the whole."""
     rest = start + (fast.stretch[0] if fast.stretch else 0.0)
     out = []
@@ -129,7 +145,9 @@ def of_part(fast, rate, start) -> list[Step]:
     return out
 
 
-def of_whole(steps, slow, lines, rate, duration) -> list[Step]:
+def of_whole(
+    steps: list[Step], slow: Report, lines: list[tuple[float, float]], rate: float, duration: float
+) -> list[Step]:
     """The steps of the record, with those that the means alone show."""
     out = list(steps)
     offset = slow.stretch[0] if slow.stretch else 0.0
@@ -141,7 +159,7 @@ def of_whole(steps, slow, lines, rate, duration) -> list[Step]:
     return out
 
 
-def lines_of(steps) -> list[tuple[float, float]]:
+def lines_of(steps: list[Step]) -> list[tuple[float, float]]:
     """(frequency, width), Hz, of the vibrations among steps of the record, whole multiples
     included.
     """
@@ -154,23 +172,24 @@ def lines_of(steps) -> list[tuple[float, float]]:
     return out
 
 
-def _indices(fast, slow):
+def _indices(fast: ChannelReport, slow: ChannelReport) -> tuple[Index | None, Index | None]:
     if not fast.batteries or not slow.batteries:
         return None, None
     measured = _both(fast.batteries["measured"], slow.batteries["measured"])
-    out = []
-    for when in ("before", "after"):
+
+    def gap(when: str) -> Index:
         rows = zip(fast.batteries[when], slow.batteries[when])
-        out.append(ensemble.index(measured, [_both(a, b) for a, b in rows]))
-    return tuple(out)
+        return ensemble.index(measured, [_both(a, b) for a, b in rows])
+
+    return gap("before"), gap("after")
 
 
-def _both(fast, slow) -> dict:
+def _both(fast: dict[str, Array], slow: dict[str, Array]) -> dict[str, Array]:
     """The statistics of both views; those of the means have domains of their own."""
     return {**fast, **{f"{d} of the means": v for d, v in slow.items()}}
 
 
-def _held_out(fast, slow):
+def _held_out(fast: ChannelReport, slow: ChannelReport) -> dict[str, float] | None:
     """Root mean square of the views' gaps on time that was not fitted."""
     found = [r.held_out for r in (fast, slow) if r.held_out]
     if not found:

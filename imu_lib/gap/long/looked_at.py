@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import InputError
+from imu_lib.gap.found import Report
 from imu_lib.gap.long.views import belongs_to_means, rows, shifted
+from imu_lib.gap.long.windows import Stretch
 from imu_lib.gap.loop import close
 from imu_lib.gap.steps import Step
+from imu_lib.long_record.record import LongRecord
+from imu_lib.model import Model
 from imu_lib.processes import Process, from_json
 
 #: Effects that have a time in a model, and those whose share of the samples counts.
@@ -30,7 +35,9 @@ class Looked:
     left: bool
 
 
-def look(record, model, found, window: int, rate: float, seed: int) -> Looked:
+def look(
+    record: LongRecord, model: Model, found: Stretch, window: int, rate: float, seed: int
+) -> Looked:
     """One stretch of windows, its worst one in full.
 
     model : what the rest of the record has. found : Stretch. rate : of the block means, Hz.
@@ -72,9 +79,9 @@ def look(record, model, found, window: int, rate: float, seed: int) -> Looked:
     return Looked(tuple(steps), f"{where}: {told}", left or not names)
 
 
-def _lines(seen) -> list[Step]:
+def _lines(seen: Report) -> list[Step]:
     """Lines on single channels as vibrations of the record, one a frequency."""
-    found: dict = {}
+    found: dict[float, list[tuple[str, Step]]] = {}
     for channel, c in seen.channels.items():
         for s in c.result.steps:
             if s.effect == "sinusoid":
@@ -96,7 +103,9 @@ def _lines(seen) -> list[Step]:
     return out
 
 
-def _placed(step: Step, start, offset, begin, end, windows) -> Step:
+def _placed(
+    step: Step, start: float, offset: float, begin: float, end: float, windows: int
+) -> Step:
     """A step of a window with its times in the whole record."""
     p = dict(step.parameters)
     if step.effect == "vibration":
@@ -116,7 +125,7 @@ def process_of(step: Step) -> Process:
     return from_json({"process": step.effect, **step.parameters}, on_record=True)
 
 
-def together(steps: list[Step], more) -> list[Step]:
+def together(steps: list[Step], more: Sequence[Step]) -> list[Step]:
     """The steps with those of one more stretch: a vibration that goes on, or was there before, is one
     from its first to its last second; one with a pause between is another.
     """
@@ -144,7 +153,7 @@ def _span(step: Step) -> tuple[float, float]:
     return -np.inf if begin is None else begin, np.inf if end is None else end
 
 
-def _touch(a, b) -> bool:
+def _touch(a: tuple[float, float], b: tuple[float, float]) -> bool:
     return a[0] <= b[1] + 1.0 and b[0] <= a[1] + 1.0
 
 
@@ -174,5 +183,5 @@ def moved(step: Step, faults: float, rest: float) -> Step:
     return replace(step, parameters=p, where=_where(step, faults or rest) if timed else step.where)
 
 
-def _where(step, start):
+def _where(step: Step, start: float) -> str:
     return f"{step.where.rstrip('.')}; seconds of the part that begins at {start:.0f} s"

@@ -4,11 +4,14 @@ tells whether it is like the others.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import rfft
 
+from imu_lib.arrays import Array
+from imu_lib.long_record.record import LongRecord
 from imu_lib.stream import Keep, Means
 
 #: Samples of a window, nearly; of a segment of its spectrum.
@@ -50,7 +53,7 @@ class Scan:
     left_out: int
 
 
-def scan(record, name: str, runs, block: int) -> Scan:
+def scan(record: LongRecord, name: str, runs: Array, block: int) -> Scan:
     """The pass over the samples of these runs of a LongRecord."""
     window = block * max(1, round(WINDOW / block))
     kept = Keep()
@@ -79,9 +82,10 @@ def scan(record, name: str, runs, block: int) -> Scan:
     )
 
 
-def windows(pieces, size: int):
+def windows(pieces: Iterable[Array], size: int) -> Iterator[Array]:
     """Pieces put together to windows of `size` samples; the last may be shorter."""
-    held, n = [], 0
+    held: list[Array] = []
+    n = 0
     for x in pieces:
         held.append(x)
         n += x.size
@@ -93,7 +97,7 @@ def windows(pieces, size: int):
         yield np.concatenate(held)
 
 
-def _without_lone(x, block):
+def _without_lone(x: Array, block: int) -> tuple[Array, int]:
     """(samples, number replaced): what stands far off its block's median takes the mean of the
     rest.
     """
@@ -112,7 +116,7 @@ def _without_lone(x, block):
     return out.ravel(), count
 
 
-def _without_single(x):
+def _without_single(x: Array) -> tuple[Array, int]:
     """(samples, number replaced): a sample far off both its neighbours takes their mean."""
     d = x[1:-1] - 0.5 * (x[:-2] + x[2:])
     size = np.abs(d)
@@ -128,7 +132,7 @@ def _without_single(x):
     return y, int(at.size)
 
 
-def _spectrum(x):
+def _spectrum(x: Array) -> Array:
     """Averaged squared transform of tapered segments, without the ends of the range."""
     y = x[: x.size // SEGMENT * SEGMENT].reshape(-1, SEGMENT)
     y = y - y.mean(axis=1)[:, None]

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imu_lib.gap.long.scan import SEGMENT
+from imu_lib.arrays import Array
+from imu_lib.gap.long.scan import SEGMENT, Scan
 
 #: Log-likelihood beyond the logarithm of the number of places at which a window is not like the
 #: others.
@@ -33,7 +34,7 @@ class Stretch:
     what: str
 
 
-def excess(scan) -> tuple[np.ndarray, list[str]]:
+def excess(scan: Scan) -> tuple[np.ndarray, list[str]]:
     """How unlike the others each window of a channel is, in log-likelihood, shape (windows,), and
     in what.
     """
@@ -56,7 +57,7 @@ def excess(scan) -> tuple[np.ndarray, list[str]]:
     return gains.max(axis=1), [named[i] for i in at]
 
 
-def _counts(n):
+def _counts(n: Array) -> Array:
     """Log-likelihood by which counts exceed their median, with the scatter that they have."""
     usual = max(float(np.median(n)), 0.5)
     spread = 1.4826 * float(np.median(np.abs(n - np.median(n)))) ** 2
@@ -64,14 +65,14 @@ def _counts(n):
     return np.where(n > usual, n * np.log(np.maximum(n, 1e-9) / usual) - (n - usual), 0.0) / lively
 
 
-def limit(scans) -> float:
+def limit(scans: list[Scan]) -> float:
     """Log-likelihood from which on a window is unlike the others: chance reaches it in one record
     of a thousand.
     """
     return UNLIKE + float(np.log(sum(s.density.size for s in scans)))
 
 
-def typical_run(scores, count: int) -> int:
+def typical_run(scores: Array, count: int) -> int:
     """First of the `count` neighbouring windows that are most like the rest.
 
     scores : ndarray, shape (channels, windows)
@@ -81,7 +82,7 @@ def typical_run(scores, count: int) -> int:
     return int(np.argmin(sums))
 
 
-def stretches(scans) -> tuple[list[Stretch], np.ndarray]:
+def stretches(scans: list[Scan]) -> tuple[list[Stretch], np.ndarray]:
     """Stretches of windows that are unlike the others, the worst first, and the scores of all,
     shape (channels, windows).
     """
