@@ -138,3 +138,16 @@ def test_spikes_on_noise_with_heavy_tails_are_both_named():
     # 80 in 400 s; the smallest drown in the tails
     assert steps["spikes"]["rate"] == pytest.approx(0.2, rel=0.3)
     assert steps["spikes"]["scale"] == pytest.approx(20.0, rel=0.25)
+
+
+def test_noise_that_grows_all_along_is_a_change_with_a_duration():
+    """A straight rise to 2.5 times: the noise at the start, and the factor, to a few per cent."""
+    rng = np.random.default_rng(10)
+    x = SD * np.linspace(1.0, 2.5, N) * rng.standard_normal(N)
+    found = analyse("gyro_x", x, FS, None)
+    (step,) = found.steps
+    p = step.parameters
+    assert step.effect == "noise_level_change" and step.confidence > 0.9
+    assert p["ratio"] == pytest.approx(2.5, rel=0.05)
+    assert p["time"] + p["duration"] == pytest.approx(N / FS, rel=0.05)
+    assert "the noise grows from" in step.where and found.unexplained is None

@@ -35,7 +35,7 @@ def value(symbol: str, x, channel: str) -> str:
         return f"{x:.4g} s"
     try:
         factor, unit = units.datasheet(symbol, channel)
-        return f"{x / factor:.4g} {unit}"
+        return f"{x / factor:.4g} {unit}".rstrip()
     except (KeyError, ValueError):
         pass
     second = {

@@ -163,10 +163,13 @@ def of_forest(found: Forest, signal: dict[str, Array], duration: float) -> Shake
         ratios=tuple(float(v) for v in ratios),
         lines=tuple(float(v) for v in lines),
     )
+    strongest = (
+        f", of which the model has the {len(lines)} strongest" if found.count > len(lines) else ""
+    )
     text = (
         f"power spectral density: {found.count} lines between {lines.min():.3g} and "
         f"{lines.max():.3g} Hz on {_names(found.channels)}, all the time from 0 to "
-        f"{duration:.0f} s: products of two clocks"
+        f"{duration:.0f} s: products of two clocks{strongest}"
     )
     spread = 0.5 / duration
     return Shake(

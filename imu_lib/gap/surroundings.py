@@ -72,7 +72,7 @@ def _shook(steps: list[Step]) -> str:
     if p.get("lines") and len(p["lines"]) > FOREST:
         low, high = min(p["lines"]), max(p["lines"])
         return (
-            f"{len(p['lines'])} lines from {low:.2g} to {high:.3g} Hz, products of clocks, are on "
+            f"a forest of lines from {low:.2g} to {high:.3g} Hz, products of clocks, is on "
             f"{words.channels(p['channels'])}"
         )
     if p["harmonics"] > 1:
