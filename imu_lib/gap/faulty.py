@@ -5,15 +5,19 @@ command.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from imu_lib import faults
+from imu_lib.arrays import Array
 from imu_lib.errors import InputError
 from imu_lib.faults import Finding
 from imu_lib.faults.disturbance import KNOCK
 from imu_lib.faults.finding import named, seconds
+from imu_lib.faults.soundness import Sound
 from imu_lib.gap import record_level
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
@@ -124,7 +128,7 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     )
 
 
-def _enough(n: int, record: Record, findings) -> None:
+def _enough(n: int, record: Record, findings: tuple[Finding, ...]) -> None:
     """Raises where `n` samples are too few."""
     bursts = any(f.kind == "burst" for f in findings)
     if n < (LEAST_BURSTS if bursts else LEAST):
@@ -134,7 +138,7 @@ def _enough(n: int, record: Record, findings) -> None:
         )
 
 
-def _notes(left_out: dict[str, str], sound) -> list[str]:
+def _notes(left_out: dict[str, str], sound: Sound) -> list[str]:
     """What was left out or cut, in sentences."""
     notes = [f"{c} {why}; it is left out." for c, why in left_out.items()] + list(sound.notes)
     if sound.start > 0:
@@ -158,12 +162,12 @@ def _nothing(record: Record, left_out: dict[str, str]) -> str:
     )
 
 
-def _of(findings, channels) -> tuple[Finding, ...]:
+def _of(findings: tuple[Finding, ...], channels: dict[str, Array]) -> tuple[Finding, ...]:
     """Findings that concern the channels kept."""
     return tuple(f for f in findings if not f.channels or set(f.channels) & set(channels))
 
 
-def without_turns(findings) -> list[Finding]:
+def without_turns(findings: Iterable[Finding]) -> list[Finding]:
     """Findings without the knocks that are the gyros' pulse of a tilt: one event is told once."""
     tilts = [f for f in findings if f.kind == "tilt"]
 
@@ -210,15 +214,17 @@ def _hollow(record: Record) -> bool:
     return (stop - start) * record.n / record.duration >= LEAST or whole > 10 * record.n
 
 
-def _clock(record, sound, model, findings):
+def _clock(
+    record: Record, sound: Sound, model: Model | None, findings: tuple[Finding, ...]
+) -> tuple[list[Step], str | None]:
     """Steps of the time stamps, of the stretch as it was recorded."""
     part = record.slice(sound.start, sound.stop) if sound.start > 0 or sound.cut else record
     steps, doubt = record_level.timing(part, model)
     bursts = next((f for f in findings if f.kind == "burst"), None)
     if bursts is not None:
         # the sensor's own bursts: the stamps do what they should
-        told = {"where": bursts.sentence, "evidence": BURSTS}
-        return [replace(s, **told) for s in steps if s.effect == "time_gaps"], None
+        gaps = [s for s in steps if s.effect == "time_gaps"]
+        return [replace(s, where=bursts.sentence, evidence=BURSTS) for s in gaps], None
     return steps, doubt
 
 
@@ -250,13 +256,13 @@ def _step(finding: Finding) -> Step | None:
     )
 
 
-def _figure(value) -> str:
+def _figure(value: float | Sequence[float] | None) -> str:
     if isinstance(value, (list, tuple)):
         return "(" + ", ".join(map(_figure, value)) + ")"
     return "none" if value is None else f"{value:.3g}"
 
 
-def described(effect: str, p: dict) -> str | None:
+def described(effect: str, p: dict[str, Any]) -> str | None:
     """The parameters of a step in words, for a table; None where it is none of these effects."""
     if effect not in DETECTED:
         return None

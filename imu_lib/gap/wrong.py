@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from imu_lib.faults.tilt import angle_in_words
 from imu_lib.gap.faulty import BURSTS
+
+if TYPE_CHECKING:
+    from imu_lib.gap.steps import Step
 
 #: Effects that are the data's faults, and those of something that happened.
 FAULTS = ("dropout", "held", "time_gaps", "jitter", "rate_error", "stuck", "spikes", "saturation")
@@ -22,11 +28,11 @@ TIMES, PARTS = 5, 5
 APART = 2.0
 
 
-def _amount(p, key) -> str:
+def _amount(p: dict[str, Any], key: str) -> str:
     return f"{100 * p[key]:.2g} %"
 
 
-def _or_tilted(found) -> str:
+def _or_tilted(found: list[tuple[str, Step]]) -> str:
     """What jumps of accelerometers may be as well, where the geometry allows it."""
     if not all("tilt" in s.indistinguishable for _, s in found):
         return ""
@@ -35,7 +41,7 @@ def _or_tilted(found) -> str:
 
 
 #: Effect -> words from its parameters and " on CHANNEL".
-WORDS = {
+WORDS: dict[str, Callable[[dict[str, Any], str], str]] = {
     "jitter": lambda p, on: f"the time stamps scatter by {1e3 * p['sd']:.2g} ms",
     "rate_error": lambda p, on: (
         f"the clock is off: the true rate is {p['ratio']:.5g} of the stated"
@@ -57,7 +63,7 @@ WORDS = {
 }
 
 
-def _lost(s) -> str:
+def _lost(s: Step) -> str:
     """Rows that are missing or drop-outs: the first clause of where they are."""
     if s.evidence == BURSTS or s.effect == "dropout" and ": drop-outs" in s.where:
         text = s.where.partition(". ")[0].partition(": drop-outs")[0]
@@ -67,7 +73,13 @@ def _lost(s) -> str:
     return f"{_amount(s.parameters, 'fraction')} of the {what}"
 
 
-def sentence(steps, sure: float, left_out=(), *, named: bool = False) -> str:
+def sentence(
+    steps: list[tuple[str, Step]],
+    sure: float,
+    left_out: Sequence[str] = (),
+    *,
+    named: bool = False,
+) -> str:
     """The sentence about `steps`, (channel or "record", step) of everything found; what is less
     than `sure` is in doubt; `left_out` are sentences on channels that tell nothing. `named`: other
     sentences tell of findings, so that it is not said that nothing is wrong.
@@ -77,13 +89,14 @@ def sentence(steps, sure: float, left_out=(), *, named: bool = False) -> str:
     parts += jumps
     for where, s in rest:
         on = "" if where == "record" else f" on {where}"
-        text = WORDS.get(s.effect, lambda p, on, s=s: f"{s.effect.replace('_', ' ')}{on}")
+        words = WORDS.get(s.effect)
+        plain = f"{s.effect.replace('_', ' ')}{on}"
         if s.effect in LOST:
             parts.append(_lost(s))
         elif s.confidence >= sure or where == "record":
-            parts.append(text(s.parameters, on))
+            parts.append(plain if words is None else words(s.parameters, on))
         elif s.confidence >= LEAST:
-            doubtful.append(f"{s.effect.replace('_', ' ')}{on}")
+            doubtful.append(plain)
     parts += _touched([s for _, s in steps if s.effect in TOUCHED])
     parts = list(dict.fromkeys(parts))
     if len(parts) > PARTS:
@@ -103,15 +116,15 @@ def sentence(steps, sure: float, left_out=(), *, named: bool = False) -> str:
     return f"{text[:1].upper()}{text[1:]}."
 
 
-def _may_have_moved(s) -> bool:
+def _may_have_moved(s: Step) -> bool:
     """Whether a tilt is another name of a step."""
     return "tilt" in s.indistinguishable
 
 
-def _jumps(steps, sure: float) -> tuple[list[str], list]:
+def _jumps(steps: list[tuple[str, Step]], sure: float) -> tuple[list[str], list[tuple[str, Step]]]:
     """Sentences about sure jumps, those of one moment as one, and the other faults and jumps."""
     named = [(w, s) for w, s in steps if s.effect in (*FAULTS, *JUMPS)]
-    at: dict = {}
+    at: dict[float, list[tuple[str, Step]]] = {}
     for where, s in named:
         if s.effect == "step" and s.confidence >= sure and not s.parameters.get("duration"):
             moment = next((t for t in at if abs(t - s.parameters["time"]) < APART), None)
@@ -125,7 +138,7 @@ def _jumps(steps, sure: float) -> tuple[list[str], list]:
     return parts, [(w, s) for w, s in named if not any(s is t for t in told)]
 
 
-def _touched(steps) -> list[str]:
+def _touched(steps: list[Step]) -> list[str]:
     """When it was touched, and when and by how much it was tilted."""
     parts = []
     tilts = sorted((s for s in steps if s.effect == "tilt"), key=lambda s: s.parameters["time"])
@@ -149,13 +162,13 @@ def _touched(steps) -> list[str]:
     return parts
 
 
-def _sizes(tilts) -> str:
+def _sizes(tilts: list[Step]) -> str:
     """The angles of tilts in words."""
     sizes = [float(np.linalg.norm(s.parameters["angles"])) for s in tilts]
     least, most = angle_in_words(min(sizes)), angle_in_words(max(sizes))
     return least if least == most else f"{least} to {most}"
 
 
-def _times(at) -> str:
+def _times(at: list[float]) -> str:
     shown = ", ".join(f"{t:.0f}" for t in at[:TIMES])
     return shown + (f" and {len(at) - TIMES} more times" if len(at) > TIMES else "")

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize
 
+from imu_lib.arrays import Array
 from imu_lib.processes import NoiseLevelChange as Stage
 
-from .base import ChannelEffect, Finding
+from .base import ChannelEffect, ChannelView, Finding
 from .noise_level_change import unsteady
 from .wandering_level import STEADY, Level, behaviour
 
@@ -32,7 +33,7 @@ class GradualLevel(ChannelEffect):
     )
     domain = "stationarity"
 
-    def candidates(self, view):
+    def candidates(self, view: ChannelView) -> list[Finding]:
         y, independent = view.y, view.smooth.independent
         if view.given is not None and view.given.find(self.name) is not None:
             return []
@@ -50,7 +51,7 @@ class GradualLevel(ChannelEffect):
         if after is not None and after[0] < STEADY:
             return []
         path = np.log(scale[(np.arange(level.k) * level.m)])
-        start, stop = process.time, process.time + process.duration
+        start, stop = process.time, process.time + (process.duration or 0.0)
         ratio = process.ratio
         return [
             Finding(
@@ -66,24 +67,24 @@ class GradualLevel(ChannelEffect):
         ]
 
 
-def fitted(level: Level, y, view) -> tuple[float, Stage, float]:
+def fitted(level: Level, y: Array, view: ChannelView) -> tuple[float, Stage, float]:
     """(gain over a steady level, the change, standard deviation of the logarithm of its ratio)."""
     whole = len(y) / view.fs
     time = (np.arange(level.k) + 0.5) * level.step
     weight = level.m * view.smooth.independent
 
-    def shape(begin, length):
+    def shape(begin: float, length: float) -> Array:
         return np.clip((time - begin) / length, 0.0, 1.0)
 
-    def gain(ratio, s):
+    def gain(ratio: float, s: Array) -> float:
         square = (1.0 + (np.exp(ratio) - 1.0) * s) ** 2
         mean = np.mean(level.energy / square)  # before the change
-        return 0.5 * weight * np.sum(np.log(np.mean(level.energy)) - np.log(mean * square))
+        return float(0.5 * weight * np.sum(np.log(np.mean(level.energy)) - np.log(mean * square)))
 
-    def loss(v):
+    def loss(v: Array) -> float:
         return -gain(v[0], shape(v[1] * whole, np.exp(v[2]) * whole))
 
-    best = None
+    best = -np.inf, [0.0, 0.0, 0.0]
     for begin in BEGINNINGS:
         for length in LENGTHS:
             if begin + length > 1.01:
@@ -92,7 +93,7 @@ def fitted(level: Level, y, view) -> tuple[float, Stage, float]:
             centred = s - s.mean()
             ratio = float(centred @ level.log / (centred @ centred))
             value = gain(ratio, s)
-            if best is None or value > best[0]:
+            if value > best[0]:
                 best = value, [ratio, begin, np.log(length)]
     bounds = ((-4.0, 4.0), (-0.05, 0.8), (np.log(0.2), 0.05))
     options = {"xatol": 1e-3, "fatol": 1e-2, "maxiter": 200}

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, toeplitz
 from scipy.optimize import minimize
 from scipy.stats import gamma, spearmanr
 
+from imu_lib.arrays import Array
 from imu_lib.processes import WanderingLevel as Stage
 
-from .base import ChannelEffect, Finding
+from .base import ChannelEffect, ChannelView, Finding
 from .noise_level_change import unsteady
 
 #: Blocks whose energies are looked at, and samples in a block at the least.
@@ -38,7 +41,7 @@ class Level:
     the energies of blocks.
     """
 
-    def __init__(self, y, fs: float, independent: float):
+    def __init__(self, y: Array, fs: float, independent: float) -> None:
         self.m = max(SHORTEST, len(y) // BLOCKS)
         self.k = len(y) // self.m
         part = y[: self.k * self.m].reshape(self.k, self.m)
@@ -51,11 +54,11 @@ class Level:
         self.step = self.m / fs
         self.ones = np.ones(self.k)
 
-    def covariance(self, sd: float, time: float):
+    def covariance(self, sd: float, time: float) -> Array:
         """First column of the covariance of the blocks' logarithms, without their own noise."""
         return sd**2 * np.exp(-np.arange(self.k) * self.step / time)
 
-    def loss(self, v) -> float:
+    def loss(self, v: Array) -> float:
         """Half of -2 log L at (log sd, log correlation time)."""
         column = self.covariance(*np.exp(v))
         column[0] += self.noise
@@ -65,10 +68,10 @@ class Level:
         rest = self.log - mean
         return float(np.sum(np.log(np.diag(factor[0]))) + 0.5 * rest @ (z[:, 0] - mean * z[:, 1]))
 
-    def fit(self):
+    def fit(self) -> tuple[float, float, Array]:
         """(sd, correlation time, sd of their logarithms (2,)) of the maximum, or None."""
         longest = self.k * self.step / 3
-        best = None
+        best: Any = None  # scipy.optimize.OptimizeResult
         for time in np.geomspace(2 * self.step, longest, 5):
             start = [np.log(max(np.std(self.log), 1e-3)), np.log(time)]
             r = minimize(
@@ -86,7 +89,7 @@ class Level:
             curve.append((self.loss(best.x + e) - 2 * best.fun + self.loss(best.x - e)) / h**2)
         return *np.exp(best.x), 1.0 / np.sqrt(np.maximum(curve, 0.05))
 
-    def smoothed(self, sd: float, time: float):
+    def smoothed(self, sd: float, time: float) -> tuple[Array, Array]:
         """The logarithm of the level of each block: with its own energy, and from the others alone;
         shapes (k,).
         """
@@ -98,7 +101,7 @@ class Level:
         own = np.diag(weight)
         return mean + level, mean + (level - own * (self.log - mean)) / (1 - own)
 
-    def shown(self, foretold) -> float:
+    def shown(self, foretold: Array) -> float:
         """By how much of what the other blocks foretell the smaller samples of a block are louder:
         1 where all of the noise is, near 0 where a few samples are.
         """
@@ -141,7 +144,7 @@ class WanderingLevel(ChannelEffect):
     cause = "What makes the noise rises and falls slowly: the surroundings shake more and less, a supply or a temperature moves the gain."
     domain = "stationarity"
 
-    def candidates(self, view):
+    def candidates(self, view: ChannelView) -> list[Finding]:
         y, independent = view.y, view.smooth.independent
         before = unsteady(y, view.fs, independent)
         if before is None or before[0] > STEADY:
@@ -202,7 +205,7 @@ GROWS, FALLS, WANDERS = "the noise grows", "the noise falls", "the noise rises a
 WITH, AGAINST = "as the temperature does", "against the temperature"
 
 
-def behaviour(known, temperature=None, *, wholly: bool = False) -> str:
+def behaviour(known: Array, temperature: Array | None = None, *, wholly: bool = False) -> str:
     """What the logarithm of a level, `known` in blocks (k,), does over the record, and whether the
     temperature (n,) does the same; `wholly`: from its first to its last value.
     """

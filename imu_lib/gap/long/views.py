@@ -8,10 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.gap.long.averaged import Averaged
+from imu_lib.gap.long.scan import Scan
 from imu_lib.gap.steps import Step
+from imu_lib.long_record.record import LongRecord
 from imu_lib.model import Model
 from imu_lib.processes import (
+    Autoregressive,
+    Disturbance,
     NoiseLevelChange,
     Process,
     Sinusoid,
@@ -20,9 +25,11 @@ from imu_lib.processes import (
     Tilt,
     Vibration,
     WanderingLevel,
+    WarmUp,
     WhiteNoise,
     from_json,
 )
+from imu_lib.processes import Step as StepOfLevel
 from imu_lib.record import Record
 
 #: Share of the rate of the block means below which a line belongs to these, and periods of it that
@@ -70,8 +77,8 @@ def shifted(model: Model, seconds: float, duration: float) -> Model:
     record = []
     for p in model.record:
         begin, end = getattr(p, "start", None), getattr(p, "stop", None)
-        if p.name in ("disturbance", "tilt"):
-            at = getattr(p, "start", None) if p.name == "disturbance" else p.time
+        if isinstance(p, (Disturbance, Tilt)):
+            at = p.start if isinstance(p, Disturbance) else p.time
             if not 0 <= at - seconds < duration:
                 continue
         elif begin is not None and begin > seconds + duration or end is not None and end < seconds:
@@ -83,27 +90,26 @@ def shifted(model: Model, seconds: float, duration: float) -> Model:
 
 def _later(p: Process, seconds: float) -> Process | None:
     """A process or stage of a channel as a part that begins later sees it."""
-    if p.name == "step":
+    if isinstance(p, StepOfLevel):
         return p.with_(time=p.time - seconds) if p.time > seconds else None
-    if p.name == "noise_level_change" and p.duration:
-        return p.with_(time=p.time - seconds)
-    if p.name == "noise_level_change":
-        return p.with_(time=max(p.time - seconds, 1e-9))
-    if p.name == "warm_up":
+    if isinstance(p, NoiseLevelChange):
+        later = p.time - seconds
+        return p.with_(time=later if p.duration else max(later, 1e-9))
+    if isinstance(p, WarmUp):
         left = p.amplitude * float(np.exp(-seconds / p.time_constant))
         return p.with_(amplitude=left) if abs(left) > 1e-6 * abs(p.amplitude) else None
-    if p.name == "sinusoid" and p.phase is not None:
+    if isinstance(p, Sinusoid) and p.phase is not None:
         return p.with_(phase=float(np.mod(p.phase + 2 * np.pi * p.frequency * seconds, 2 * np.pi)))
     return p
 
 
-def rows(record, start: int, stop: int) -> tuple[int, int]:
+def rows(record: LongRecord, start: int, stop: int) -> tuple[int, int]:
     """Rows of the samples start ... stop - 1 of the longest part without a gap."""
     first = int(record.continuous()[0, 2])
     return record.row(first + start), record.row(first + stop)
 
 
-def averages(record, scans, temperature=None) -> Record:
+def averages(record: LongRecord, scans: list[Scan], temperature: Array | None = None) -> Record:
     """The record of block means."""
     block = scans[0].block
     n = min(s.means.size for s in scans)
@@ -123,22 +129,24 @@ def averaged(entry: Sum, block: int, fs: float) -> tuple[Sum, list[int]]:
     # what stands alone does not count to the means
     electronics = [s for s in entry.stages if s.name != "spikes"]
     added = sum(stage.added_variance(fs) for stage in electronics) / fs
-    terms, places = [], []
-    white = None
+    terms: list[Process] = []
+    places: list[int] = []
+    white: tuple[int, WhiteNoise] | None = None
     for i, t in enumerate(entry.terms):
         if t.name in ("sinusoid", "vibration") and not is_slow(t, rate):
             continue
-        if t.name == "autoregressive":  # its memory is short beside a block
+        if isinstance(t, Autoregressive):  # its memory is short beside a block
             added += float(t.psd(np.array([1e-3 * rate]), t.rate)[0]) / 2
             continue
         if getattr(t, "rounded", None):
             t = t.with_(rounded=None)
-        if t.name == "white_noise" and white is None:
-            white = len(terms)
+        if isinstance(t, WhiteNoise) and t.name == WhiteNoise.name and white is None:
+            white = len(terms), t
         terms.append(t)
         places.append(i)
     if added > 0 and white is not None:
-        terms[white] = terms[white].with_(N=float(np.hypot(terms[white].N, np.sqrt(added))))
+        place, own = white
+        terms[place] = own.with_(N=float(np.hypot(own.N, np.sqrt(added))))
     elif added > 0:
         terms.append(WhiteNoise(N=float(np.sqrt(added))))
         places.append(-1)
