@@ -146,7 +146,10 @@ def answer(effect, parameters):
         ("3", "are no answers"),
         ('{"student": "01", "channels": {"gyrox": []}}', "is gyro_x meant?"),
         (answer("sinus", "{}"), "is sinusoid meant?"),
-        (answer("step", '{"time": "12 s"}'), 'time is "12 s"; a number in SI units'),
+        (answer("step", '{"time": "12 min"}'), 'time is "12 min"; a number in SI units'),
+        (answer("step", '{"time": "1,180"}'), 'time is "1,180"; a number in SI units'),
+        (answer("clipping", "{}"), "is saturation meant?"),
+        (answer("Popcorn noise", "{}"), "is telegraph meant?"),
         (answer("step", '{"time": NaN}'), "time is nan, which is no number"),
         ('{"student": "01", "channels": {"gyro_x": [], "gyro_x": []}}', '"gyro_x" stands twice'),
     ],
@@ -169,7 +172,7 @@ def test_what_is_meant_is_marked(tmp_path, encoding):
     given = {
         "student": 1,
         "channels": {
-            "Gyro X": {"effect": "Step", "parameters": {"amplitude": "1e-4", "time": 700}},
+            "Gyro X": {"effect": "Step", "parameters": {"Amplitude": "0,0001", "time": "700 s"}},
             "accel_z": [{"effect": "sinusoid", "parameters": HIDDEN[1][2]}],
         },
     }
@@ -184,9 +187,25 @@ def test_one_faulty_file_does_not_stop_a_class(tmp_path, capsys):
     assert main(["exercise", "mark", str(tmp_path / "class"), "--out", str(tmp_path / "m")]) == 0
     told = capsys.readouterr()
     assert told.err.startswith("not marked: ") and len(told.err.strip().splitlines()) == 1
-    assert (tmp_path / "m/marks.csv").read_text().count("\n") == 3
+    table = (tmp_path / "m/marks.csv").read_text()
+    assert table.count("\n") == 4 and "02,,,,,not marked:" in table
     named_twice = mark(HIDDEN, answered(*HIDDEN, HIDDEN[0]), length=LENGTH)
     assert "more often" in named_twice.feedback[-1] and named_twice.points < 100
+
+
+def test_a_class_of_faulty_files_is_told_in_one_go(tmp_path, capsys):
+    write_class(tmp_path / "class", 2, 3, minutes=5.0)
+    for number in (1, 2):
+        (tmp_path / f"class/student_0{number}/answers.json").write_text("{")
+    assert main(["exercise", "mark", str(tmp_path / "class")]) == 2
+    assert capsys.readouterr().err.count("is not valid JSON") == 2
+
+
+def test_a_sign_is_told():
+    (channel, effect, true), *_ = HIDDEN
+    other = {**true, "amplitude": -true["amplitude"]}
+    found = mark([HIDDEN[0]], answered((channel, effect, other)), length=LENGTH)
+    assert "wrong in its sign" in found.feedback[0] and 60 <= found.points < 100
 
 
 def test_a_folder_that_is_there_is_not_written_over(tmp_path, capsys):

@@ -86,7 +86,7 @@ def marks(args) -> int:
     for sentence in faulty.values():
         print(f"not marked: {sentence}", file=sys.stderr)
     if args.out:
-        write_marks(found, args.out)
+        write_marks(found, args.out, faulty)
     if args.json:
         common.write_json({name: asdict(m) for name, m in found.items()}, args.json)
     return 0

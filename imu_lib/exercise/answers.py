@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -11,6 +12,34 @@ from pathlib import Path
 from imu_lib.errors import InputError
 from imu_lib.exercise import drives, hidden
 from imu_lib.record import CHANNELS
+
+#: What students call an effect, where no name on the sheet looks like it: a hint, no mark.
+SYNONYMS = {
+    "jump": "step",
+    "bias_jump": "step",
+    "clipping": "saturation",
+    "clipped": "saturation",
+    "rounding": "resolution",
+    "lsb": "resolution",
+    "sine": "sinusoid",
+    "sine_wave": "sinusoid",
+    "tone": "sinusoid",
+    "line": "sinusoid",
+    "trend": "ramp",
+    "drift": "ramp",
+    "outliers": "spikes",
+    "popcorn_noise": "telegraph",
+    "burst_noise": "telegraph",
+    "transient": "warm_up",
+    "latency": "gnss_time_offset",
+    "delay": "gnss_time_offset",
+    "antenna": "lever_arm",
+    "scale_factor": "accel_scale",
+}
+#: A number with a comma for its point (1,180 may be of thousands, and is asked about), or with the SI
+#: unit that was asked for.
+COMMA = re.compile(r"[+-]?(0*,\d+|\d+,(?!\d{3}(e|$))\d+)(e[+-]?\d+)?", re.IGNORECASE)
+SI = re.compile(r"(.*\d\.?)\s*(s|Hz|1/s|m|rad|rad/s|m/s\^?2|m/s²)")
 
 FORM = '{"channels": {"gyro_x": [{"effect": "step", "parameters": {"time": 12.0}}]}}'
 
@@ -86,14 +115,16 @@ def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
     return out
 
 
-def _plain(name: str) -> str:
+def plain_name(name: str) -> str:
+    """A name as the sheet writes it: `Gyro X` is `gyro_x`."""
     return name.strip().lower().replace(" ", "_").replace("-", "_")
 
 
 def _known(name: str, names, what: str, where: str) -> str:
-    plain = _plain(name)
+    plain = plain_name(name)
     if plain not in names:
-        near = get_close_matches(plain, names, 1, 0.5)
+        meant = SYNONYMS.get(plain)
+        near = [meant] if meant in names else get_close_matches(plain, names, 1, 0.5)
         hint = f"; is {near[0]} meant?" if near else f"; choose from {', '.join(names)}."
         raise InputError(f'{where}: there is no {what} "{name}"{hint}')
     return plain
@@ -101,7 +132,7 @@ def _known(name: str, names, what: str, where: str) -> str:
 
 def _effect(name: str, channel: str, where: str) -> str:
     sheet = tuple(drives.EFFECTS if channel == "drive" else hidden.EFFECTS)
-    plain = _plain(name)
+    plain = plain_name(name)
     return plain if plain in sheet or plain in _others() else _known(name, sheet, "effect", where)
 
 
@@ -114,17 +145,22 @@ def _others():
 
 
 def _value(value, name: str, place: str):
-    """A number or a list of numbers; a number in quotes is one, a number with a unit is none."""
+    """A number or a list of numbers; in quotes, with a comma for its point or with an SI unit it is
+    one too, with another unit it is none.
+    """
     if isinstance(value, Sequence) and not isinstance(value, str):
         return [_value(v, name, place) for v in value]
     if isinstance(value, str):
+        unit = SI.fullmatch(value.strip())
+        number = unit[1].strip() if unit else value.strip()
         try:
-            value = float(value)
+            value = float(number.replace(",", ".") if COMMA.fullmatch(number) else number)
         except ValueError:
             if not any(letter.isdigit() for letter in value):
                 return value  # a channel
             raise InputError(
-                f'{place}: {name} is "{value}"; a number in SI units is asked for, without its unit.'
+                f'{place}: {name} is "{value}"; a number in SI units is asked for, without its unit and '
+                "with a point for the decimals."
             ) from None
     if isinstance(value, float) and not math.isfinite(value):
         raise InputError(f"{place}: {name} is {value}, which is no number.")

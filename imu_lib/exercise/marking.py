@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from imu_lib.exercise.answers import listed
+from imu_lib.exercise.answers import listed, plain_name
 
 NAME_SHARE, FALSE_COST, NONE_FROM = 0.6, 0.2, 3.0
 #: Tolerances, relative to the true value; those of times are relative to the record's length.
@@ -86,11 +86,13 @@ def mark(hidden: Sequence, answers: Mapping, *, length: float, where: str = "the
 def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, str]:
     """Share of the parameters' mark, and what to tell the student."""
     shares, words = [], []
+    plain = {name.strip().lower(): value for name, value in given.items()}
     for name, value in true.items():
-        answer = given.get(name)
+        answer = given.get(name, plain.get(name.lower()))
         if isinstance(value, str):  # where it acts
-            shares.append(float(answer == value))
-            words.append(f"{name} {'right' if answer == value else 'wrong'}, it was {value}")
+            right = isinstance(answer, str) and plain_name(answer) == value
+            shares.append(float(right))
+            words.append(f"{name} {'right' if right else 'wrong'}, it was {value}")
             continue
         if isinstance(value, Sequence):
             share, said = _vector(name, value, answer)
@@ -106,6 +108,8 @@ def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, st
         tolerance = TOLERANCE.get(name, USUAL)
         scale = length if name == "time" else abs(value)
         share, judged = _share(abs(answer - value) / scale / tolerance)
+        if not share and _share(abs(answer + value) / scale / tolerance)[0]:
+            judged = "wrong in its sign"
         shares.append(share)
         words.append(f"{name} {answer:.4g} {judged}, it was {value:.4g}")
     return sum(shares) / len(shares), "; ".join(words)
@@ -125,7 +129,8 @@ def _vector(name: str, value: Sequence, answer) -> tuple[float, str]:
         or len(answer) != len(value)
         or not all(isinstance(a, (int, float)) for a in answer)
     ):
-        return 0.0, f"{name} is missing or no list of {len(value)} numbers, it was {true}"
+        what = "missing" if answer is None else f"{answer}, no list of {len(value)} numbers"
+        return 0.0, f"{name} is {what}; it was {true}"
     length = sum(v**2 for v in value) ** 0.5
     off = sum((a - v) ** 2 for a, v in zip(answer, value)) ** 0.5
     share, judged = _share(off / length / VECTOR)

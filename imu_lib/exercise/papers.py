@@ -144,7 +144,8 @@ def mark_all(answers, key, *, faulty: dict | None = None) -> dict:
     """Student -> Mark of a file of answers, or of every `answers*.json` in a folder.
 
     With `faulty` a file that cannot be marked does not stop the others: it becomes path -> sentence
-    there. Where none can be marked, or without `faulty`, the first raises InputError.
+    there, and where none can be marked InputError says all of them. Without `faulty` the first raises
+    it.
     """
     answers = Path(answers)
     if not answers.exists():
@@ -164,8 +165,10 @@ def mark_all(answers, key, *, faulty: dict | None = None) -> dict:
             marks[name] = found
         except InputError as problem:
             faults[path] = str(problem)
-    if faults and (faulty is None or not marks):
+    if faults and faulty is None:
         raise InputError(next(iter(faults.values())))
+    if faults and not marks:
+        raise InputError("\n".join(faults.values()))
     if faulty is not None:
         faulty |= faults
     return marks
@@ -178,16 +181,21 @@ def _marked(path: Path, content: dict, key) -> tuple:
     return name, mark(truth, given, length=60.0 * content["minutes"], where=str(path))
 
 
-def write_marks(marks: dict, folder) -> None:
-    """`marks.csv` for the class and `feedback_NAME.md` for each student."""
+def write_marks(marks: dict, folder, faulty: dict | None = None) -> None:
+    """`marks.csv` for the class and `feedback_NAME.md` for each student; what could not be marked
+    (`faulty`, path -> sentence) stands below the marks.
+    """
     folder = Path(folder)
     check_folder(folder)
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / "marks.csv", "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
-        table.writerow(["student", "points", "hidden", "named", "wrong"])
+        table.writerow(["student", "points", "hidden", "named", "wrong", "note"])
         for name, m in marks.items():
-            table.writerow([name, f"{m.points:.1f}", m.hidden, m.named, m.wrong])
+            table.writerow([name, f"{m.points:.1f}", m.hidden, m.named, m.wrong, ""])
+        for path, sentence in (faulty or {}).items():
+            name = path.parent.name.removeprefix("student_")
+            table.writerow([name, "", "", "", "", f"not marked: {sentence}"])
     for name, m in marks.items():
         lines = [f"# Student {name}: {m.points:.0f} of 100", "", *(f"- {t}" for t in m.feedback)]
         (folder / f"feedback_{name}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -52,9 +52,7 @@ def of_drive(drive: Drive) -> Health:
     keep = tuple(
         f
         for f in imu.findings
-        if not f.startswith(
-            ("The sensor is", "In ", "The longest sound stretch", "The record lasts")
-        )
+        if not f.startswith(("The sensor is", "In ", "The longest stretch", "The record lasts"))
     )
     return Health(
         drive.name,

@@ -100,7 +100,7 @@ def _motion(record, clock, motion, faults):
     whole = motion.rest_start <= 0 and motion.rest_stop >= clock.duration - 1e-9
     if not whole:
         yield (
-            "The longest sound stretch: "
+            "The longest stretch with nothing of this in it: "
             f"--start {seconds(motion.rest_start)} --stop {seconds(motion.rest_stop)} "
             f"({units.duration(motion.rest_stop - motion.rest_start)} of "
             f"{units.duration(clock.duration)})."
