@@ -3,9 +3,14 @@
 
 from __future__ import annotations
 
+import json
+
 from strange_logs import ACCEL, DPS, GYRO, IN_G, SI, I, N, T, clock, table
 
 DEG_G = "--gyro-unit deg/s --accel-unit g"
+
+
+CLOCK = clock((10, 21, 33), form="%Y-%m-%dT%H:%M:%S.%f")
 
 
 def _lines(form):
@@ -41,6 +46,10 @@ def logs():
     out["streams.csv"] = ("Stream Type,F#,HW Timestamp (ms),Host Timestamp(ms),3DOF_x,3DOF_y,3DOF_z\n" + _lines(lambda k, w, a: f"Gyro,{k},{1700000000123 + k * 10}.0,{1700000000126 + k * 10}.0,{_three(w)}\nAccel,{k},{1700000000124 + k * 10}.0,{1700000000127 + k * 10}.0,{_three(a)}"), SI, 100)
     out["letter_r.csv"] = (table("time_s,ax,ay,az,rx,ry,rz", T, ACCEL, GYRO), SI, 100)
     out["tags_named_by_the_call.txt"] = (_lines(lambda k, w, a: f"UncalAccel,{1700000000123 + k * 10},{_three(a)},0\nUncalGyro,{1700000000125 + k * 10},{_three(w)},0"), SI + " --columns sensor,time,x,y,z,-", 100)
+    out["gravity_called_g.csv"] = (table("t,rot_rate_x,rot_rate_y,rot_rate_z,g_x,g_y,g_z,accel_x,accel_y,accel_z", T, GYRO, IN_G, ACCEL), SI, 100)
+    out["compass_letters.csv"] = (table("Time [s],a_n [m/s^2],a_e [m/s^2],a_d [m/s^2],p [deg/s],q [deg/s],r [deg/s],phi [deg]", T, ACCEL, DPS, T), "", 100)
+    out["text_stamps.jsonl"] = (_lines(lambda k, w, a: json.dumps({"Time": CLOCK[k], "MPU": {"GyroXAxis": w[0], "GyroYAxis": w[1], "GyroZAxis": w[2], "AccelXAxis": a[0], "AccelYAxis": a[1], "AccelZAxis": a[2]}})), SI, 100)
+    out["events.csv"] = ("TimeStamp,Gyro_X,Gyro_Y,Gyro_Z,Accelerometer_X,Accelerometer_Y,Accelerometer_Z,Elements\n" + _lines(lambda k, w, a: f"{CLOCK[k]},,,,,,,/event/blink\n" * (k % 90 == 7) + f"{CLOCK[k]},{_three(w)},{_three(a)},"), SI, 100)
     out["camera.csv"] = (table('"cts","date","Gyroscope (z,x,y) [rad/s]","1","2","temperature [°C]"', T * 1000 + 176.6, clock((10, 21, 33), form="%Y-%m-%dT%H:%M:%S.%fZ", cut=None), GYRO[:, [2, 0, 1]], T * 0 + 41), "--time-unit ms", 100)
     # fmt: on
     return out
@@ -54,6 +63,7 @@ def asking():
     out["both_at_once.csv"] = (table("gx,gy,gz,ax,ay,az", GYRO, ACCEL), "", "--accel-unit m/s^2, g, mg or counts:C (C counts per g); and has no time column and states no rate; give --rate HZ", SI + " --rate 50", 50)
     out["untold.csv"] = ("t_ms,sensor_id,x,y,z\n" + _lines(lambda k, w, a: f"{k * 10},1,{_three(a)}\n{k * 10 + 1},4,{_three(w)}"), "", "`sensor_id` tells apart (1, 4)", "", None)
     out["camera.csv"] = (table('"cts [ms]","Gyroscope [rad/s]","1","2"', T * 1000, GYRO), "", "nothing says in what order", "--columns time[ms],gyro_x,gyro_y,gyro_z", 100)
+    out["numbered_lines.txt"] = (_lines(lambda k, w, a: f"IMU1: GyX = {w[0]:.9f}\tGyY = {w[1]:.9f}\tGyZ = {w[2]:.9f}\nIMU2: GyX = {w[0] + 1:.9f}\tGyY = {w[1] + 1:.9f}\tGyZ = {w[2] + 1:.9f}"), "--gyro-unit rad/s --rate 50", "both `IMU1 GyX` and `IMU2 GyX` would be gyro_x", "--columns gyro_x,gyro_y,gyro_z,-,-,-", 50)
     out["buffers.csv"] = ("timestamp,scale," + ",".join(f"{c}[{i}]" for c in "xyz" for i in range(8)) + "\n" + _lines(lambda k, w, a: f"{k * 1000},0.001" + ",7" * 24), "", "each of its rows holds 8 samples", "", None)
     out["increments.csv"] = (table("time,dt,theta[0],theta[1],theta[2],vel[0],vel[1],vel[2]", T, T * 0 + 0.01, GYRO * 0.01, ACCEL * 0.01), "", "time,-,dtheta_x[rad],dtheta_y[rad],dtheta_z[rad],dv_x[m/s],dv_y[m/s],dv_z[m/s]", "--columns time,-,dtheta_x[rad],dtheta_y[rad],dtheta_z[rad],dv_x[m/s],dv_y[m/s],dv_z[m/s]", 100)
     # fmt: on

@@ -90,3 +90,12 @@ def test_which_sensor_and_its_units_are_asked_for_at_once(tmp_path):
     )
     with pytest.raises(InputError, match="--topic 'device=left'.*--gyro-unit"):
         opened(tmp_path / "a.csv", text, "")
+
+
+def test_lists_and_texts_of_a_parquet_file(tmp_path):
+    import pandas as pd
+
+    frame = pd.DataFrame({"time": printed_logs.CLOCK, "gyro": list(map(list, GYRO)), "accel": list(map(list, ACCEL))})  # fmt: skip
+    frame.to_parquet(tmp_path / "a.parquet")
+    found = readers.read(tmp_path / "a.parquet", gyro_unit="rad/s", accel_unit="m/s^2")
+    assert len(same(found, 100).channel_names) == 6

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, names
+from imu_lib.readers import by_rows, calendar, fields, names
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
 from imu_lib.record import CHANNELS
@@ -26,12 +26,12 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
     if signal in ("gyro", "accel") and not columns and len(arrays) == 1 and len(flat) == 3:
         flat = [(axis, x) for axis, (_, x) in zip("xyz", flat)]  # one matrix of one sensor
     headings = [
-        Heading(_told(name, signal), "text" if x.dtype.kind in "OUS" else "number")
+        Heading(_told(name, signal), _kind(x) if x.dtype.kind in "OUS" else "number")
         for name, x in flat
     ]
 
     def load(wanted):
-        return {i: flat[i][1] for i in wanted}
+        return {i: _moments(flat[i][1], headings[i].kind) for i in wanted}
 
     long = by_rows.sensors(raw, [names.meaning(h.name) for h in headings], headings, load)
     if (
@@ -62,6 +62,24 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
         signal=signal,
     )
     return _checked(raw)
+
+
+def _kind(x: np.ndarray) -> str:
+    """What texts are: dates, clocks, both in one, or text."""
+    kinds = {fields.kind(_text(v)) for v in x[:20]} - {"empty"}
+    return kinds.pop() if len(kinds) == 1 and kinds <= set(fields.STAMPS) else "text"
+
+
+def _text(value) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _moments(x: np.ndarray, kind: str) -> np.ndarray:
+    """Texts that are stamps as they are usually written."""
+    if kind not in fields.STAMPS:
+        return x
+    said = [_text(v) for v in x]
+    return np.array([calendar.usual(v) or v for v in said], dtype=object)
 
 
 def _hint(flat) -> str:

@@ -72,7 +72,20 @@ def _arrays(path, table, columns, signal) -> dict[str, np.ndarray]:
         elif pa.types.is_duration(column.type):
             column = column.cast(pa.duration("ns")).cast(pa.int64())
             name = f"{name} [ns]"
-        elif names.parse(name, signal=signal)[0] is None or columns:
+        elif pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type):
+            rows = column.to_pylist()
+            if len({len(r) for r in rows if r is not None}) != 1 or None in rows:
+                raise InputError(
+                    f"{path}, column `{name}`: holds lists of different lengths; write a column for each axis."
+                )
+            out[name] = np.array(rows)
+            continue
+        elif (
+            pa.types.is_string(column.type)
+            or pa.types.is_large_string(column.type)
+            or names.parse(name, signal=signal)[0] is None
+            or columns
+        ):
             out[name] = np.asarray(column.to_pylist(), dtype=object)
             continue
         else:

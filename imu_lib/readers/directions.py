@@ -85,7 +85,7 @@ def place(name: str) -> tuple[str, str] | None:
     """The place that a heading begins or ends with, and the heading without it; None where there is
     none.
     """
-    found = re.match(rf"^({_PLACES})[ _.](.+)$", name.strip(), re.IGNORECASE)
+    found = re.match(rf"^({_PLACES})[ _.](?=[^\W\d])(.+)$", name.strip(), re.IGNORECASE)
     if found:
         return found[1].lower(), found[2]
     found = re.match(rf"^(.+)[ _.]({_PLACES})$", name.strip(), re.IGNORECASE)

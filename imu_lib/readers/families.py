@@ -19,7 +19,7 @@ def families(told: list[Meaning], headings) -> list[Meaning]:
     places = [directions.place(h.name) for h in headings]
     if len({p[0] for p in places if p}) > 1:
         for i, found in enumerate(places):
-            if found and told[i].quantity is None and told[i].why == names.UNKNOWN:
+            if found and out[i].quantity is None and out[i].why == names.UNKNOWN:
                 out[i] = names.meaning(found[1])
     out = _by_unit(out, headings)
     for kind in ("gyro", "accel"):

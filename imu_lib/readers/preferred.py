@@ -4,11 +4,16 @@ are equal.
 
 from __future__ import annotations
 
+import re
+
 from imu_lib.errors import InputError
 from imu_lib.readers import names, time_columns, twins
 from imu_lib.readers.asking import suggestion, units_too
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
+
+#: Gravity, or a gyro: a rotation rate in words goes before it.
+_LETTER_G = re.compile(r"g[_ .]?[xyz]", re.IGNORECASE)
 
 
 def one_each(raw: Raw, told, headings, load) -> list[Meaning]:
@@ -45,7 +50,9 @@ def _first(told, headings, there: list[int]) -> list[int]:
     best = min(told[i].rank for i in there)
     first = [i for i in there if told[i].rank == best]
     first.sort(key=lambda i: names.worked_on(headings[i].name))
-    return first
+    lone = [i for i in first if _LETTER_G.fullmatch(headings[i].name.strip())]
+    spoken = [i for i in first if re.search(r"[A-Za-z]{3}", headings[i].name)]
+    return spoken if lone and len(lone) + len(spoken) == len(first) and spoken else first
 
 
 def _without_increments(told: list[Meaning]) -> list[Meaning]:

@@ -18,6 +18,8 @@ _MORE = re.compile(r"\s*[,;/\t ]\s*(?=\s*[+-]?[\d.])")
 _UNIT = re.compile(r"\s*[\])}]?\s*([A-Za-z°µ][\w°/^²*-]*(?:\s?s\^?-?[12])?)(?!\s*\w*\s*[=:])")
 _ABUTS = re.compile(r"[\])}]?([A-Za-zµ°][^\s,;=:]*)(?=\s|$)")
 _SAID = re.compile(r"[\s,;]*units?\s*[:=]\s*([^\s,;]+)", re.IGNORECASE)
+#: Whose line it is, where several sensors print one each: `IMU2: GyX = 1`.
+_TAG = re.compile(r"^\s*[\[<(]?((?:imu|mpu|sensor|dev|device|node|unit)[ _#-]?\d{1,2})[\]>)]?\s*[:|>]\s*(?=[A-Za-z])", re.IGNORECASE)  # fmt: skip
 #: What opens behind a label: an object that is printed with its fields.
 _OBJECT = re.compile(r"\s*(?:[A-Za-z_]\w*\s*\(|[({\[])\s*(?=[A-Za-z_]\w*\s*[=:])")
 #: Labels that name several readings at once, and those of one sketch that nobody else uses.
@@ -38,6 +40,7 @@ class _Found:
 
     entries: list[list[str]] = field(default_factory=list)
     sensor: str = ""
+    tag: str = ""  # the number of the sensor that the line is of
 
 
 def labelled(line: str) -> list[tuple[str, str]]:
@@ -48,6 +51,8 @@ def labelled(line: str) -> list[tuple[str, str]]:
     if not re.search(r"[=:\[]", line):
         return _unmarked(line)
     found = _Found()
+    tag = _TAG.match(line)
+    found.tag = f"{tag[1]} " if tag else ""
     of_element = line.lstrip().startswith("<")
     at = 0
     while label := _LABEL.search(line, at):
@@ -65,7 +70,7 @@ def labelled(line: str) -> list[tuple[str, str]]:
             ":"
         ):
             found.sensor = name  # Gyro: x=0.1 y=0.2 z=0.3
-    return [(a, b) for a, b, _ in found.entries]
+    return [(found.tag + a, b) for a, b, _ in found.entries]
 
 
 def _unmarked(line: str) -> list[tuple[str, str]]:

@@ -14,6 +14,7 @@ from imu_lib.readers.side_by_side import merge, slow_kind
 __all__ = ["drop_copies", "held", "kind_of", "merge", "part", "separate", "slow_kind", "without"]
 
 PAIR = {"gyro": ("gyro", "dtheta"), "accel": ("accel", "dv")}
+_STAMPS = ("time", "date", "clock", "counter", "time_accel")
 COPIES = 0.02  # share of the rows that may be copies without a word
 MOST_RUNS = 0.95  # share of the runs of one value that must have the usual length
 
@@ -105,16 +106,14 @@ def drop_copies(raw: Raw) -> None:
     """Leave out rows that repeat stamp and values of the row before, where such copies are no
     accident: a row logged twice, or a copy that a driver puts in the place of a lost sample.
     """
-    stamps = [
-        raw.columns[c]
-        for c in ("time", "date", "clock", "counter", "time_accel")
-        if c in raw.columns
-    ]
+    stamps = [raw.columns[c] for c in _STAMPS if c in raw.columns]
     if raw.rows() < 3:
         return
     if not stamps:
         _say_copies(raw)
         return
+    _drop_events(raw, stamps)
+    stamps = [raw.columns[c] for c in _STAMPS if c in raw.columns]
     same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
     if not same.any():
         return
@@ -132,6 +131,21 @@ def drop_copies(raw: Raw) -> None:
         f"{int((same & twice).sum()):,} rows are copies of the row before (same time, same values) and were left out.",
     )
     without(raw, np.flatnonzero(np.r_[True, ~(same & twice)]))
+
+
+def _drop_events(raw: Raw, stamps: list[np.ndarray]) -> None:
+    """Leave out rows without a reading that share their stamp with a row beside them: a logger's events."""
+    empty = np.ones(raw.rows(), dtype=bool)
+    for kind in PAIR:
+        for x in _channels(raw, kind):
+            empty &= np.isnan(x) if x.dtype.kind == "f" else False
+    if not empty.any():
+        return
+    same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
+    shared = empty & (np.r_[same, False] | np.r_[False, same])
+    if shared.any():
+        raw.notes += (f"{int(shared.sum()):,} rows hold no reading and the stamp of a row beside them: they were left out.",)  # fmt: skip
+        without(raw, np.flatnonzero(~shared))
 
 
 def _say_copies(raw: Raw) -> None:

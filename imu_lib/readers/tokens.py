@@ -150,6 +150,8 @@ def _kind(have: set[str], joined: str, axis: str | None) -> str | None:
     have = {"accel" if w == "ag" else w for w in have}
     have = {w for w in have if not lexicon.CHIP.fullmatch(w)}
     others = have - lexicon.BESIDE_LETTERS
+    if "a" in have:
+        others -= lexicon.FREE  # user_a_x
     named = bool(have & (lexicon.GYRO - lexicon.LETTERS))
     force = have & (lexicon.ACCEL - lexicon.LETTERS) or joined in lexicon.ACCEL - lexicon.LETTERS
     force = force or {"specific", "force"} <= have or {"g", "force"} <= have
