@@ -110,7 +110,7 @@ def test_a_drive_gets_a_drives_book(tmp_path):
     assert main(["book", str(tmp_path / "round trip.npz"), "--out", str(tmp_path / "mine")]) == 0
     pages = tmp_path / "mine/own"
     text = words(pages / "verdict.html")
-    assert "round trip.npz: verdict" in text and "Greatest horizontal error over" in text
+    assert "round trip: verdict" in text and "Greatest horizontal error over" in text
     assert "There is no reference" in text and "Traceback" not in text and "Left out" not in text
     assert "imu-lib outages" in text and (tmp_path / "mine/downloads/model.json").is_file()
     for name in ("the_drive_from_above", "health_of_the_drive", "simulation_gap_of_the_drive"):
