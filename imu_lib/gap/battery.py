@@ -115,7 +115,8 @@ def _shape(r: Array, sd: float, lags: Array) -> tuple[float, float, float, float
     return a / n, b / n, c / n, most, out
 
 
-_LAGS = np.array([1, 2, 3, 5, 8, 13, 25, 50])
+#: Distances in samples at which these are compared.
+LAGS = np.array([1, 2, 3, 5, 8, 13, 25, 50])
 
 
 def battery(x: Array, fs: float, temperature: Array | None = None) -> dict[str, Array]:
@@ -162,7 +163,7 @@ def _fast_part(x: Array, fs: float) -> tuple[Array, Array, dict[str, Array]]:
     level, energy, r, third, fourth, same, tops, bottoms = _pass(x, b)
     var = energy.mean()
     sd = np.sqrt(var)
-    far, farther, core, most, products = _shape(r, sd, _LAGS)
+    far, farther, core, most, products = _shape(r, sd, LAGS)
     shape = np.array(
         [
             third / (var * sd),

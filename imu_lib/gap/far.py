@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from imu_lib.gap.battery import BLOCK, JOINED, edges
+from imu_lib.gap.battery import BLOCK, JOINED, LAGS, edges
 
 #: Simulations outside the told range, on either side.
 OUTSIDE = 0.05
@@ -52,7 +52,9 @@ def _told(domain: str, i: int, last: int) -> tuple[str, Any]:
     if domain == "distribution":
         return _of_sizes(i)
     if domain == "autocorrelation":
-        return "the correlation of neighbouring samples", _plain
+        apart = int(LAGS[i])
+        what = "neighbouring samples" if apart == 1 else f"samples {apart} apart"
+        return f"the correlation of {what}", _plain
     return f"a statistic of the {domain}", _plain
 
 
