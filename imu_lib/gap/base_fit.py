@@ -150,11 +150,7 @@ def _two_levels(best: State, families: list[State]) -> State:
     """
     if all(t.fast for t in best.base):  # nothing that they could have been taken for
         return best
-    alone = families[:2]  # white noise, and a walk beside it
-    bases = [*alone, *(s for s in families[2:] if _names(s) == _names(best))]
-    bases = [s for s in bases if not any(c.signal is not None for c in s.items)]
-    trials = [s.plus(c) for s in bases for e in COMPETITORS for c in e.candidates_in_base(s)]
-    trials += [
+    trials = [
         without.plus(c)
         for s, term, without in _less_one(families)
         for e in COMPETITORS

@@ -50,10 +50,6 @@ class Competitor(Effect):
         """Where it may be in place of other candidates, which have been weighed."""
         return []
 
-    def candidates_in_base(self, state: State) -> list[Candidate]:
-        """Where it may be in what a fitted base may have taken for a red noise of its own."""
-        return []
-
     def candidates_in_place(self, state: State, term: Any, without: State) -> list[Candidate]:
         """Where it may be in place of a `term` of a fitted base; `without` is the base that has all
         others.

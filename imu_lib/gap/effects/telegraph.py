@@ -28,8 +28,6 @@ MIN_DWELL_SAMPLES = 50
 #: Gain of the noises in whose place two levels are tried, starts that are tried, and flips from
 #: which on there are two levels.
 MIN_GAIN, MAX_STARTS, MIN_FLIPS = 8.0, 6, 2.5
-#: Flips in the record from which two levels beside a fitted base are started.
-FLIPS = (10, 40)
 #: Rounds in which the drift beside levels that are given is found.
 HELD = 4
 #: Times that levels in the place of a noise of a free base are decoded again, beside what the other
@@ -52,10 +50,6 @@ class Telegraph(Competitor):
     def candidates_beside(self, state: State, weighed: list[Weighed]) -> list[Candidate]:
         """Two levels instead of the noises that would otherwise explain a red spectrum."""
         return self._decoded(state, self._starts(state, weighed))
-
-    def candidates_in_base(self, state: State) -> list[Candidate]:
-        duration, sd = state.data.duration, state.cleaned.slow_sd
-        return self._decoded(state, [(2 * sd, flips / duration) for flips in FLIPS])
 
     def candidates_in_place(self, state: State, term: Any, without: State) -> list[Candidate]:
         if not isinstance(term, TWIN.process):
