@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from imu_lib import units
 from imu_lib.gap import faulty
+
+if TYPE_CHECKING:
+    from imu_lib.gap.steps import Step
 
 #: Parameters that say which kind of effect it is, in words, and effects whose rate is that of
 #: their samples.
@@ -17,7 +22,7 @@ KINDS, SAMPLED = (
 OF_SAMPLES = ("amplitude", "limit", "low", "lsb", "scale")
 
 
-def value(symbol: str, x, channel: str) -> str:
+def value(symbol: str, x: float | str | list[Any] | tuple[Any, ...] | None, channel: str) -> str:
     """A parameter with its unit."""
     if isinstance(x, (list, tuple)):
         return f"[{', '.join(v if isinstance(v, str) else format(v, '.4g') for v in x)}]"
@@ -68,7 +73,7 @@ def _of_samples(x: float, channel: str) -> str:
     return f"{np.rad2deg(x):.4g} deg/s" if gyro else f"{x:.4g} m/s^2"
 
 
-def describe(step, channel: str) -> str:
+def describe(step: Step, channel: str) -> str:
     """Name and parameters of a step."""
     p = step.parameters
     if (words := faulty.described(step.effect, p)) is not None:
@@ -93,7 +98,7 @@ def describe(step, channel: str) -> str:
     return step.effect + "  " + ", ".join(shown)
 
 
-def _vibration(p) -> str:
+def _vibration(p: dict[str, Any]) -> str:
     """A vibration with its lines, its amplitude on each channel and its time."""
     out = f"vibration  {p['frequency']:.5g} Hz"
     if p["harmonics"] > 1:
@@ -106,7 +111,7 @@ def _vibration(p) -> str:
     return out + ": " + ", ".join(felt)
 
 
-def _shown(effect: str, symbol: str, x, channel: str) -> str:
+def _shown(effect: str, symbol: str, x: Any, channel: str) -> str:
     """A parameter of an effect whose symbol means something else in others."""
     if symbol == "rate" and effect in SAMPLED:
         return f"{x:.5g} Hz"

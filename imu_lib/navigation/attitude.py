@@ -5,10 +5,14 @@ north-east-down.
 angles are roll, pitch, yaw (rad, z-y-x).
 """
 
+from __future__ import annotations
+
 import math
 
 import numpy as np
 from numba import njit
+
+from imu_lib.arrays import Array, ArrayLike
 
 
 @njit(cache=True)
@@ -79,7 +83,7 @@ def fill_matrix(q, c):
     c[2, 2] = a * a - b * b - d * d + e * e
 
 
-def quaternion(euler):
+def quaternion(euler: ArrayLike) -> Array:
     """Quaternion of roll, pitch, yaw: ndarray, shape (..., 3) rad to shape (..., 4)."""
     half = 0.5 * np.asarray(euler, float)
     (cr, cp, cy), (sr, sp, sy) = np.moveaxis(np.cos(half), -1, 0), np.moveaxis(np.sin(half), -1, 0)
@@ -94,7 +98,7 @@ def quaternion(euler):
     )
 
 
-def euler(q):
+def euler(q: ArrayLike) -> Array:
     """Roll, pitch, yaw of quaternions: ndarray, shape (..., 4) to shape (..., 3), rad, yaw in
     (-pi, pi].
     """
@@ -105,7 +109,7 @@ def euler(q):
     return np.stack([roll, pitch, yaw], axis=-1)
 
 
-def matrix(angles):
+def matrix(angles: ArrayLike) -> Array:
     """Direction cosines, body to navigation, of roll, pitch, yaw (2013 paper, Eq. 25): shape (...,
     3) to (..., 3, 3).
     """
@@ -120,11 +124,11 @@ def matrix(angles):
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def skew(v):
+def skew(v: Array) -> Array:
     """Cross-product matrix of a vector: ndarray, shape (3,) to (3, 3)."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-def wrap(angle):
+def wrap(angle: ArrayLike) -> Array:
     """Angle into (-pi, pi], rad."""
     return -((-np.asarray(angle) + np.pi) % (2.0 * np.pi) - np.pi)

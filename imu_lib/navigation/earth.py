@@ -6,10 +6,14 @@ Source: WGS-84 (NGA.STND.0036) and its closed-form normal gravity (Somigliana), 
 Eqs. 2.105-2.139.
 """
 
+from __future__ import annotations
+
 import math
 
 import numpy as np
 from numba import njit
+
+from imu_lib.arrays import Array, ArrayLike
 
 SEMI_MAJOR = 6378137.0  # m
 FLATTENING = 1.0 / 298.257223563
@@ -44,7 +48,7 @@ def gravity(latitude, height):
     return surface * (1.0 - first * height + 3.0 * height**2 / SEMI_MAJOR**2)
 
 
-def meters(position, origin):
+def meters(position: ArrayLike, origin: ArrayLike) -> Array:
     """Offsets of `position` from `origin` in north-east-down metres.
 
     position : ndarray, shape (..., 3), latitude rad, longitude rad, height m
@@ -72,7 +76,7 @@ def meters(position, origin):
     )
 
 
-def shift(origin, ned):
+def shift(origin: ArrayLike, ned: ArrayLike) -> Array:
     """Position reached from `origin` by north-east-down metres: the inverse of `meters`, to the
     same order.
 
@@ -97,7 +101,7 @@ def shift(origin, ned):
     return out
 
 
-def horizontal(position, reference):
+def horizontal(position: ArrayLike, reference: ArrayLike) -> Array:
     """Horizontal distance between positions, m: ndarray, shape (...)."""
     d = meters(position, reference)
     return np.hypot(d[..., 0], d[..., 1])

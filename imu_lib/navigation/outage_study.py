@@ -2,9 +2,13 @@
 itself, and which model is ahead.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
+
+from imu_lib.arrays import Array
 
 from . import measurement
 from .filter import Solution
@@ -86,7 +90,7 @@ class OutageStudy:
         """What errors are taken against: "full_gnss", and "reference" where the drive has one."""
         return tuple(next(iter(self.models.values())).error)
 
-    def errors(self, name, *, what="max", against="full_gnss"):
+    def errors(self, name: str, *, what: str = "max", against: str = "full_gnss") -> Array:
         """Maximum or mean error of a model in each window, (w,), m."""
         return getattr(self.models[name], what)(against)
 

@@ -6,13 +6,23 @@ path built with all of them none seems idle. So each smaller set is led to its o
 step until its innovations improve no more, and kept where it loses less than the price of what left.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import replace
 from threading import Lock
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imu_lib.arrays import Array
+
 from . import columns, select
 from .side_by_side import each
+
+if TYPE_CHECKING:
+    from imu_lib.gap.drive.select import Regression
+    from imu_lib.gap.drive.state import State
 
 STEPS = 3
 STILL = 1.0  # nats: a step that gains less is the last
@@ -26,7 +36,7 @@ EXCHANGES = 3
 TRIED = 4
 
 
-def converge(state, kept, enough=np.inf):
+def converge(state: State, kept: tuple[str, ...], enough: float = np.inf) -> None:
     """Hold a set of effects and build the path anew until its innovations improve no more, or are so
     much worse than `enough` nats that the steps left cannot make up for it.
     """
@@ -45,7 +55,7 @@ def converge(state, kept, enough=np.inf):
             break
 
 
-def promised(state, kept):
+def promised(state: State, kept: tuple[str, ...]) -> float:
     """Nats by which the innovations would improve with the best values of a set, were they linear in
     them.
     """
@@ -57,14 +67,15 @@ def promised(state, kept):
     return 0.5 * float(delta @ state.reg.information[np.ix_(index, index)] @ delta)
 
 
-def _tried(state, sets):
+def _tried(state: State, sets: list[tuple[str, ...]]) -> tuple[Array, State | None]:
     """Misfits of sets, each on a path of its own, and the state of the best: None where it is no
     better than what is held. The other paths are not kept: each is large.
     """
     temper = state.reg.temper  # one for all, or a worse path would count for less
-    top, lock, best = _misfit(state, temper), Lock(), []
+    top, lock = _misfit(state, temper), Lock()
+    best: list[tuple[float, State]] = []
 
-    def led(kept):
+    def led(kept: tuple[str, ...]) -> float:
         trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
         converge(trial, kept, enough=state.cost())
         value = _misfit(trial, temper)
@@ -76,7 +87,7 @@ def _tried(state, sets):
     return np.array(each(led, sets)), best[0][1] if best else None
 
 
-def values(reg, kept):
+def values(reg: Regression, kept: tuple[str, ...]) -> tuple[Array, Array]:
     """(theta, other) of a set by the regression, in bounds with which a path can be built."""
     index = [i for e in kept for i in select.GROUPS[e]]
     x, _, _ = reg.solve(index)
@@ -90,7 +101,7 @@ def values(reg, kept):
     return theta, other
 
 
-def simplify(state, say):
+def simplify(state: State, say: Callable[[str], object]) -> None:
     """Take effects out as long as a smaller set does as well on its own path."""
     while len(state.kept) > 1:
         _, found = _tried(state, _smaller(state))
@@ -100,7 +111,7 @@ def simplify(state, say):
         state.take(found)
 
 
-def exchange(state, say):
+def exchange(state: State, say: Callable[[str], object]) -> bool:
     """Try each effect's nearest rivals in its place, each on a path of its own, and hold what fits
     better: whether something was exchanged. What the rivals lack stays in `state.apart`, {(effect,
     rival): nats}.
@@ -120,7 +131,7 @@ def exchange(state, say):
     return True
 
 
-def _rivals(state):
+def _rivals(state: State) -> list[tuple[str, str]]:
     """(effect, rival): the two nearest of each that the regression about this path leaves open."""
     out, top = [], select.score_of(state.reg, state.kept)
     for effect in state.kept:
@@ -141,7 +152,7 @@ def _rivals(state):
     return out
 
 
-def _misfit(state, temper):
+def _misfit(state: State, temper: float) -> float:
     """Tempered misfit of the innovations and of the values with the price of the set, nats."""
     index = [i for e in state.kept for i in select.GROUPS[e]]
     held = (state.theta + state.other)[index] / select.PRIOR[index]
@@ -149,11 +160,11 @@ def _misfit(state, temper):
     return state.cost() / temper + paid
 
 
-def _smaller(state):
+def _smaller(state: State) -> list[tuple[str, ...]]:
     """Sets without one effect, or with one alone, that the regression does not rule out: the TRIED
     that it finds best.
     """
-    out = []
+    out: list[tuple[str, ...]] = []
     top = select.score_of(state.reg, state.kept)
     for effect in state.kept:
         out.append(tuple(e for e in state.kept if e != effect))
@@ -161,4 +172,4 @@ def _smaller(state):
     whole = select.price(state.reg, state.kept)
     lacks = {k: top - select.score_of(state.reg, k) for k in dict.fromkeys(out)}
     open_ = [k for k in lacks if lacks[k] < SURE * (whole - select.price(state.reg, k))]
-    return sorted(open_, key=lacks.get)[:TRIED]
+    return sorted(open_, key=lacks.__getitem__)[:TRIED]

@@ -2,22 +2,33 @@
 innovations allow.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.optimize import minimize
 
+from imu_lib.arrays import Array
+from imu_lib.drive import Drive
 from imu_lib.model import Model
 from imu_lib.navigation.tuning import vehicle_model
+
+if TYPE_CHECKING:
+    from .problem import Noise
+    from .state import State
 
 START = (1e-3, 0.03, 3e-5, 1e-3)  # a low-cost unit in a car: gyro N, accel N, gyro K, accel K
 TRIES = 70
 
 
-def guess(drive) -> Model:
+def guess(drive: Drive) -> Model:
     """The model to start with."""
     return vehicle_model(*START, name="fitted in motion")
 
 
-def fit(state, say=lambda text: None):
+def fit(state: State, say: Callable[[str], object] = lambda text: None) -> Noise:
     """The noise of a state with its four levels and the fixes' two ratios fitted."""
     use, problem, noise = state.use, state.problem.brief(), state.noise
 
@@ -27,12 +38,14 @@ def fit(state, say=lambda text: None):
         if use[:, k].any() and getattr(problem.drive, f"gnss_{name}_sd") is None
     ]  # nothing is stated there that could be wrong
 
-    def enter(x):
+    def enter(x: Array) -> Noise:
         levels = np.exp(np.clip(x, -25.0, 3.0))
+        gyro_n, accel_n, gyro_k, accel_k = levels[:4]
         ratios = {name: float(levels[4 + k]) for k, name in enumerate(of)}
-        return noise.with_(model=vehicle_model(*levels[:4], name="fitted in motion"), **ratios)
+        model = vehicle_model(gyro_n, accel_n, gyro_k, accel_k, name="fitted in motion")
+        return noise.with_(model=model, **ratios)
 
-    def loss(x):
+    def loss(x: Array) -> float:
         value = problem.evaluate(enter(x), use=use).log_likelihood
         pull = 0.5 * float(np.sum(((x[:4] - np.log(START)) / np.log(30.0)) ** 2))
         return -value + pull if np.isfinite(value) else 1e12

@@ -20,11 +20,11 @@ class Column:
     prior: float
 
 
-def _three(effect, word, prior):
+def _three(effect: str, word: str, prior: float) -> list[Column]:
     return [Column(effect, f"{word} {a}", prior) for a in AXES]
 
 
-def _six(effect, gyro, accel):
+def _six(effect: str, gyro: float, accel: float) -> list[Column]:
     return [Column(effect, c, gyro if c.startswith("gyro") else accel) for c in CHANNEL_NAMES]
 
 
@@ -68,6 +68,6 @@ IN_FIXES = (IMU.index(Column("imu_clock", "scale", 5e-4)), *range(len(IMU), len(
 INDEX = {(c.effect, c.component): i for i, c in enumerate(ALL)}
 
 
-def of(effect):
+def of(effect: str) -> list[int]:
     """Column numbers of an effect, in the order of its parameter."""
     return [i for i, c in enumerate(ALL) if c.effect == effect]

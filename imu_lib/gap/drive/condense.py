@@ -8,18 +8,24 @@ likelihood of the innovations (`linear`) then costs a step per fix and not one p
 linear in the parameters (multiple shooting; Friedland 1969 for the separation of parameters from states).
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numba import njit
 
+from imu_lib.arrays import Array
+from imu_lib.gap.drive.legs import Leg
 from imu_lib.navigation import attitude, covariance, earth, strapdown
 from imu_lib.navigation.structures import Imu
 
 from . import columns
-from .structures import Pieces
+from .structures import Nominal, Pieces
 
 
 @njit(cache=True)
-def _error_to(q, p, v, p_to, v_to, q_to, out):
+def _error_to(
+    q: Array, p: Array, v: Array, p_to: Array, v_to: Array, q_to: Array, out: Array
+) -> None:
     """(p, v, q) minus (p_to, v_to, q_to) as the filter's error state, into out (9,)."""
     meridian, transverse = earth.radii(p_to[0])
     out[0] = (p[0] - p_to[0]) * (meridian + p_to[2])
@@ -37,7 +43,7 @@ def _error_to(q, p, v, p_to, v_to, q_to, out):
 
 
 @njit(cache=True)
-def _columns(w, f, warmth, speed, late, u):
+def _columns(w: Array, f: Array, warmth: float, speed: float, late: float, u: Array) -> None:
     """Errors of the six channels (columns.IMU without the clock's path) into u (number, 6)."""
     u[:, :] = 0.0
     for i in range(3):
@@ -62,7 +68,9 @@ def _columns(w, f, warmth, speed, late, u):
 
 
 @njit(cache=True, nogil=True)
-def intervals(epochs, nominal, imu, bias, drifts, sub, out):
+def intervals(
+    epochs: Array, nominal: Nominal, imu: Imu, bias: Array, drifts: Array, sub: int, out: Pieces
+) -> None:
     """Accumulate over the intervals between nodes, into out: `Pieces`.
 
     epochs (k,) into the stretch; nominal at the nodes; imu of the stretch; bias (6,) taken off the
@@ -115,7 +123,16 @@ def intervals(epochs, nominal, imu, bias, drifts, sub, out):
 
 
 @njit(cache=True, nogil=True)
-def _run_on(p, v, q, c, imu, bias, part, means):
+def _run_on(
+    p: Array,
+    v: Array,
+    q: Array,
+    c: Array,
+    imu: Imu,
+    bias: Array,
+    part: tuple[int, int],
+    means: tuple[Array, Array, Array],
+) -> tuple[float, float]:
     """The strapdown over the samples of a linear step, in place: (its length s, the same weighted with
     the extra noise); means: turn rate, specific force in the body and in north, east, down (3, 3),
     attitude (3, 3), and the increments of the sample before (2, 3).
@@ -146,7 +163,7 @@ def _run_on(p, v, q, c, imu, bias, part, means):
     return step, scale
 
 
-def joined(legs, bias, sub):
+def joined(legs: list[Leg], bias: Array, sub: int) -> dict[str, Array]:
     """The legs of a path one after the other, as the arrays of a problem; an interval that leads from
     one into the next is empty.
     """
@@ -156,7 +173,9 @@ def joined(legs, bias, sub):
     gap, counts = np.ones(first[-1] - 1), np.ones(first[-1] - 1, np.int64)
     begins = np.zeros(first[-1], bool)
     begins[first[:-1]] = True
-    node_fix, node_end, speed = [], [], []
+    node_fix: list[Array] = []
+    node_end: list[Array] = []
+    speed = []
     bias = np.asarray(bias, float)
     for leg, begin, size in zip(legs, first, sizes):
         part, stretch = slice(begin, begin + size - 1), leg.stretch
@@ -165,8 +184,8 @@ def joined(legs, bias, sub):
         piece = Pieces(*(store[part] for store in out))
         intervals(leg.node, nominal, imu, bias, leg.drifts, sub, piece)
         gap[part], counts[part] = np.diff(stretch.time[leg.node]), np.diff(leg.node)
-        for side, rows in (("left", node_fix), ("right", node_end)):
-            rows.append(leg.fixes.start + np.searchsorted(leg.epochs, leg.node, side))
+        node_fix.append(leg.fixes.start + np.searchsorted(leg.epochs, leg.node, "left"))
+        node_end.append(leg.fixes.start + np.searchsorted(leg.epochs, leg.node, "right"))
         speed.append(np.linalg.norm(nominal.velocity, axis=1))
     unique, kind = np.unique(counts, return_inverse=True)
     return out._asdict() | {

@@ -2,12 +2,18 @@
 to both.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numba import njit
 
+from imu_lib.arrays import Array
+
+from .structures import Fixes, Out, Random, Room
+
 
 @njit(cache=True, nogil=True, inline="always")
-def _project(p, arm, i, tail, ph):
+def _project(p: Array, arm: Array, i: int, tail: int, ph: Array) -> float:
     """P h into ph (n,) for number i of a fix, arm (3,) being its row; h' P h is returned."""
     for j in range(ph.size):
         ph[j] = p[i, j]
@@ -23,7 +29,7 @@ def _project(p, arm, i, tail, ph):
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _along(x, arm, i, tail):
+def _along(x: Array, arm: Array, i: int, tail: int) -> float:
     """h' x for number i of a fix."""
     v = x[i]
     if i < 3:
@@ -34,7 +40,7 @@ def _along(x, arm, i, tail):
 
 
 @njit(cache=True, nogil=True)
-def judge(room, random, fixes, fix, out):
+def judge(room: Room, random: Random, fixes: Fixes, fix: int, out: Out) -> None:
     """A position is taken for wild where that is likelier."""
     tail = 9 + random.weight.size
     tame, other = np.log(1.0 - random.fraction), np.log(random.fraction)
@@ -50,7 +56,7 @@ def judge(room, random, fixes, fix, out):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def take(room, random, fixes, fix, out):
+def take(room: Room, random: Random, fixes: Fixes, fix: int, out: Out) -> None:
     """The numbers of a fix, one after the other: innovations, and the corrections."""
     x, p, z, ph = room.x, room.p, room.z, room.ph
     n, tail, count = x.size, 9 + random.weight.size, z.shape[1]
@@ -76,7 +82,15 @@ def take(room, random, fixes, fix, out):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _parameters(z, ph, column, arm, place, var, row):
+def _parameters(
+    z: Array,
+    ph: Array,
+    column: tuple[Array, Array],
+    arm: Array,
+    place: tuple[int, int],
+    var: float,
+    row: Array,
+) -> None:
     """What the parameters do to an innovation, into row (P,), and to the states after it."""
     i, tail = place
     n, count = z.shape

@@ -1,13 +1,19 @@
 """Taking values and noises over: a set of effects held on a path built for it, noises fitted again."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from . import alone, select
+
+if TYPE_CHECKING:
+    from imu_lib.gap.drive.state import State
 
 SLACK = 2.0  # nats by which a path of its own may disappoint
 
 
-def held(state, kept, freely=False):
+def held(state: State, kept: tuple[str, ...], freely: bool = False) -> bool:
     """Hold a set of effects and build the path anew, with half the change where the whole makes the
     innovations worse, and with none where that does too (freely: the whole in any case): whether something was held.
     """
@@ -26,7 +32,7 @@ def held(state, kept, freely=False):
     return False
 
 
-def refit(state):
+def refit(state: State) -> None:
     """The accepted changes fitted again where the path has changed under them."""
     short = replace(state, problem=state.problem.brief())
     for found in state.changes:

@@ -6,8 +6,12 @@ positions where there are some. Each sensor state belongs to one channel, and th
 sensor states is nearly diagonal: products run over what is not zero.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numba import njit
+
+from imu_lib.arrays import Array
 
 from .correction import judge, take
 from .structures import Fixes, Out, Random, Room, Track
@@ -16,7 +20,7 @@ __all__ = ["Fixes", "Out", "Random", "Track", "innovations"]
 
 
 @njit(cache=True, nogil=True)
-def innovations(track, random, fixes, count):
+def innovations(track: Track, random: Random, fixes: Fixes, count: int) -> Out:
     """The filter over the nodes: `Out`. count: parameters to carry, 0 or all."""
     m = random.weight.size
     n = 9 + m + (3 if random.sigma > 0.0 else 0)
@@ -49,7 +53,7 @@ def innovations(track, random, fixes, count):
 
 
 @njit(cache=True, nogil=True)
-def _restart(room, start):
+def _restart(room: Room, start: Array) -> None:
     """All that is known of the motion is forgotten."""
     room.x[:9] = 0.0
     room.z[:9] = 0.0
@@ -60,7 +64,7 @@ def _restart(room, start):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _predict_covariance(room, track, random, node):
+def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> None:
     k, m = node - 1, random.weight.size
     s, walk = random.powers[track.kind[k]], random.walks[track.kind[k]]
     _rows(room, track.phi[k], track.gain[k], random, s)
@@ -79,7 +83,7 @@ def _predict_covariance(room, track, random, node):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _rows(room, phi, gain, random, s):
+def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None:
     """The transition times the covariance: its rows of navigation in room.top, of sensors in room.low."""
     p, top, es, low = room.p, room.top, room.es, room.low
     n, m = p.shape[0], random.weight.size
@@ -109,7 +113,7 @@ def _rows(room, phi, gain, random, s):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _navigation(room, track, random, node, s):
+def _navigation(room: Room, track: Track, random: Random, node: int, s: Array) -> None:
     """Covariance of navigation, with itself and with the sensor states, from room.top."""
     k, m, p, top = node - 1, random.weight.size, room.p, room.top
     phi, gain = track.phi[k], track.gain[k]
@@ -135,7 +139,7 @@ def _navigation(room, track, random, node, s):
 
 
 @njit(cache=True, nogil=True)
-def _predict_fix_errors(room, m, decay, sigma):
+def _predict_fix_errors(room: Room, m: int, decay: float, sigma: float) -> None:
     """Covariance of the positions' Gauss-Markov errors over an interval, after the other states'."""
     p, n = room.p, room.p.shape[0]
     for i in range(9 + m, n):
@@ -151,7 +155,7 @@ def _predict_fix_errors(room, m, decay, sigma):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _predict_states(room, track, random, node):
+def _predict_states(room: Room, track: Track, random: Random, node: int) -> None:
     """States, and what the parameters do to them, over the interval that ends at a node."""
     k, x, z, zs, zt = node - 1, room.x, room.z, room.zs, room.zt
     n, m, count = x.size, random.weight.size, room.z.shape[1]

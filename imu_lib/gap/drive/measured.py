@@ -2,22 +2,34 @@
 parameter does to it.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
+from imu_lib.arrays import Array
+from imu_lib.gap.drive.legs import Leg
 from imu_lib.navigation import attitude, earth
+from imu_lib.navigation.preparation import Fixes, Stretch
+from imu_lib.processes import WhiteNoise
 from imu_lib.record import CHANNELS
 
 from . import columns
 
+if TYPE_CHECKING:
+    from imu_lib.gap.drive.problem import Noise
+
 SMOOTH = 0.08  # s over which readings about a fix are averaged
 
 
-def at_fixes(stretch, epochs, bias, span):
+def at_fixes(
+    stretch: Stretch, epochs: Array, bias: Array, span: float
+) -> tuple[Array, Array, Array, Array]:
     """Angular rate (body) about epochs over `span` s, its derivative and specific force (body) over
     0.08 s; specific force of all samples.
     """
@@ -36,7 +48,7 @@ def at_fixes(stretch, epochs, bias, span):
     return w, turning, f, force
 
 
-def span_of(noise, fixes, lever):
+def span_of(noise: Noise, fixes: Fixes, lever: Array) -> float:
     """Time over which turn rates are averaged, s: two samples, unless the gyros' own noise would
     then move an antenna by more than a share of the velocities' standard deviation.
     """
@@ -45,14 +57,14 @@ def span_of(noise, fixes, lever):
         return SMOOTH
     sd = float(np.median(np.sqrt(fixes.variance[velocity, 3:])))
     density = max(
-        (t.N for c in CHANNELS[:3] for t in noise.model[c].terms if t.name == "white_noise"),
+        (t.N for c in CHANNELS[:3] for t in noise.model[c].terms if isinstance(t, WhiteNoise)),
         default=0.0,
     )
     least = 0.3 * sd / max(float(np.linalg.norm(lever)), 1.0)
     return min((density / least) ** 2, SMOOTH)
 
 
-def _gained(leg, force):
+def _gained(leg: Leg, force: Array) -> tuple[Array, Array]:
     """Velocity gained since the start of a leg, NED, without the jumps that fixes make: (time (k,), (k,
     3) m/s).
     """
@@ -76,10 +88,10 @@ class Measured:
     use: np.ndarray
     arm_rows: np.ndarray
     d: np.ndarray
-    along: dict
+    along: dict[str, Array]
 
     @classmethod
-    def empty(cls, count):
+    def empty(cls, count: int) -> Measured:
         names = ("course", "speed", "turn", "ahead", "aside", "warmth")
         return cls(
             np.zeros((count, 6)),
@@ -89,7 +101,14 @@ class Measured:
             {k: np.zeros(count) for k in names},
         )
 
-    def fill(self, leg, fixes, at, lever, time):
+    def fill(
+        self,
+        leg: Leg,
+        fixes: Fixes,
+        at: tuple[Array, Array, Array, Array],
+        lever: Array,
+        time: Array,
+    ) -> None:
         """At the fixes of a leg; at: of `at_fixes`; time: the drive's, s."""
         w, turning, f, f_all = at
         stretch, epochs, rows = leg.stretch, leg.epochs, leg.fixes
@@ -134,7 +153,7 @@ class Measured:
             self.along[name][rows] = values
 
 
-def _across(arm):
+def _across(arm: Array) -> Array:
     """[arm x] of (n, 3), (n, 3, 3)."""
     out = np.zeros((len(arm), 3, 3))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -142,7 +161,15 @@ def _across(arm):
     return out
 
 
-def _columns(out, when, c, w, moving, slow, time):
+def _columns(
+    out: Array,
+    when: Array,
+    c: Array,
+    w: Array,
+    moving: tuple[Array, Array],
+    slow: tuple[Array, Array],
+    time: Array,
+) -> None:
     """What parameters do to fixes at times `when`, into out (n, 6, columns.IN_FIXES).
 
     c, w : attitude and turn rate there; moving : velocity of the sensor and acceleration of the
@@ -150,7 +177,7 @@ def _columns(out, when, c, w, moving, slow, time):
     """
     place = {of: k for k, of in enumerate(columns.IN_FIXES)}
 
-    def column(effect, number=0):
+    def column(effect: str, number: int = 0) -> int:
         return place[columns.of(effect)[number]]
 
     velocity, antenna = moving
@@ -175,7 +202,7 @@ def _columns(out, when, c, w, moving, slow, time):
         out[:, 3 + i, column("other: receiver's velocity is offset", i)] = -1.0
 
 
-def _smoothing(leg, force, when):
+def _smoothing(leg: Leg, force: Array, when: Array) -> Array:
     """Velocity minus its first-order low-passes, (columns.SMOOTHED, n, 3): from the IMU alone, since a
     velocity that holds the fixes' own noise would seem to explain it.
     """

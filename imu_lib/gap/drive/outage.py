@@ -1,14 +1,20 @@
 """What a better model is worth: errors in outages that the search has not seen, before and after."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from imu_lib.drive import Drive
 from imu_lib.errors import InputError
+from imu_lib.model import Model
 from imu_lib.navigation import outages
 from imu_lib.navigation.filter import FilterModel
 from imu_lib.navigation.preparation import Gnss
 from imu_lib.navigation.statistics import paired
+from imu_lib.navigation.windows import Window
 
 FEWEST = 3  # outages that have an interval
 #: Fixes are believed as stated, but for rounding.
@@ -20,17 +26,17 @@ class Outages:
     """Windows, the study with models "before" and "after", and the ratio of their errors."""
 
     duration: float
-    windows: tuple
+    windows: tuple[Window, ...]
     study: outages.OutageStudy
     against: str
 
-    def medians(self):
+    def medians(self) -> dict[str, float]:
         return {
             name: float(np.median(self.study.errors(name, against=self.against)))
             for name in self.study.models
         }
 
-    def ratio(self):
+    def ratio(self) -> dict[str, float] | None:
         """After over before: {value, low, high}, geometric mean with Student's interval; None where
         there are too few outages: of two it reaches from nothing to a thousand.
         """
@@ -43,7 +49,7 @@ class Outages:
             values = (1 / pair.ratio, 1 / pair.high, 1 / pair.low)
         return dict(zip(("value", "low", "high"), (float(v) for v in values)))
 
-    def to_json(self):
+    def to_json(self) -> dict[str, Any]:
         medians = self.medians()
         return {
             "duration": self.duration,
@@ -54,7 +60,7 @@ class Outages:
         }
 
 
-def withheld(drive):
+def withheld(drive: Drive) -> tuple[Window, ...]:
     """Windows to withhold: of 30 s, one in 90 s; of 20 s, one in 60 s, on drives under 10 min."""
     short = drive.duration < 600.0
     duration, every = (20.0, 60.0) if short else (30.0, 90.0)
@@ -65,7 +71,13 @@ def withheld(drive):
         return ()
 
 
-def compare(drive, before, after, windows, heading=None):
+def compare(
+    drive: Drive,
+    before: Model,
+    after: Model,
+    windows: tuple[Window, ...],
+    heading: float | None = None,
+) -> tuple[Outages | None, list[str]]:
     """The study; without "before" where that filter does not even start."""
     filters = {}
     for name, model in (("before", before), ("after", after)):

@@ -2,14 +2,18 @@
 hypothesis about noise.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.model import Model
-from imu_lib.navigation.states import sensor_states
-from imu_lib.processes import Constant, GaussMarkov, Sum, WhiteNoise
+from imu_lib.navigation.states import SensorStates, sensor_states
+from imu_lib.processes import Constant, Flicker, GaussMarkov, Process, Sum, WhiteNoise
 from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
 
@@ -36,8 +40,8 @@ class Noise:
     """
 
     model: Model
-    per_speed: tuple = (0.0,) * 6
-    still: tuple = (None,) * 6
+    per_speed: tuple[float, ...] = (0.0,) * 6
+    still: tuple[float | None, ...] = (None,) * 6
     position: float = 1.0
     velocity: float = 1.0
     sigma: float = 0.0
@@ -45,7 +49,7 @@ class Noise:
     fraction: float = 0.0
     scale: float = 0.0
 
-    def with_(self, **changes):
+    def with_(self, **changes: Any) -> Noise:
         return replace(self, **changes)
 
 
@@ -67,7 +71,7 @@ class Problem:
     """A drive along its nominal path. `arrays` : those of `linear.Track` and more."""
 
     drive: Drive
-    turn_on: tuple
+    turn_on: tuple[float, float]
     rate: float
     time: np.ndarray
     use: np.ndarray
@@ -80,18 +84,18 @@ class Problem:
     aside: np.ndarray
     warmth: np.ndarray
     attitude_sd: np.ndarray
-    path: dict
-    arrays: dict
-    notes: tuple
-    _brief: tuple | None = None
-    _held: tuple | None = None
+    path: dict[str, Array]
+    arrays: dict[str, Array]
+    notes: tuple[str, ...]
+    _brief: tuple[dict[str, Array], Problem] | None = None
+    _held: tuple[bytes, Array, Array] | None = None
 
     @property
-    def long(self):
+    def long(self) -> bool:
         """Whether `brief` is a part of it."""
         return self.arrays["begins"].size >= 2 * STRETCHES * STRETCH
 
-    def brief(self):
+    def brief(self) -> Problem:
         """The problem on three stretches of a long drive: what is random is fitted there at a share of
         the time. Fixes left out have no innovations.
         """
@@ -111,7 +115,7 @@ class Problem:
         self._brief = self.arrays, replace(self, arrays=arrays, _brief=None, _held=None)
         return self._brief[1]
 
-    def _without(self, held):
+    def _without(self, held: Array | None) -> tuple[Array, Array]:
         """(y, jump) without what the held values of the columns do."""
         a = self.arrays
         if held is None or not held.any():
@@ -125,7 +129,14 @@ class Problem:
             self._held = known = key, y, a["jump"] - forced
         return known[1:]
 
-    def evaluate(self, noise: Noise, *, sens=False, use=None, held=None) -> Innovations:
+    def evaluate(
+        self,
+        noise: Noise,
+        *,
+        sens: bool = False,
+        use: Array | None = None,
+        held: Array | None = None,
+    ) -> Innovations:
         """Innovations under a hypothesis; use (f, 6) bool: fixes taken (default: all); held
         (P,): values of columns taken as known.
         """
@@ -170,7 +181,7 @@ class Problem:
         return Innovations(e, s, jac if sens else None, value, wild)
 
 
-def _powers(sensors, counts):
+def _powers(sensors: SensorStates, counts: Array) -> tuple[Array, Array]:
     """Transition and noise of the sensor states over each number of IMU steps, by doubling."""
     powers, walks = [], []
     m = sensors.count
@@ -189,14 +200,15 @@ def _powers(sensors, counts):
     return np.array(powers), np.array(walks)
 
 
-def turn_on_of(model: Model):
+def turn_on_of(model: Model) -> tuple[float, float]:
     """Standard deviation of the biases left at switch-on, gyro rad/s and accelerometer m/s^2."""
-    given = getattr(model, "turn_on", None) or model.extra.get("turn_on")
+    given: Any = getattr(model, "turn_on", None) or model.extra.get("turn_on")
     if not given:
         return TURN_ON
     if isinstance(given, dict):
         return float(given.get("gyro", TURN_ON[0])), float(given.get("accel", TURN_ON[1]))
-    return tuple(float(v) for v in given)
+    gyro, accel = (float(v) for v in given)
+    return gyro, accel
 
 
 def for_search(model: Model) -> Model:
@@ -206,9 +218,9 @@ def for_search(model: Model) -> Model:
     """
     channels = {}
     for c in CHANNELS:
-        terms = []
+        terms: list[Process] = []
         for process in model[c].terms:
-            if process.name != "flicker":
+            if not isinstance(process, Flicker):
                 terms.append(process)
                 continue
             sigma = process.B * np.sqrt(np.log(10.0) / np.pi)  # one decade each

@@ -1,7 +1,11 @@
 """What was found one after the other, taken out again where it is not worth its price."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,10 +13,14 @@ from . import random_effects, select
 from .hold import held, refit
 from .side_by_side import each
 
+if TYPE_CHECKING:
+    from imu_lib.gap.drive.problem import Noise
+    from imu_lib.gap.drive.state import Change, State
+
 DOUBTED = 8.0  # times its price: effects that gain less are tried without
 
 
-def noises(state, say):
+def noises(state: State, say: Callable[[str], object]) -> None:
     """Take out every restart and every change of what is random that is not worth its price."""
     for when in state.restarts:
         kept = state.problem.arrays
@@ -44,7 +52,7 @@ def noises(state, say):
         state.weigh()
 
 
-def _leaving(changes):
+def _leaving(changes: list[Change]) -> list[list[Change]]:
     """Changes that are tried without: each, each pair, as two may only make up for each other, and
     all.
     """
@@ -52,7 +60,7 @@ def _leaving(changes):
     return sets if len(changes) < 3 else [*sets, list(changes)]
 
 
-def effects(state, say):
+def effects(state: State, say: Callable[[str], object]) -> None:
     """Take out every linear effect that a noise fitted without it makes up for: the two were found
     one after the other, and what came first may have taken what belongs to the second.
     """
@@ -76,7 +84,7 @@ def effects(state, say):
         held(state, tuple(e for e in state.kept if e != effect), freely=True)
 
 
-def _without(state, out):
+def _without(state: State, out: list[Change]) -> Noise:
     """The noise with changes undone: the others entered anew on the first hypothesis."""
     noise = state.changes[0].before
     for other in state.changes:

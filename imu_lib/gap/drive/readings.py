@@ -4,9 +4,18 @@ Fixes part a white noise from a vibration that follows the speed where the speed
 differences of the readings, which motion hardly reaches, do so wherever the car once stands.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.record import CHANNELS
+
+if TYPE_CHECKING:
+    from imu_lib.gap.drive.problem import Problem
+    from imu_lib.gap.drive.random_effects import Change
 
 BLOCK = 2.0  # s
 STANDING = 1.0  # m/s
@@ -14,7 +23,7 @@ MOST = 6.0  # nats that are given for it at the most: a sensor's own filter take
 FOUR = np.log(4.0)  # of the density: a noise that is off by as much is not what the readings show
 
 
-def densities(problem):
+def densities(problem: Problem) -> tuple[Array, Array]:
     """White noise of the channels over blocks of the drive, (b, 6), two-sided, and the squared speed
     in them, (b,).
     """
@@ -29,7 +38,7 @@ def densities(problem):
     return np.maximum(np.median(square, axis=1) / 0.455, 1e-30), speed**2
 
 
-def evidence(change, values, measured):
+def evidence(change: Change, values: Array, measured: tuple[Array, Array]) -> float:
     """Nats, at most 0, by which a change of white noise is not what the readings show; 0 for others.
 
     measured : of `densities`

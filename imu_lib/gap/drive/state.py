@@ -2,10 +2,14 @@
 under them.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.units import DEG
 
@@ -13,6 +17,11 @@ from . import columns, correct, select, vehicle
 from .path import build
 from .problem import Noise, Problem
 
+if TYPE_CHECKING:
+    from . import random_effects
+    from .problem import Innovations
+
+NOT_YET: Any = None  # what `rebuild` makes, before it was first called
 TURNED = 3.0 * DEG  # by which a heading at the start may be off before the path starts anew
 LOST = 1.2  # times the size of the innovations: from here on a path has lost what another had
 
@@ -21,11 +30,11 @@ LOST = 1.2  # times the size of the innovations: from here on a path has lost wh
 class Change:
     """An accepted change of what is random: its `random_effects.Change`, values and gain."""
 
-    change: object
+    change: random_effects.Change
     values: np.ndarray
     gain: float
     before: Noise
-    rivals: list = field(default_factory=list)
+    rivals: list[Any] = field(default_factory=list)
 
 
 @dataclass
@@ -39,20 +48,20 @@ class State:
     noise: Noise
     theta: np.ndarray
     other: np.ndarray = field(default_factory=lambda: np.zeros(len(columns.ALL)))
-    kept: tuple = ()
-    changes: list = field(default_factory=list)
-    restarts: tuple = ()
-    problem: Problem | None = None
-    result: object = None
-    use: np.ndarray | None = None
-    reg: object = None
-    withhold: tuple = ()
+    kept: tuple[str, ...] = ()
+    changes: list[Change] = field(default_factory=list)
+    restarts: tuple[float, ...] = ()
+    problem: Problem = NOT_YET
+    result: Innovations = NOT_YET
+    use: np.ndarray = NOT_YET
+    reg: select.Regression = NOT_YET
+    withhold: tuple[tuple[float, float], ...] = ()
     heading: float | None = None
-    apart: dict = field(default_factory=dict)
+    apart: dict[tuple[str, str], float] = field(default_factory=dict)
     loose: np.ndarray = field(default_factory=lambda: np.ones(2))
     least: np.ndarray = field(default_factory=lambda: np.ones(2))
 
-    def rebuild(self):
+    def rebuild(self) -> None:
         """The path, innovations and regression at what is held now.
 
         Fixes that the last path could not follow are trusted less for the next, and no more again
@@ -67,7 +76,7 @@ class State:
             self.least = np.maximum(self.least, before)
             self._build(self.least)
 
-    def _trust(self):
+    def _trust(self) -> Array:
         """By how much less than stated positions and velocities are to be trusted, (2,)."""
         loose = self.least.copy()
         if self.result is not None:
@@ -78,7 +87,7 @@ class State:
                     loose[k] = np.clip(np.sqrt(np.nanmean(part)), loose[k], 30.0)
         return loose
 
-    def _turn(self):
+    def _turn(self) -> bool:
         """Hold the heading at the start as the path has it later, if that is another: whether so."""
         path = self.problem.path
         found = vehicle.heading_since(self.problem, path["time"][0])
@@ -90,7 +99,7 @@ class State:
         self.heading = found[0]
         return True
 
-    def _build(self, loose):
+    def _build(self, loose: Array) -> None:
         self.loose = loose
         self.problem = build(
             correct.corrected(self.drive, self.theta),
@@ -106,7 +115,7 @@ class State:
         self.use = self.problem.use & ~away[:, None]
         self.weigh()
 
-    def take(self, other):
+    def take(self, other: State) -> None:
         """Be where another state is: values, path, innovations and regression."""
         for name in (
             "theta",
@@ -122,23 +131,23 @@ class State:
         ):
             setattr(self, name, getattr(other, name))
 
-    def size(self):
+    def size(self) -> float:
         """Mean square of the innovations."""
         return float(np.mean(self.result.e[self.use & np.isfinite(self.result.e)] ** 2))
 
-    def cost(self):
+    def cost(self) -> float:
         """Misfit of the innovations, nats, of which those far out are not let decide."""
         good = self.use & np.isfinite(self.result.e)
         e, s = np.abs(self.result.e[good]), self.result.s[good]
         far = np.where(e < select.HUBER, 0.5 * e**2, select.HUBER * (e - 0.5 * select.HUBER))
         return float(np.mean(far + 0.5 * np.log(s))) * self.use.sum()
 
-    def weigh(self):
+    def weigh(self) -> None:
         """Innovations and regression under the noise held now, on the path as it is."""
         result = self.evaluate(self.noise, sens=True)
         self.reg = select.regression(self.problem, result, self.theta + self.other, self.use)
         self.result = replace(result, jac=None)  # large, and in the regression
 
-    def evaluate(self, noise, sens=False):
+    def evaluate(self, noise: Noise, sens: bool = False) -> Innovations:
         """Innovations under a noise, causes outside the catalogue taken out."""
         return self.problem.evaluate(noise, sens=sens, use=self.use, held=self.other)

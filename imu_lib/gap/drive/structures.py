@@ -4,6 +4,8 @@ n states: 9 errors of navigation, m of the sensors, then three Gauss-Markov erro
 where there are some; P parameters (`columns`).
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +31,7 @@ class Pieces(NamedTuple):
     jump: np.ndarray
 
     @classmethod
-    def zeros(cls, k, columns):
+    def zeros(cls, k: int, columns: int) -> Pieces:
         """The two large ones in single precision: 1e-7 of a variance or of a sensitivity is nothing."""
         shapes = (9, 9), (9, 6), (6, 9, 9), (columns, 9), (9,)
         kinds = "d", "d", "f", "f", "d"

@@ -5,9 +5,11 @@ is put right for it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+
+from imu_lib.arrays import Array
 
 from .. import columns
 
@@ -33,17 +35,17 @@ class Linear(Effect):
     unexcited: ClassVar[str]
 
     @property
-    def columns(self):
+    def columns(self) -> list[int]:
         return columns.of(self.name)
 
-    def parameters(self, values):
+    def parameters(self, values: Array) -> dict[str, Any]:
         """The model file's parameters from the columns' values (k,)."""
         if self.key:
             return {self.key: [float(v) for v in values]}
         names = [columns.ALL[i].component for i in self.columns]
         return {n: float(v) for n, v in zip(names, values)}
 
-    def intervals(self, values, sd):
+    def intervals(self, values: Array, sd: Array) -> dict[str, Any]:
         low, high = np.asarray(values) - 1.96 * sd, np.asarray(values) + 1.96 * sd
         pairs = [[float(a), float(b)] for a, b in zip(low, high)]
         if self.key:
