@@ -292,3 +292,16 @@ def test_a_dead_channel_is_left_out_and_named(tmp_path, capsys):
     )
     assert main(["characterise", str(tmp_path / "none.npz")]) == 2
     assert "no channel ever changes" in capsys.readouterr().err
+
+
+def test_steps_coarser_than_the_scatter_are_said():
+    """A wristband's 1/64 g: what the coefficients describe is the rounding."""
+    from imu_lib.characterise import causes
+
+    rng = np.random.default_rng(8)
+    fine = 9.81 + rng.normal(0, 0.03, 4000)
+    step = 9.80665 / 64
+    coarse = np.round(fine / step) * step
+    record = Record({"accel_x": fine, "accel_z": coarse}, 32.0)
+    (note,) = [n for n in causes.notes(record, record.channel_names) if "output steps" in n]
+    assert "accel_z 0.0156 against" in note and "accel_x" not in note

@@ -5,11 +5,12 @@ import re
 import numpy as np
 import printed_logs
 import pytest
-from strange_logs import ACCEL, DPS, GYRO, IN_G, SI, I, T, table
+from strange_logs import ACCEL, DPS, GYRO, IN_G, SI, I, T, clock, table
 from test_readers_kinds import opened, same
 
 from imu_lib import readers
 from imu_lib.errors import InputError
+from imu_lib.readers import calendar
 
 LOGS, ASKING = printed_logs.logs(), printed_logs.asking()
 
@@ -99,3 +100,15 @@ def test_lists_and_texts_of_a_parquet_file(tmp_path):
     frame.to_parquet(tmp_path / "a.parquet")
     found = readers.read(tmp_path / "a.parquet", gyro_unit="rad/s", accel_unit="m/s^2")
     assert len(same(found, 100).channel_names) == 6
+
+
+@pytest.mark.parametrize("form", ["%Y-%m-%d %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%f"])
+def test_moments_written_alike_are_the_same_by_either_way(tmp_path, monkeypatch, form):
+    """Over midnight and the end of February: all at once, and one by one."""
+    stamps = clock((23, 59, 58), form=form)
+    text = table("time,gx,gy,gz", stamps, GYRO)
+    quick = opened(tmp_path / "a.csv", text, "--gyro-unit rad/s").record
+    monkeypatch.setattr(calendar, "_plain", lambda date: None)
+    slow = opened(tmp_path / "a.csv", text, "--gyro-unit rad/s").record
+    assert quick.rate == slow.rate and (quick.times() == slow.times()).all()
+    assert same(opened(tmp_path / "a.csv", text, "--gyro-unit rad/s"), 100) is not None

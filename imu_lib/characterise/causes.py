@@ -1,5 +1,5 @@
-"""What stands behind a slow error, or behind the lack of one: warming, or an output that re-zeroes
-itself. Said beside the coefficients, which describe both as if they were the sensor's noise.
+"""What stands behind a slow error, or behind the lack of one: warming, an output that re-zeroes
+itself, steps of a converter in the place of noise. Said beside the coefficients, which describe both as if they were the sensor's noise.
 """
 
 from __future__ import annotations
@@ -8,6 +8,8 @@ import numpy as np
 from scipy import stats
 from scipy.fft import rfft
 
+from imu_lib import units
+from imu_lib.faults.grid import resolution
 from imu_lib.record import Record
 
 WARMED = 1.0  # degC over the record: below, a drift has other causes
@@ -30,7 +32,27 @@ def notes(record: Record, names) -> tuple[str, ...]:
     names : sequence of str
         The channels looked at.
     """
-    return tuple(warming(record, names)) + tuple(empty_low_end(record, names))
+    return (
+        *coarse(record, names),
+        *warming(record, names),
+        *empty_low_end(record, names),
+    )
+
+
+def coarse(record: Record, names):
+    """Channels whose output steps are coarser than their scatter: rounding takes the place of noise."""
+    found = []
+    for name in names:
+        x = record[name]
+        step, scatter = resolution(x), float(np.nanstd(x))
+        if step and 0 < scatter < step:
+            factor, unit = (units.DEG_PER_S, "deg/s") if name.startswith("gyro") else (units.G, "g")
+            found.append(f"{name} {step / factor:.3g} against {scatter / factor:.3g} {unit}")
+    if found:
+        yield (
+            f"The output steps are coarser than the scatter ({'; '.join(found)}): the coefficients of these channels describe the rounding, not the noise "
+            "of the sensor, which may be far smaller or nearly as large."
+        )
 
 
 def warming(record: Record, names):

@@ -5,33 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.faults import Finding
+from imu_lib.faults.grid import resolution
 from imu_lib.health.result import Channel
 from imu_lib.readers import plausibility
 
 #: Levels of a grid from which its ends can be told from the tails of the noise.
 LEAST_LEVELS = 10
-
-
-def resolution(x: np.ndarray) -> float | None:
-    """Step of the grid that the values of `x` (n,) lie on, None where they lie on none."""
-    x = x[:200_000]
-    x = x[~np.isnan(x)]
-    level, count = np.unique(x, return_counts=True)
-    if len(level) < 2 or len(level) > 0.5 * len(x):
-        return None
-    often = level[count > 2]
-    if len(often) > 1 and count[count > 2].sum() > 0.95 * len(x):
-        level = often  # a few bridged or spiked samples off the grid are no finer grid
-    step = np.diff(level)
-    # levels apart by float32 rounding are one
-    step = step[step > 2e-6 * max(abs(level[0]), abs(level[-1]), level[-1] - level[0])]
-    if not step.size:
-        return None
-    unit = float(np.quantile(step, 0.02))
-    times = np.rint(step / unit)
-    if (np.abs(step / unit - times) < 0.1 * np.maximum(1, 0.1 * times)).mean() < 0.95:
-        return None
-    return float(step.sum() / times.sum())
 
 
 def of_channel(name: str, x: np.ndarray, rate: float, faults: tuple[Finding, ...]) -> Channel:

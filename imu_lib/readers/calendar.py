@@ -16,6 +16,7 @@ DAY = 86_400_000_000_000  # ns
 _CLOCK = re.compile(
     r"(\d{1,3}):(\d{1,2})(?::(\d{1,2}))?(?:([.,:;])(\d+))?\s*([AaPp])?\.?(?:[Mm]\.?)?\s*(Z|UTC|GMT|[+-]\d{2}:?\d{2})?\s*$"
 )
+_USUAL = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}:\d{2}(?:\.\d{1,9})?")
 _FRAMES = re.compile(r"\d{1,2}:\d{2}:\d{2}[:;](\d{2})\s*$")
 FRAME_RATES = (24, 25, 30, 48, 50, 60, 100)  # in a second: of film and video; hundredths
 
@@ -55,6 +56,9 @@ def seconds(raw: Raw) -> tuple[np.ndarray, float | None, bool]:
     """
     date, clock = raw.columns.get("date"), raw.columns.get("clock")
     heading = " and ".join(f"`{raw.headings[c]}`" for c in ("date", "clock") if c in raw.columns)
+    plain = _plain(date) if clock is None and raw.subseconds is None else None
+    if plain is not None:
+        return (plain - plain[0]) * 1e-9, float(plain[0]) * 1e-9, False
     days_, known = np.zeros(raw.rows(), dtype=np.int64), False
     if date is not None:
         days_, known, order = days.days(raw, date, heading)
@@ -71,6 +75,20 @@ def seconds(raw: Raw) -> tuple[np.ndarray, float | None, bool]:
         turn = 3600 * 10**9 if minutes_only else _turn(ns, step)
         ns = ns + np.cumsum(np.r_[0, step < -turn // 2]) * turn
     return (ns - ns[0]) * 1e-9, (float(ns[0]) * 1e-9 if known else None), minutes_only
+
+
+def _plain(date: np.ndarray) -> np.ndarray | None:
+    """Nanoseconds since 1970 of moments that are all written alike, year first and without a zone; None
+    where they are not. What a table of millions of rows mostly has, at a tenth of the time.
+    """
+    if not _USUAL.fullmatch(str(date[0])) or len({len(str(x)) for x in date}) > 1:
+        return None
+    import pyarrow as pa
+
+    try:
+        return pa.array(date, pa.string()).cast(pa.timestamp("ns")).to_numpy().astype(np.int64)
+    except (pa.ArrowInvalid, pa.ArrowTypeError, OverflowError):
+        return None
 
 
 def _turn(ns: np.ndarray, step: np.ndarray) -> int:

@@ -170,13 +170,7 @@ def read(
         return 1.0 / (step * spelling.stated_time(u))
 
     if flag:
-        factor = spelling.stated_time(flag)
-        said = (
-            ""
-            if unit in (None, "ticks") or unit == spelling.unit_of(flag)
-            else f", though the file states {unit}"
-        )
-        return Reading(flag, factor, f"--time-unit says {flag}{said}", True)
+        return _by_flag(flag, unit)
     of = tenths(stamp, first) if unit in (None, "ticks") and not rate else None
     if of and usual_rate(1e7 / step) > 0.1:
         return Reading(
@@ -197,6 +191,19 @@ def read(
         found = _by_rate(stamp, where, likely, rate, hz, step, rate_given)
         if found is not None:
             return found
+    return _weighed(stamp, first, where, likely, hz, step)
+
+
+def _by_flag(flag: str, unit: str | None) -> Reading:
+    """What the call says, with a word where the file says another unit."""
+    factor = spelling.stated_time(flag)
+    alike = unit in (None, "ticks") or unit == spelling.unit_of(flag)
+    said = "" if alike else f", though the file states {unit}"
+    return Reading(flag, factor, f"--time-unit says {flag}{said}", True)
+
+
+def _weighed(stamp, first: float, where: str, likely: dict[str, float], hz, step) -> Reading:
+    """The likeliest unit; InputError where two remain, or none is likely."""
     order = sorted(likely, key=likely.get, reverse=True)
     best = order[0]
     next_ = likely[order[1]] if len(order) > 1 else 0.0

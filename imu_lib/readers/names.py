@@ -10,14 +10,13 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from imu_lib.readers import directions, lexicon
+from imu_lib.readers import directions, headings, lexicon
 from imu_lib.readers.slips import misspelled
 from imu_lib.readers.spelling import (
     ACCEL_UNITS,
     GYRO_UNITS,
     TIME_UNITS,
     UNITS,
-    plain,
     stated,
     unit_of,
 )
@@ -38,80 +37,6 @@ __all__ = [
 ]
 
 
-#: A heading that says by what its readings were multiplied, behind their unit.
-_TIMES = re.compile(
-    r"^(.+?)[_ ]((?:m?dps|rads?|mg|g|deg_?s|rad_?s|m_?s2|mss))[_ ]*[x*×](10{1,6})$", re.IGNORECASE
-)
-
-
-def _split(name: str) -> tuple[str, str | None, str | None]:
-    """A heading without its unit, the unit as spelled, and an axis that stands in brackets."""
-    text = plain(str(name)).strip("\ufeff \t").lstrip("#%").strip().strip("\"'").strip()
-    unit = axis = None
-    piped = re.match(r'^([^|]+?)"?\|"?([^|"]*)"?\|', text)
-    if piped and unit_of(piped[2]):  # a logger's name|unit|least|most|rate
-        text, unit = piped[1], piped[2]
-    text = re.sub(r"\s*\([^)]*\bS/?N\b[^)]*\)", "", text)  # a logger's serial numbers
-    brackets = [b.strip() for b in re.findall(r"[\[({<]([^\])}>]*)[\])}>]", text)]
-    for spelled in sorted(brackets, key=lambda b: unit_of(b) is None):  # a known unit goes first
-        if re.fullmatch(r"[xyzXYZ0-3]", spelled):
-            axis = spelled.lower()
-        elif not spelled or spelled == "-":
-            pass
-        elif unit is None and (unit_of(spelled) or re.fullmatch(r"x80\d\d", spelled)):
-            unit = spelled
-        elif unit is None and not _tokens(spelled) & lexicon.REMARKS and not _known(spelled):
-            unit = spelled
-    # a remark in brackets stays a word of the name; a unit does not
-    text = re.sub(
-        r"[\[({<]([^\])}>]*)[\])}>]",
-        lambda m: (
-            "" if m[1].strip() in (unit, "-", "") or m[1].strip().lower() == axis else f" {m[1]} "
-        ),
-        text,
-    )
-    if unit is None and (tail := re.match(r"^(.+?)[_ .-]+([^\s_]*/\S+)$", text)):
-        if unit_of(tail[2]):  # gyro_x_rad/s
-            text, unit = tail[1], tail[2]
-    if unit is None and (tail := _TIMES.match(text)):
-        text, unit = tail[1], f"{tail[2]}*{tail[3]}"  # gx_dps_x10
-    if unit is None:
-        tail = re.match(r"^(.*?\S)\s*(?:,|/|\bin\b|:|\|)\s*(\S+(?:\s?\S+){0,4})$", text)
-        if tail and unit_of(tail[2]) and len(tail[1]) > 0:
-            text, unit = tail[1], tail[2]
-    return text.strip(), unit, axis
-
-
-def _tokens(text: str) -> set[str]:
-    return set(re.split(r"[^0-9a-z]+", lexicon.without_accents(text).lower())) - {""}
-
-
-def _known(text: str) -> bool:
-    tokens = _tokens(text)
-    return bool(
-        tokens
-        & (lexicon.GYRO | lexicon.ACCEL | lexicon.TEMPERATURE | set(lexicon.NOT))
-        - {*lexicon.LETTERS, "t"}
-    )
-
-
-def _key(text: str) -> str:
-    """lower_case words set apart by `_`, camel case opened."""
-    text = re.sub(
-        r"^gF_?(?=[xyzXYZ]$)", "gforce_", lexicon.without_accents(text)
-    )  # a phone's g-force
-    text = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", text)  # GyroData
-    text = re.sub(
-        r"(?<=[a-z])(?=[A-Z]{2,})|(?<=[a-z]{2})(?=[A-Z](?![A-Za-z0-9]))", "_", text
-    )  # gyroADC, gyroX
-    text = re.sub(r"(?<=_[XYZ])(?=[A-Z][a-z])", "_", text)  # Gyro_XRadPerSec
-    text = re.sub(
-        r"(?<=[\u0400-\uffff])(?=[A-Za-z0-9])|(?<=[A-Za-z0-9])(?=[\u0400-\uffff])", "_", text
-    )
-    text = re.sub(r"[^0-9A-Za-z\^\u0080-\uffff]+", "_", text).strip("_")
-    return text.lower()
-
-
 def meaning(name: str, *, signal: str | None = None) -> Meaning:
     """What a column called `name` is.
 
@@ -122,13 +47,13 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
     signal : {"gyro", "accel", "temperature"}, optional
         What a bare x, y, z or 1, 2, 3 stands for: the file was given as that sensor's.
     """
-    text, spelled, axis = _split(name)
+    text, spelled, axis = headings.split(name)
     unit = None if spelled is None else unit_of(spelled) or spelled
     descriptor = re.search(r"x(80\d\d)", spelled or "") or re.search(r"\bx(80\d\d)\b", text)
     if descriptor:
         unit = None
         text = re.sub(r"\bx80\d\d\b", "", text).strip()
-    key = _key(text)
+    key = headings.key(text)
     found = read(key, axis, signal, str(name))
     if found.quantity is None and found.why == UNKNOWN and (right := misspelled(key)):
         found = read(right, axis, signal, str(name))
@@ -238,17 +163,17 @@ def parse(name: str, *, signal: str | None = None) -> tuple[str | None, str | No
 
 def worked_on(name: str) -> bool:
     """Whether a heading says that a device has taken the bias or gravity out of a reading."""
-    return bool(set(_key(_split(name)[0]).split("_")) & lexicon.WORKED_ON)
+    return bool(set(headings.key(headings.split(name)[0]).split("_")) & lexicon.WORKED_ON)
 
 
 def free(name: str) -> bool:
     """Whether a heading says that gravity was taken out of an acceleration."""
-    return bool(set(_key(_split(name)[0]).split("_")) & lexicon.FREE)
+    return bool(set(headings.key(headings.split(name)[0]).split("_")) & lexicon.FREE)
 
 
 def stem(name: str) -> tuple[str, str | None]:
     """A heading without its unit, and the axis behind it."""
-    text, _, axis = _split(name)
+    text, _, axis = headings.split(name)
     found = re.match(r"^(.*?)[ _.-]?([xyzXYZ])$", text)
     if axis in ("x", "y", "z") or not found:
         return text, axis
@@ -257,21 +182,21 @@ def stem(name: str) -> tuple[str, str | None]:
 
 def spelled_unit(name: str) -> str | None:
     """The unit that a heading spells, as it stands there."""
-    return _split(name)[1]
+    return headings.split(name)[1]
 
 
 def by_unit(name: str, unit: str | None) -> Meaning | None:
     """A heading that names an axis and states a unit, and no more: `X [rad/s]`, `Rotation X (deg/s)`,
     and the letters p, q, r of aeronautics. None where it is no such heading.
     """
-    text, spelled, pointed = _split(name)
+    text, spelled, pointed = headings.split(name)
     found = unit_of(unit or spelled or "")
     kind = next((k for k in ("gyro", "accel") if found in UNITS[k]), None)
-    if found in TIME_UNITS and re.fullmatch(r"x(?:[ _]?(?:value|axis))?", _key(text)):
+    if found in TIME_UNITS and re.fullmatch(r"x(?:[ _]?(?:value|axis))?", headings.key(text)):
         return Meaning("time", unit=found, why=f"an abscissa in {found}")
     if kind is None:
         return None
-    tokens = [t for t in _key(text).split("_") if t]
+    tokens = [t for t in headings.key(text).split("_") if t]
     axes = {"p": "x", "q": "y", "r": "z"} if kind == "gyro" else {}
     axis = pointed if pointed in ("x", "y", "z") else None
     rest = []

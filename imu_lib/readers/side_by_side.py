@@ -25,35 +25,27 @@ def merge(
     some of the rows of the faster one, and the others are empty (NaN).
     """
     source = gyro.source if one_file else f"{gyro.source} and {accel.source}"
-    names = ("gyro", "accelerometer")
     shift = 0.0
-    notes = tuple(f"{kind}: {n}" for kind, one in zip(names, (gyro, accel)) for n in one.notes)
+    both = (("gyro", gyro), ("accelerometer", accel))
+    notes = tuple(f"{word}: {n}" for word, one in both for n in one.notes)
     if gyro_start is not None and accel_start is not None:
         shift = accel_start - gyro_start
         if shift >= gyro.duration or -shift >= accel.duration:
             notes += (
                 f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after {gyro.source}); they are laid "
-                f"side by side from their first "
-                "samples, so nothing common to gyros and accelerometers can be seen.",
+                "side by side from their first samples, so nothing common to gyros and accelerometers can be seen.",
             )
             shift = 0.0
     ratio = gyro.rate / accel.rate
     t = {"gyro": gyro.times(), "accel": accel.times() + shift}
-    if gyro.time is None and accel.time is None and shift == 0.0 and abs(ratio - 1) < 1e-9:
-        n = min(gyro.n, accel.n)
-        left = right = np.arange(n)
-    elif shift == 0.0 and not one_file and abs(ratio - 1) < 1e-3:
-        # files whose clocks have nothing in common: their jitter says nothing of each other's
-        _, left, right = np.intersect1d(gyro.slots(), accel.slots(), return_indices=True)
-    elif 0.98 < ratio < 1.02:
-        left, right = _pairs(t["gyro"], t["accel"], 0.55 / min(gyro.rate, accel.rate))
-        if abs(ratio - 1) > 1e-3:
-            notes += (
-                f"The gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} Hz: each sample goes with the nearest one of the other by its stamp, "
-                "within half a sample.",
-            )
-    else:
+    if not 0.98 < ratio < 1.02:
         return _slower(gyro, accel, t, source, notes)
+    left, right = _partners(gyro, accel, t, shift, one_file)
+    if abs(ratio - 1) > 1e-3:
+        notes += (
+            f"The gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} Hz: each sample goes with the nearest one of the other by its stamp, "
+            "within half a sample.",
+        )
     if len(left) < 2:
         raise InputError(
             f"{source} have no two samples in common; read them one at a time (--gyro FILE, then --accel FILE)."
@@ -77,6 +69,19 @@ def merge(
     if temperature is None and accel.temperature is not None:
         temperature = accel.temperature[right]
     return Record(channels, gyro.rate, time, temperature, gyro.name, source, notes)
+
+
+def _partners(gyro, accel, t, shift: float, one_file: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Indices of the samples of two streams of nearly one rate that go together."""
+    apart = abs(gyro.rate / accel.rate - 1)
+    if gyro.time is None and accel.time is None and shift == 0.0 and apart < 1e-9:
+        every = np.arange(min(gyro.n, accel.n))
+        return every, every
+    if shift == 0.0 and not one_file and apart < 1e-3:
+        # files whose clocks have nothing in common: their jitter says nothing of each other's
+        _, left, right = np.intersect1d(gyro.slots(), accel.slots(), return_indices=True)
+        return left, right
+    return _pairs(t["gyro"], t["accel"], 0.55 / min(gyro.rate, accel.rate))
 
 
 def _pairs(a: np.ndarray, b: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray]:

@@ -140,19 +140,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     unit = raw.units["time"] if time_unit else raw.unit("time")  # what the call says wins
     if raw.contract and time_unit is None:
         unit = "s"
-        step = clock.mean_step(relative)
-        if step > 5.0 and not rate:
-            likely = clock.likely_unit(relative, first)
-            if step > 3600.0 and likely not in (None, "s"):
-                raise InputError(
-                    f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like {likely}; "
-                    f"give --time-unit {likely}, or --time-unit s if it is right."
-                )
-            raw.notes += (
-                f"`time` steps by {step:.6g} s, unusually slow for such a sensor; the time of such a "
-                f"file is in seconds"
-                + (f" (in {likely} it would be usual: --time-unit {likely})." if likely else "."),
-            )
+        if not rate:
+            _slow_contract(raw, relative, first, where)
     told = clock.read(
         relative,
         first,
@@ -184,6 +173,25 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
             "go on from there by one interval, what was lost in between is not known.",
         )
     return rated(raw, relative * told.factor, keep, grain(stamp, told.factor), given, rate, lenient)
+
+
+def _slow_contract(raw: Raw, relative: np.ndarray, first: float, where: str) -> None:
+    """A word on stamps of a file of the contract, which are in seconds, that are unusually slow; refused
+    where they are hours apart and look like another unit.
+    """
+    step = clock.mean_step(relative)
+    if step <= 5.0:
+        return
+    likely = clock.likely_unit(relative, first)
+    if step > 3600.0 and likely not in (None, "s"):
+        raise InputError(
+            f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like {likely}; "
+            f"give --time-unit {likely}, or --time-unit s if it is right."
+        )
+    usual = f" (in {likely} it would be usual: --time-unit {likely})" if likely else ""
+    raw.notes += (
+        f"`time` steps by {step:.6g} s, unusually slow for such a sensor; the time of such a file is in seconds{usual}.",
+    )
 
 
 def _evidence(raw, canonical) -> str:
