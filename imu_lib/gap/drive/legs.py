@@ -1,14 +1,23 @@
 """A stretch of a drive without a hole, along the filter's solution: its nodes and its fixes."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from imu_lib.arrays import Array
+from imu_lib.drive import Drive
 from imu_lib.navigation import attitude
 from imu_lib.navigation.preparation import Stretch
 
 from .structures import Nominal
+
+if TYPE_CHECKING:
+    from imu_lib.navigation.preparation import Fixes
+    from imu_lib.navigation.solution import Solution
 
 LONGEST = 0.5  # s between nodes
 FEWEST = 10  # epochs of a solution
@@ -34,7 +43,9 @@ class Leg:
     drifts: np.ndarray
 
     @classmethod
-    def of(cls, drive, stretch, solution, fixes, rate):
+    def of(
+        cls, drive: Drive, stretch: Stretch, solution: Solution, fixes: Fixes, rate: float
+    ) -> Leg | None:
         """None where the solution or the fixes of a stretch are too few."""
         inside = (solution.time > stretch.time[0] - 1e-9) & (
             solution.time <= stretch.time[-1] + 1e-9
@@ -62,14 +73,14 @@ class Leg:
             _drifts(drive, stretch.time[:-1]),
         )
 
-    def at(self, epochs):
+    def at(self, epochs: Array) -> Nominal:
         """The solution at epochs of the stretch."""
         k = np.clip(epochs - self.first, 0, len(self.position) - 1)
         turned = Rotation.from_euler("ZYX", self.angles[k][:, ::-1])
         quat = turned.as_quat(scalar_first=True)
         return Nominal(self.position[k].copy(), self.velocity[k].copy(), quat)
 
-    def at_nodes(self):
+    def at_nodes(self) -> dict[str, Array]:
         """What a problem keeps of the path there."""
         nominal = self.at(self.node)
         k = np.clip(self.node - self.first, 0, len(self.sd) - 1)
@@ -82,7 +93,7 @@ class Leg:
         }
 
 
-def _nodes(first, epochs, longest):
+def _nodes(first: int, epochs: Array, longest: int) -> Array:
     """The first epoch, those of fixes, and between them as many as none is further than `longest`."""
     begin = np.concatenate([[first], epochs[:-1]])
     parts = [
@@ -93,7 +104,7 @@ def _nodes(first, epochs, longest):
     return np.unique(np.concatenate([[first], epochs, *parts]).astype(np.int64))
 
 
-def _drifts(drive, time):
+def _drifts(drive: Drive, time: Array) -> Array:
     middle = 0.5 * (drive.time[0] + drive.time[-1])
     late = (time > middle).astype(float)
     if drive.temperature is None:

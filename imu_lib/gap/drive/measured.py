@@ -15,7 +15,6 @@ from scipy.spatial.transform import Rotation
 from imu_lib.arrays import Array
 from imu_lib.gap.drive.legs import Leg
 from imu_lib.navigation import attitude, earth
-from imu_lib.navigation.preparation import Fixes, Stretch
 from imu_lib.processes import WhiteNoise
 from imu_lib.record import CHANNELS
 
@@ -23,6 +22,7 @@ from . import columns
 
 if TYPE_CHECKING:
     from imu_lib.gap.drive.problem import Noise
+    from imu_lib.navigation.preparation import Fixes, Stretch
 
 SMOOTH = 0.08  # s over which readings about a fix are averaged
 
