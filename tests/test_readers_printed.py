@@ -85,6 +85,15 @@ def test_copies_without_stamps_are_said(tmp_path):
     assert not any("repeat the row" in n for n in notes)
 
 
+def test_values_along_x_y_z_are_no_abscissa(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(table("Time,  X_value, Y_value, Z_value", T, ACCEL))
+    found = readers.read(accel=path, accel_unit="m/s^2")
+    assert len(same(found, 100).channel_names) == 3
+    with pytest.raises(InputError, match="time,accel_x,accel_y,accel_z"):
+        readers.read(path)
+
+
 def test_which_sensor_and_its_units_are_asked_for_at_once(tmp_path):
     text = "time_s,device,gx,gy,gz\n" + "".join(
         f"{k / 100},{d},{GYRO[k, 0]},0.1,0.2\n" for k in I for d in ("left", "right")

@@ -105,7 +105,7 @@ def _told(raw: Raw, headings, columns, signal, named) -> list[Meaning]:
     told = [_by_kind(m, h, bool(columns)) for m, h in zip(said, headings)]
     told = numbered(raw, told, headings)
     if named and not columns:
-        told = families.behind(raw, told, headings)
+        told = families.behind(raw, families.values(told, headings), headings)
     if named and not columns:
         told = families.families(told, headings)
         families.turned(raw, told, headings)

@@ -56,13 +56,28 @@ def _by_unit(told: list[Meaning], headings) -> list[Meaning]:
     return out
 
 
+#: An axis before a word that says nothing; X_Value alone is LabVIEW's abscissa.
+_VALUE = re.compile(r"([xyz])[ _.-]?(val(?:ue)?|axis|data|reading)", re.IGNORECASE)
+
+
+def values(told: list[Meaning], headings) -> list[Meaning]:
+    """X_Value beside Y_Value and Z_Value is an axis, no abscissa."""
+    there = {m[1].lower(): i for i, h in enumerate(headings) if (m := _VALUE.fullmatch(h.name.strip()))}  # fmt: skip
+    if set(there) != set("xyz") or told[there["x"]].quantity != "time":
+        return told
+    out = list(told)
+    out[there["x"]] = Meaning(why=names.UNKNOWN)
+    return out
+
+
 def one_triple(told: list[Meaning], headings) -> dict[str, int]:
     """x, y, z -> column, where three columns of unknown names differ in the axis at their end alone, and
     no other three do; empty otherwise.
     """
     found: dict[str, dict[str, int]] = {}
     for i, (m, h) in enumerate(zip(told, headings)):
-        head, axis = names.stem(h.name)
+        first = _VALUE.fullmatch(h.name.strip())
+        head, axis = (first[2], first[1].lower()) if first else names.stem(h.name)
         if axis in ("x", "y", "z") and h.kind == "number" and m.why == names.UNKNOWN:
             found.setdefault(head.lower(), {}).setdefault(axis, i)
     whole = [three for three in found.values() if len(three) == 3]
