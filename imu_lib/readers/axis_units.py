@@ -12,8 +12,9 @@ from imu_lib.readers.streams import PAIR
 
 
 def one_each(raw: Raw, flags: Mapping[str, str | None]) -> None:
-    """Bring axes that state different units, all of them known, to one, with a word. What the call says
-    of a sensor's unit goes for all of its axes.
+    """Bring axes that state different units, all of them known, to one, with a word, where their noise
+    is more alike in these units than in one: otherwise the headings contradict each other, which is
+    refused. What the call says of a sensor's unit goes for all of its axes.
     """
     for kind, families in PAIR.items():
         for family in families:
@@ -26,6 +27,10 @@ def one_each(raw: Raw, flags: Mapping[str, str | None]) -> None:
                 or not set(said.values()) <= set(known)
             ):
                 continue
+            factors = [known[said[c]] for c in there]
+            noise = [_noise(raw.columns[c]) for c in there]
+            if _spread([n * f for n, f in zip(noise, factors)]) >= _spread(noise):
+                continue
             first = said[there[0]]
             for c in there[1:]:
                 factor = known[said[c]] / known[first]
@@ -34,3 +39,15 @@ def one_each(raw: Raw, flags: Mapping[str, str | None]) -> None:
             each = ", ".join(f"`{raw.headings[c]}` {said[c]}" for c in there)
             word = "gyro" if kind == "gyro" else "accelerometer"
             raw.notes += (f"The axes of the {word} state different units ({each}); each was read in its own.",)  # fmt: skip
+
+
+def _noise(x) -> float:
+    """Mean size of the steps from sample to sample."""
+    step = np.abs(np.diff(np.asarray(x, dtype=float)))
+    step = step[np.isfinite(step)]
+    return float(step.mean()) if step.size else 0.0
+
+
+def _spread(noise: list[float]) -> float:
+    """The largest over the least."""
+    return max(noise) / min(noise) if min(noise) > 0 else float("inf")
