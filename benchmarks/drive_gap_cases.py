@@ -132,9 +132,10 @@ def case(kind, seed, judged=False):
         **{f"option {k}": v for k, v in options.items()},
         "gain": gain(drive, effects) if len(effects) == 1 else None,
         "steps": [
-            {k: s[k] for k in ("effect", "parameters", "intervals", "confidence", "log_likelihood_gain")}
+            {k: s[k] for k in ("effect", "parameters", "intervals", "weight", "confidence", "log_likelihood_gain")}
             for s in found.steps
         ],
+        "unseen": [[e["effect"], e["parameter"]] for e in found.invisible],
         "indistinguishable": [s["indistinguishable"] for s in found.steps],
         "nis": found.after.nis, "index": found.after.index, "unexplained": found.unexplained, "notes": list(found.notes),
         "outages": in_outages(drive, [*effects, *beside], found.model) if judged and effects else None,

@@ -29,7 +29,7 @@ from scipy.spatial.transform import Rotation  # noqa: E402
 from imu_lib.drive import Drive  # noqa: E402
 from imu_lib.gap import drive as gap_drive  # noqa: E402
 from imu_lib.gap.drive import columns, loop, select, vehicle  # noqa: E402
-from imu_lib.navigation import gross  # noqa: E402
+from imu_lib.navigation import axes  # noqa: E402
 
 RESULTS = ROOT / "benchmarks" / "results" / "drive_gap_real.json"
 TURNED = ("+y", "-x", "+z")
@@ -143,9 +143,9 @@ def main():
             continue
         drive = Drive.load(folder / f"{name}.npz")
         result, found = searched(drive)
-        c = gross.to_body(TURNED)
+        c = axes.to_body(TURNED)
         turned = drive.with_(gyro=drive.gyro @ c, accel=drive.accel @ c)
-        result["axes"] = {"put in": list(TURNED), "found": list(gross.axes(turned)[0])}
+        result["axes"] = {"put in": list(TURNED), "found": list(axes.of(turned)[0])}
         result["hidden"] = injected(drive, found)
         table["drives"][name] = result
         table |= {

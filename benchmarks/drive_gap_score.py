@@ -26,6 +26,8 @@ import numpy as np
 from drive_gap_cases import KINDS, KNOWN, ROOT, UNKNOWN, case
 from statsmodels.stats.proportion import proportion_confint
 
+from imu_lib.gap.drive import columns, reliability
+
 RESULTS = ROOT / "benchmarks" / "results"
 SURE, DETECTABLE = 0.9, 20.0
 BINS = (0.0, 0.5, 0.8, 0.9, 0.99, 1.0)  # of the confidence
@@ -70,6 +72,9 @@ def score(rows):
     for kind in UNKNOWN:
         mine = [r for r in rows if r["kind"] == kind]
         out["unknown"][kind] = rate(sum(r["unexplained"] is not None for r in mine), len(mine))
+    out["names"] = names_by_class(rows)
+    shown = {k: covered([r for r in right if r["kind"] == k], unseen=False) for k in KNOWN}
+    out["coverage_of_visible"] = rate(*np.sum([p[:2] for p in shown.values()], axis=0).tolist())
     pairs_of = {k: covered([r for r in right if r["kind"] == k]) for k in KNOWN}
     out["coverage"] = rate(*np.sum([p[:2] for p in pairs_of.values()], axis=0).tolist())
     out["coverage_by_effect"] = {k: rate(*p[:2]) for k, p in pairs_of.items() if p[1]}
@@ -109,8 +114,22 @@ def frequency(rows, beside):
     return out
 
 
-def covered(rows):
-    """(values inside their interval, values, inside or within a tenth) of rightly named effects."""
+def names_by_class(rows):
+    """{class of `reliability`: {effect: [found, right]}} of all names: what sets their confidence."""
+    out = {k: {} for k in reliability.COUNTED}
+    for r in rows:
+        for s in r["steps"]:
+            mine = out[reliability.kind(s["weight"], r["unexplained"] is not None)]
+            count = mine.setdefault(s["effect"], [0, 0])
+            count[0] += 1
+            count[1] += s["effect"] in true_names(r)
+    return {k: dict(sorted(v.items())) for k, v in out.items()}
+
+
+def covered(rows, unseen=True):
+    """(values inside their interval, values, inside or within a tenth) of rightly named effects; unseen:
+    with the components whose interval is what the upper limit leaves.
+    """
     inside, total, near = 0, 0, 0
     for r in rows:
         for s in r["steps"]:
@@ -121,7 +140,14 @@ def covered(rows):
                 if truth is None:
                     continue
                 values = np.ravel(s["parameters"][key])
-                for t, v, (low, high) in zip(np.ravel(truth), values, np.reshape(pairs, (-1, 2))):
+                hidden = set() if unseen else {p for e, p in r["unseen"] if e == s["effect"]}
+                parts = [columns.ALL[i].component for i in columns.of(s["effect"])]
+                listed = [k == key or k.startswith(f"{key} ") for k in parts]
+                names = [k for k, mine in zip(parts, listed) if mine] or [key]
+                both = np.reshape(pairs, (-1, 2))
+                for name, t, v, (low, high) in zip(names, np.ravel(truth), values, both):
+                    if name in hidden:
+                        continue
                     hit = bool(low <= t <= high)
                     inside, total = inside + hit, total + 1
                     near += hit or abs(v - t) <= 0.1 * abs(t)

@@ -10,7 +10,7 @@ from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
 from imu_lib.gap.drive import admission, columns, path, problem, select
 from imu_lib.model import Model
-from imu_lib.navigation import earth, gross, strapdown
+from imu_lib.navigation import axes, earth, lateness, strapdown
 
 MODEL = Model.from_json(generator.MODEL)
 
@@ -71,23 +71,23 @@ def test_sensitivity_is_the_derivative_of_the_innovations():
 )
 def test_axes_are_found(permutation):
     drive = made(5, [("axes", {"permutation": permutation})], gnss_rate=2.0)
-    assert gross.axes(drive)[0] == permutation
+    assert axes.of(drive)[0] == permutation
 
 
 def test_late_fixes_are_found():
     drive = made(6, [("gnss_time_offset", {"offset": 3.0})], gnss_rate=1.0, velocity=False)
-    assert gross.late(drive)[0] == pytest.approx(3.0, abs=0.3)
+    assert lateness.late(drive)[0] == pytest.approx(3.0, abs=0.3)
 
 
 def test_the_match_of_turns_moves_with_the_stamps():
     # positions and velocities with lags of their own, as receivers have them
     own = {"offset": -0.19, "velocity_offset": -0.05}
     drive = made(8, [("gnss_time_offset", own)], position_sd=(0.03,) * 3, velocity_sd=(0.05,) * 3)
-    here = gross.best_match(drive)[0]
+    here = lateness.best_match(drive)[0]
     assert here == pytest.approx(-0.05, abs=0.1)  # that of the velocities
     for shift in (-0.3, 0.3, 0.7):
         moved = drive.with_(gnss_time=np.asarray(drive.gnss_time) + shift)
-        assert gross.best_match(moved)[0] - here == pytest.approx(shift, abs=0.02)
+        assert lateness.best_match(moved)[0] - here == pytest.approx(shift, abs=0.02)
 
 
 def test_velocities_of_another_solution_do_not_hide_the_axes():
@@ -95,7 +95,7 @@ def test_velocities_of_another_solution_do_not_hide_the_axes():
     velocity = np.array(drive.gnss_velocity)
     velocity[1::2, :2] *= -1.0  # as of a receiver that gives two solutions in turn
     mixed = drive.with_(gnss_velocity=velocity)
-    assert gross.axes(mixed)[0] == ("+y", "-x", "+z")
+    assert axes.of(mixed)[0] == ("+y", "-x", "+z")
     notes = []
     assert admission.one_solution(drive, notes) is drive and not notes
     assert admission.one_solution(mixed, notes).gnss_velocity is None

@@ -1,16 +1,35 @@
 """What `check` finds on a drive against itself."""
 
+from types import SimpleNamespace
+
 import drive_generator as generator
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import from_arrays
 from imu_lib.errors import InputError
-from imu_lib.gap.drive import admission, left
+from imu_lib.gap.drive import admission, left, vehicle
 from imu_lib.health.driven import disagreements
-from imu_lib.navigation import gross
+from imu_lib.navigation import fix_faults, lateness, preparation, windows
 
 RIGHT = generator.make(21, duration=200.0)
+STAMPS = RIGHT["gnss_time"]
+CASE = Rotation.from_euler("ZYX", [130.0, 25.0, -40.0], degrees=True)
+
+
+def jumped():
+    """Heights of another datum in the second half."""
+    return RIGHT["gnss_position"] - np.outer(STAMPS > 100.0, [0.0, 0.0, 46.0])
+
+
+def repeated():
+    """Fixes of a receiver that gives its last solution for twelve seconds."""
+    out = {k: RIGHT[k].copy() for k in ("gnss_position", "gnss_velocity")}
+    away = np.flatnonzero((STAMPS > 80.0) & (STAMPS < 92.0))
+    for values in out.values():
+        values[away] = values[away[0]]
+    return out
 
 
 def said(**changes):
@@ -33,6 +52,14 @@ def test_a_right_drive_says_nothing():
         ("too small", {"gnss_position_sd": RIGHT["gnss_position_sd"] * 0.1}),
         ("jumps", {"reference_position": RIGHT["reference_position"]
                    + np.where(np.arange(len(RIGHT["reference_time"])) == 700, 2e-5, 0.0)[:, None]}),
+        ("in km/h; divide gnss_velocity by 3.6", {"gnss_velocity": 3.6 * RIGHT["gnss_velocity"]}),
+        ("in knots", {"gnss_velocity": RIGHT["gnss_velocity"] / 0.51444}),
+        ("their heights by -4", {"gnss_position": jumped()}),
+        ("repeat the position", repeated()),
+        ("s late in the second: one of the clocks", {"gnss_time": STAMPS + (STAMPS > 100.0)}),
+        ("longitude, latitude", {"gnss_position": RIGHT["gnss_position"][:, [1, 0, 2]]}),
+        ("heights rise where", {"gnss_velocity": RIGHT["gnss_velocity"] * [1, 1, -1]}),
+        ("roll -40, pitch 25", {k: CASE.inv().apply(RIGHT[k]) for k in ("gyro", "accel")}),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said(word, changes):
@@ -61,7 +88,7 @@ def test_units_and_signs_are_asked_for_and_not_explained():
 
 def test_fixes_are_found_that_are_most_of_a_minute_late():
     drive = from_arrays(generator.make(9, duration=240.0), "x")
-    late, likeness, _ = gross.best_match(drive.with_(gnss_time=drive.gnss_time + 40.0))
+    late, likeness, _ = lateness.best_match(drive.with_(gnss_time=drive.gnss_time + 40.0))
     assert abs(late - 40.0) < 0.2 and likeness > 0.7
 
 
@@ -71,3 +98,50 @@ def test_a_noise_that_no_sensor_has_is_said():
     assert left.absurd(found) is None
     found[0]["parameters"]["to"] = 2e-2
     assert "200 times" in left.absurd(found)
+
+
+def test_fixes_that_only_repeat_the_last_are_not_used():
+    drive = from_arrays({**RIGHT, **repeated()}, "x")
+    prepared = preparation.prepare(drive)
+    away = (prepared.fixes.time > 80.5) & (prepared.fixes.time < 92.0)
+    assert not away.any() and any("repeat the position" in n for n in prepared.notes)
+    # nobody drops the fixes of a car that stands
+    still = {k: RIGHT[k].copy() for k in ("gnss_position", "gnss_velocity")}
+    for values in still.values():
+        values[STAMPS < 15.0] = values[0]
+    assert not fix_faults.held(from_arrays({**RIGHT, **still}, "x")).any()
+
+
+def test_stamps_that_jitter_are_no_missing_samples():
+    rng = np.random.default_rng(4)
+    time = RIGHT["time"] + rng.uniform(-0.004, 0.004, RIGHT["time"].size)
+    notes = preparation.prepare(from_arrays({**RIGHT, "time": time}, "x")).notes
+    assert not any("missing" in n for n in notes)
+    kept = rng.random(time.size) > 0.02
+    holes = {k: RIGHT[k][kept] for k in ("time", "gyro", "accel", "temperature")}
+    (said,) = [n for n in preparation.prepare(from_arrays({**RIGHT, **holes}, "x")).notes]
+    assert int(said.split()[0]) == np.flatnonzero(kept)[-1] + 1 - kept.sum()
+
+
+def test_outages_begin_where_fixes_in_bursts_end():
+    kept = STAMPS % 10.0 < 1.0
+    burst = {k: v[kept] for k, v in RIGHT.items() if k.startswith("gnss_")}
+    drive = from_arrays({**RIGHT, **burst}, "x")
+    found = windows.regular_windows(drive, duration=20.0, settle=37.0)
+    assert len(found) >= 4 and not any(windows.broken(drive, w) for w in found)
+
+
+@pytest.mark.parametrize("angles", [(0.1, 0.2, 0.3), (-0.7, 0.44, 2.27), (0.0, 0.0, -3.0)])
+def test_mounting_is_exact_at_any_angle(angles):
+    rng, count = np.random.default_rng(1), 600
+    tilt = rng.normal(0.0, 0.02, (count, 2))
+    yaw = np.cumsum(rng.normal(0.0, 0.05, count))
+    vehicle_to_ned = Rotation.from_euler("ZYX", np.column_stack([yaw, tilt]))
+    case = vehicle_to_ned * Rotation.from_euler("ZYX", angles[::-1])
+    path = {
+        "time": np.arange(float(count)), "velocity": vehicle_to_ned.apply([15.0, 0.0, 0.0]),
+        "attitude": case.as_euler("ZYX")[:, ::-1],
+    }  # fmt: skip
+    found, sd = vehicle.mounting(SimpleNamespace(path=path), np.full(3, 0.003))
+    # roll by the median of 540 rolls of 0.02 rad
+    assert found == pytest.approx(angles, abs=0.005) and np.all(sd < 0.03)

@@ -1,19 +1,24 @@
 """How sure a drive's findings are, and what is said of those that do not help or cannot be told apart."""
 
+import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import drive_generator as generator
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 from imu_lib.cli import gap_drive as told
 from imu_lib.drive import from_arrays
 from imu_lib.errors import InputError
-from imu_lib.gap.drive import admission, columns, evidence, left, posterior, select
+from imu_lib.gap.drive import admission, columns, evidence, left, posterior, reliability, select
 from imu_lib.health.driven import disagreements
-from imu_lib.navigation import gross, windows
+from imu_lib.navigation import axes, windows
 
+RESULTS = Path(__file__).resolve().parents[1] / "benchmarks" / "results"
+REPEATS = 200
 RIGHT = generator.make(21, duration=200.0)
 BIAS, SCALE = columns.of("accel_bias")[2], columns.of("accel_scale")[2]
 KEPT = ("accel_bias", "accel_scale")
@@ -50,14 +55,50 @@ def test_values_that_sensors_have_or_that_do_not_cancel_stay(bias, scale):
     assert not select.ridges(reg, KEPT)
 
 
-def test_confidence_follows_the_evidence_where_the_filter_stays_wrong():
-    found = [
-        {"effect": e, "log_likelihood_gain": g, "confidence": 0.999}
-        for e, g in (("imu_clock", 24.0), ("gnss_correlated", 145136.0), ("mounting", 500.0))
-    ]
-    evidence.sober(found, 43.6)
-    few, many, elsewhere = (s["confidence"] for s in found)
-    assert few < 0.55 and many == elsewhere == evidence.FAR
+def test_confidence_is_the_share_of_right_names_in_the_stored_score():
+    table = json.loads((RESULTS / "drive_gap_score_first.json").read_text())["names"]
+    stored = {c: {e: tuple(n) for e, n in names.items()} for c, names in table.items()}
+    assert stored == reliability.COUNTED
+    for beside in (False, True):
+        found = [{"effect": "never heard of", "weight": 0.999, "runner_up": {"confidence": 0.9}}]
+        reliability.give(found, beside)
+        counted = reliability.COUNTED["beside" if beside else "full"].values()
+        right, of = sum(c[1] for c in counted), sum(c[0] for c in counted)
+        assert found[0]["confidence"] == pytest.approx((right + 1) / (of + 2))
+        # what is left over is all that a rival can have
+        assert found[0]["runner_up"]["confidence"] <= 1.0 - found[0]["confidence"] + 1e-12
+
+
+def test_intervals_cover_where_the_innovations_of_one_column_alone_are_correlated():
+    rng = np.random.default_rng(12)
+    count, fixes = len(columns.ALL), 900
+    x, y, z = columns.of("accel_scale")
+    time, use = np.arange(fixes) * 1.0, np.ones((fixes, 6), bool)
+    inside, plain = 0, 0
+    for _ in range(REPEATS):
+        e, jac = rng.standard_normal((fixes, 6)), np.zeros((fixes, 6, count))
+        slow = lfilter([np.sqrt(1.0 - 0.9**2)], [1.0, -0.9], rng.standard_normal((2, fixes)))
+        e[:, 0], jac[:, 0, x] = slow[0], 100.0 * slow[1]  # correlated, and so is what would show it
+        jac[:, 1, y], jac[:, 2, z] = 100.0 * rng.standard_normal((2, fixes))
+        result = SimpleNamespace(e=e, jac=jac)
+        reg = select.regression(SimpleNamespace(time=time), result, np.zeros(count), use)
+        value, cov, _ = reg.solve([x])
+        inside += abs(value[0]) < 1.96 * reg.sd([x])[0]
+        plain += abs(value[0]) < 1.96 * np.sqrt(cov[0, 0])
+    # of 95 % asked, four standard deviations of the count; the likelihood alone covers far less
+    assert inside > REPEATS * (0.95 - 4.0 * np.sqrt(0.05 * 0.95 / REPEATS))
+    assert plain < 0.75 * REPEATS
+
+
+def test_a_component_that_the_drive_does_not_show_has_the_interval_of_its_limit():
+    step = {
+        "effect": "lever_arm",
+        "parameters": {"arm": [0.2, -0.4, -0.65]},
+        "intervals": {"arm": [[0.1, 0.3], [-0.5, -0.3], [-0.7, -0.6]]},
+    }
+    unseen = [{"effect": "lever_arm", "parameter": "arm z", "upper_limit": 1.3}]
+    left.limited([step], unseen, np.array([0.0, 0.0, 0.5]))
+    assert step["intervals"]["arm"] == [[0.1, 0.3], [-0.5, -0.3], [pytest.approx(-0.8), 1.8]]
 
 
 def test_steps_that_do_not_help_are_said():
@@ -97,12 +138,12 @@ def test_no_mirror_image_is_a_rival_of_a_rigid_case(first, monkeypatch):
     def costs(m, tried):
         return {p: nats.get(p, 5e4) for p in tried}
 
-    monkeypatch.setattr(gross, "motion", lambda d: SimpleNamespace(moving=np.ones(1000, bool)))
-    monkeypatch.setattr(gross, "_costs", costs)
-    monkeypatch.setattr(gross, "MIRRORED", 0.0)
-    found, _, rival, _, _ = gross.axes(None)
+    monkeypatch.setattr(axes, "motion", lambda d: SimpleNamespace(moving=np.ones(1000, bool)))
+    monkeypatch.setattr(axes, "_costs", costs)
+    monkeypatch.setattr(axes, "MIRRORED", 0.0)
+    found, _, rival, _, _ = axes.of(None)
     # a file with a wrong sign has left-handed axes: then every case is a rival
-    assert found == first and rival == (mirror if gross.mirrored(first) else other)
+    assert found == first and rival == (mirror if axes.mirrored(first) else other)
 
 
 def test_accelerometers_with_all_signs_turned_are_refused():
@@ -113,8 +154,8 @@ def test_accelerometers_with_all_signs_turned_are_refused():
     # in a case that leans by 10 degrees
     leaning = Rotation.from_euler("YX", [0.18, -0.14]).as_matrix()
     leant = drive.with_(gyro=drive.gyro @ leaning, accel=drive.accel @ leaning)
-    assert not gross.forces_reversed(leant)
-    assert gross.forces_reversed(leant.with_(accel=-leant.accel))
+    assert not axes.forces_reversed(leant)
+    assert axes.forces_reversed(leant.with_(accel=-leant.accel))
 
 
 def test_fixes_and_readings_that_do_not_overlap_are_said():

@@ -188,7 +188,7 @@ def test_a_limit_leaves_the_other_end_of_the_ridge_free():
     row[late], row[ahead], apart[ahead] = 10.0, -1.0, 1.0
     information = 400.0 * np.outer(row, row) + 4.0 * np.outer(apart, apart)
     reg = select.Regression(information, np.zeros(count), 1.0, 400)
-    _, sd = select.seen(reg, (), "lever_arm")
+    _, sd, _ = select.seen(reg, (), "lever_arm")
     _, cov, _ = reg.solve(columns.of("lever_arm"))
     assert sd[0] > 5.0 * np.sqrt(cov[0, 0])
 

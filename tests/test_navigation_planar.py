@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import imu_lib as imu
-from imu_lib.navigation import planar
+from imu_lib.navigation import planar, planar_loop
 from imu_lib.navigation import update_interval as ui
 from imu_lib.processes import Autoregressive, Constant, GaussMarkov, WhiteNoise
 from imu_lib.units import DEG
@@ -105,7 +105,7 @@ def test_filter_equals_a_dense_one():
     for k in range(n):
         u, v, w = readings[0, k] - model.output @ b
         middle = x[4] + 0.5 * w * DT
-        an, ae = planar.mechanize(x, u, v, w, DT)
+        an, ae = planar_loop.mechanize(x, u, v, w, DT)
         phi = planar.transition(middle, (an, ae), model)
         q = np.zeros((7, 7))
         c, s = np.cos(middle), np.sin(middle)

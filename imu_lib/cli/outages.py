@@ -178,6 +178,7 @@ def run(args):
     models = outages_models.models(args, names, drive, arm)
     heading = None if args.heading is None else args.heading * 3.141592653589793 / 180.0
     gnss, notes = _fixes(args, drive, models, heading)
+    notes = (*_frames(drive, models), *notes)
     study = outages.compare(
         drive,
         models,
@@ -194,6 +195,29 @@ def run(args):
     common.write_json(study, args.json)
     if args.json != "-":
         print(outages_report.text(study, drive))
+
+
+def _frames(drive, models):
+    """What is to be said of axes and signs, beyond what the models hold of them."""
+    import numpy as np
+    from scipy.spatial.transform import Rotation
+
+    from imu_lib.health.driven import frames
+    from imu_lib.navigation import fix_faults
+
+    held = next(iter(models.values())).held
+    held_drive = held.drive(drive)
+    offset = held.value("gnss_time_offset", "offset", 0.0)
+    held_drive = held_drive.with_(gnss_time=np.asarray(drive.gnss_time) - offset)
+    if held.mounting is not None:
+        turn = Rotation.from_euler("ZYX", held.mounting[::-1])
+        held_drive = held_drive.with_(
+            gyro=turn.apply(np.array(held_drive.gyro)), accel=turn.apply(np.array(held_drive.accel))
+        )
+    said, _ = frames(held_drive)
+    if fix_faults.positions_swapped(held_drive):
+        raise InputError(said[0])
+    return said
 
 
 def _codes(text):

@@ -9,6 +9,8 @@ from imu_lib.health.driven import disagreements
 from imu_lib.health.record import of_record
 from imu_lib.health.result import Health
 
+TILTED = "The sensor was tilted"
+
 
 def of_drive(drive: Drive) -> Health:
     """The health of a drive: its IMU, its fixes, its reference."""
@@ -48,11 +50,14 @@ def of_drive(drive: Drive) -> Health:
         more.append("The fixes have no velocity.")
     if not any("overlap" in m for m in more):
         more += disagreements(drive)
-    # a vehicle moves, and nobody reads bias instability off a drive: neither is a finding here
+    # a vehicle moves, accelerates, and nobody reads bias instability off it: none is a finding here
     keep = tuple(
         f
         for f in imu.findings
-        if not f.startswith(("The sensor is", "In ", "The longest stretch", "The record lasts"))
+        if "of the kind tilt " not in f
+        and not f.startswith(
+            ("The sensor is", "In ", "The longest stretch", "The record lasts", TILTED)
+        )
     )
     return Health(
         drive.name,

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import Drive
-from imu_lib.navigation import earth, gross
+from imu_lib.navigation import axes, earth, fix_faults, fix_motion, lateness
 from imu_lib.units import DEG
 
 LATE = 0.25  # s
+STEADY = 0.5  # s by which two halves of a drive may be late apart
 HEAVY = 0.015  # of gravity: three standard deviations of a bias at switch-on
 JUMP = 10.0  # m
+TURNED = 20.0 * DEG  # a case that leans, or stands askew, by less is an ordinary one
 FAR = 10.0  # m of a reference from the fixes
 RATIO = 3.0  # of the fixes' scatter to what is stated
 
@@ -20,44 +23,132 @@ def disagreements(drive: Drive) -> list[str]:
     that jumps or lies elsewhere, standard deviations that are not true, velocities in another
     frame.
     """
-    if gross.velocities_swapped(drive):
+    out, right = frames(drive)
+    if right is None:
+        return out
+    return out + _time(right) + _turns(right) + _weight(right) + _reference(drive) + _fixes(drive)
+
+
+def frames(drive: Drive) -> tuple[list[str], Drive | None]:
+    """What is said of axes and signs, and the drive with them put right; None where the fixes are
+    not even of one frame.
+    """
+    if fix_faults.positions_swapped(drive):
+        return [
+            "The fixes' positions are longitude, latitude; a drive holds latitude, longitude: swap the first two columns of gnss_position."
+        ], None
+    if fix_faults.velocities_swapped(drive):
         return [
             "The fixes' velocities are east, north, up; a drive holds north, east, down: swap the first two and turn the third's sign."
-        ]
-    out = []
-    if gross.forces_reversed(drive):
+        ], None
+    out = _speeds(drive) + _jumps(drive) + _held(drive)
+    if fix_faults.upside_down(drive):
+        out.append(
+            "The heights rise where the fixes' velocities fall: a drive holds north, east, down; turn the sign of the third column of "
+            "gnss_velocity, or of the heights if they are depths."
+        )
+    if axes.forces_reversed(drive):
         drive = drive.with_(accel=-drive.accel)
         out.append(
             "The accelerometers have all signs turned: they read gravity, and not the specific force, its opposite; multiply `accel` by -1."
         )
-    permutation, _, _, gain, _ = gross.axes(drive)
-    right = drive
-    if permutation != gross.IDENTITY:
-        c = gross.to_body(permutation)
-        right = drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
+    permutation, _, _, gain, _ = axes.of(drive)
+    if permutation != axes.IDENTITY:
+        c = axes.to_body(permutation)
+        drive = drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
         out.append(
             f"The axes are not forward, right, down: the fixes' accelerations and turns fit when x, y, z of the file point "
             f"along the body's {', '.join(permutation)} ({gain:.0f} nats); `imu-lib gap` on this drive with --out DIR writes a model file that "
             "holds it, for --model."
         )
-    return out + _time(right) + _turns(right) + _weight(right) + _reference(drive) + _fixes(drive)
+    return out + _turned(drive) + _clocks(drive), drive
 
 
-def _time(drive):
-    late, likeness = gross.late(drive)
-    if abs(late) < LATE:
+def _turned(drive):
+    angles, gain = axes.turn(drive)
+    size = float(Rotation.from_euler("ZYX", angles[::-1]).magnitude())
+    if size < TURNED or gain < axes.CLEAR:
         return []
+    roll, pitch, yaw = angles / DEG
     return [
-        f"The fixes are about {abs(late):.1f} s {'late' if late > 0 else 'early'} against the IMU (turns and accelerations agree best there, "
-        f"correlation {likeness:.2f}): give `imu-lib outages` --latency {late:.1f}, or let `imu-lib gap` find it to the hundredth."
+        f"The sensor's case is turned in the vehicle, by about roll {roll:.0f}, pitch {pitch:.0f}, yaw {yaw:.0f} deg ({gain:.0f} nats): a filter "
+        "that takes its x for forward starts with a wrong heading; `imu-lib gap` on this drive with --out DIR writes a model file that holds "
+        "the mounting, for --model."
     ]
 
 
+def _clocks(drive):
+    halves = lateness.of_halves(drive)
+    if halves is None or abs(halves[1] - halves[0]) < STEADY:
+        return []
+    return [
+        f"The fixes are {_late(halves[0])} in the first half of the drive and {_late(halves[1])} in the second: one of the clocks jumps or "
+        "drifts; cut the drive where it does (--start, --stop)."
+    ]
+
+
+def _speeds(drive):
+    ratio = fix_faults.speed_ratio(drive)
+    if ratio == 1.0:
+        return []
+    said = f"The fixes' velocities are {ratio:.3g} times those at which their positions move"
+    unit = fix_faults.unit_of(ratio)
+    if unit is None:
+        return [f"{said}: one of the two is in another unit or of another solution."]
+    return [f"{said}: they are in {unit}; divide gnss_velocity by {fix_faults.UNITS[unit]:.4g}."]
+
+
+def _jumps(drive):
+    time, size = fix_faults.jumps(drive)
+    if not time.size:
+        return []
+    k = int(np.argmax(np.linalg.norm(size, axis=1)))
+    down, aside = size[k, 2], float(np.hypot(*size[k, :2]))
+    what = f"heights by {-down:+.0f} m" if abs(down) > aside else f"positions by {aside:.0f} m"
+    often = "once" if time.size == 1 else f"{time.size} times"
+    return [
+        f"The fixes jump {often} and stay there, their {what} at {time[k]:.1f} s, where the fixes about it do not move: another datum (geoid or "
+        "ellipsoid), base station or solution from then on; bring them to one, or cut the drive there (--start, --stop)."
+    ]
+
+
+def _held(drive):
+    held = fix_faults.held(drive)
+    if not held.any():
+        return []
+    first = float(np.asarray(drive.gnss_time)[held][0])
+    return [
+        f"{held.sum()} of {held.size} fixes repeat the position of the one before while the drive goes on, the first at {first:.1f} s: the receiver "
+        "holds its last solution; `outages` and `gap` do not use them."
+    ]
+
+
+def _time(drive):
+    offset, likeness = lateness.late(drive)
+    if _clocks(drive):
+        return []
+    if abs(offset) < LATE:
+        return []
+    flags = f"--latency {offset:.1f}"
+    if drive.gnss_velocity is not None:
+        alone, sure = lateness.late(drive.with_(gnss_velocity=None, gnss_velocity_sd=None))
+        if sure > 0.5 and abs(alone - offset) > LATE:
+            flags = f"--latency {alone:.1f} --velocity-latency {offset:.1f}"
+    return [
+        f"The fixes are {_late(offset)} against the IMU (turns and accelerations agree best there, "
+        f"correlation {likeness:.2f}): give `imu-lib outages` {flags}, or let `imu-lib gap` find it to the hundredth."
+    ]
+
+
+def _late(offset):
+    return f"about {abs(offset):.1f} s {'late' if offset > 0 else 'early'}"
+
+
 def _turns(drive):
-    m = gross.motion(drive)
+    m = fix_motion.motion(drive)
     if m is None or m.moving.sum() < 200 or np.std(m.expected[m.moving, 2]) < 0.02:
         return []
-    steps = int(round(gross.late(drive)[0] / gross.STEP))
+    steps = int(round(lateness.late(drive)[0] / fix_motion.STEP))
     expected, felt = np.roll(m.expected[:, 2], -steps)[m.moving], m.readings[m.moving, 2]
     if np.corrcoef(expected, felt)[0, 1] < 0.7:
         return []

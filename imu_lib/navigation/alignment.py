@@ -13,7 +13,8 @@ from imu_lib.errors import InputError
 from imu_lib.units import DEG
 
 from . import attitude, earth
-from .preparation import Fixes, Stretch
+from .preparation import Fixes
+from .stretch import Stretch
 
 STANDING = 0.3  # m/s: below this a fix says the car stands
 MOVING = 3.0  # m/s: above this the course is a heading
@@ -120,86 +121,117 @@ def align(
         raise InputError(
             f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to start the filter from"
         )
+    seen = _seen(stretch, fixes, index)
+    if heading is None and not seen.straight:
+        raise InputError(
+            f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s moves faster than "
+            f"{MOVING:g} m/s on a straight; give the initial heading (--heading DEG)"
+        )
+    if seen.standstill >= 2.0:
+        return _standing(stretch, fixes, seen, heading, (heading_sd, tilt_sd))
+    return _moving(stretch, fixes, seen, heading, (heading_sd, tilt_sd))
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Of the fixes `index` (k,) in a stretch: time, velocity (k, 3) and epoch; straight: those in quick
+    straight motion; begin, leaves: epochs of the standstill, s long; first: fix with a velocity.
+    """
+
+    index: np.ndarray
+    time: np.ndarray
+    velocity: np.ndarray
+    epochs: np.ndarray
+    straight: list
+    begin: int
+    leaves: int
+    standstill: float
+    first: int
+
+
+def _seen(stretch, fixes, index):
     span = _span(fixes)
     noise = 0.0 if span == SHORTEST else _slope_sd(fixes, span)
     velocity = velocity_of(fixes)[index]
     time = fixes.time[index]
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     epochs = np.minimum(np.searchsorted(stretch.time, time), stretch.time.size - 1)
-    rate = stretch.dtheta / stretch.dt[:, None]
-    force = stretch.dvel / stretch.dt[:, None]
-    span = max(int(round(0.5 / np.median(stretch.dt))), 1)
     with np.errstate(invalid="ignore"):
-        first_known = int(np.argmax(np.isfinite(speed))) if np.isfinite(speed).any() else 0
+        first = int(np.argmax(np.isfinite(speed))) if np.isfinite(speed).any() else 0
         moved = np.flatnonzero(speed > max(STANDING, 4.0 * noise))
         quick = np.flatnonzero(speed > max(MOVING, 8.0 * noise))
     begin = 0 if time[0] - stretch.time[0] < 2.0 else int(epochs[0])
     leaves = int(epochs[max(moved[0] - 1, 0)]) if moved.size else int(epochs[-1])
-    standstill = (
-        float(stretch.time[leaves] - stretch.time[begin])
-        if leaves > begin and not (moved.size and moved[0] <= first_known)
-        else 0.0
-    )
-    turned = np.concatenate([[0.0], np.cumsum(rate[:, 2])])
-    low, high = np.maximum(epochs - span, 0), np.minimum(epochs + span, len(rate))
+    stands = leaves > begin and not (moved.size and moved[0] <= first)
+    standstill = float(stretch.time[leaves] - stretch.time[begin]) if stands else 0.0
+    yaw_rate = stretch.dtheta[:, 2] / stretch.dt
+    around = _around(stretch)
+    turned = np.concatenate([[0.0], np.cumsum(yaw_rate)])
+    low = np.maximum(epochs - around, 0)
+    high = np.minimum(epochs + around, len(yaw_rate))
     mean = (turned[high] - turned[low]) / np.maximum(high - low, 1)
     straight = [int(i) for i in quick if high[i] > low[i] and abs(mean[i]) < TURNING]
-    if heading is None and not straight:
-        raise InputError(
-            f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s moves faster than "
-            f"{MOVING:g} m/s on a straight; give the initial heading (--heading DEG)"
+    return _Seen(index, time, velocity, epochs, straight, begin, leaves, standstill, first)
+
+
+def _around(stretch):
+    """Samples in half a second."""
+    return max(int(round(0.5 / np.median(stretch.dt))), 1)
+
+
+def _standing(stretch, fixes, seen, heading, sds):
+    """The alignment at the begin of a standstill; sds: of heading and tilt, rad."""
+    rate = stretch.dtheta / stretch.dt[:, None]
+    still = slice(seen.begin, seen.leaves)
+    roll, pitch = level((stretch.dvel / stretch.dt[:, None])[still].mean(axis=0))
+    offset = rate[still].mean(axis=0)
+    angles = np.array([roll, pitch, 0.0 if heading is None else heading])
+    if heading is None:
+        some = seen.straight[:SEVERAL]
+        until = slice(seen.begin, seen.epochs[some[-1]] + 1)
+        turned = _yaw_since(
+            angles, rate[until] - offset, stretch.dt[until], seen.epochs[some] - seen.begin
         )
-    position_sd, velocity_sd = (
-        np.sqrt(fixes.variance[index[0], :3]),
-        np.sqrt(fixes.variance[index[0], 3:]),
+        angles[2] = _common(np.arctan2(seen.velocity[some, 1], seen.velocity[some, 0]) - turned)
+    position_sd = np.sqrt(fixes.variance[seen.index[0], :3])
+    return Alignment(
+        seen.begin,
+        fixes.value[seen.index[0], :3].copy(),
+        np.zeros(3),
+        angles,
+        np.concatenate([position_sd, np.full(3, 0.1), [sds[1], sds[1], sds[0]]]),
+        offset,
+        seen.standstill,
+        float(seen.time[0]),
     )
-    if standstill >= 2.0:
-        still = slice(begin, leaves)
-        mean = force[still].mean(axis=0)
-        roll, pitch = level(mean)
-        offset = rate[still].mean(axis=0)
-        angles = np.array([roll, pitch, 0.0 if heading is None else heading])
-        if heading is None:
-            some = straight[:SEVERAL]
-            turned = _yaw_since(
-                angles,
-                rate[begin : epochs[some[-1]] + 1] - offset,
-                stretch.dt[begin : epochs[some[-1]] + 1],
-                epochs[some] - begin,
-            )
-            angles[2] = _common(np.arctan2(velocity[some, 1], velocity[some, 0]) - turned)
-        return Alignment(
-            begin,
-            fixes.value[index[0], :3].copy(),
-            np.zeros(3),
-            angles,
-            np.concatenate([position_sd, np.full(3, 0.1), [tilt_sd, tilt_sd, heading_sd]]),
-            offset,
-            standstill,
-            float(time[0]),
-        )
-    k = straight[0] if straight else first_known
-    e = int(epochs[k])
-    now = velocity[k] if np.isfinite(velocity[k]).all() else np.zeros(3)
+
+
+def _moving(stretch, fixes, seen, heading, sds):
+    """The alignment at the first fix in straight motion; sds: of heading and tilt, rad."""
+    k = seen.straight[0] if seen.straight else seen.first
+    e = int(seen.epochs[k])
+    now = seen.velocity[k] if np.isfinite(seen.velocity[k]).all() else np.zeros(3)
     yaw = np.arctan2(now[1], now[0]) if heading is None else heading
-    acceleration = _slope(time, velocity, k)
+    acceleration = _slope(seen.time, seen.velocity, k)
+    span = _around(stretch)
+    force = stretch.dvel / stretch.dt[:, None]
     around = force[max(e - span, 0) : e + span].mean(axis=0)
     ahead, aside = (
         np.cos(yaw) * acceleration[0] + np.sin(yaw) * acceleration[1],
         -np.sin(yaw) * acceleration[0] + np.cos(yaw) * acceleration[1],
     )
     roll, pitch = level(around - np.array([ahead, aside, acceleration[2]]))
+    sd = np.sqrt(fixes.variance[seen.index[0]])
+    tilts = [2 * sds[1], 2 * sds[1], sds[0]]
     return Alignment(
         e,
-        fixes.value[index[k], :3].copy(),
+        fixes.value[seen.index[k], :3].copy(),
         now,
         np.array([roll, pitch, yaw]),
-        np.concatenate(
-            [position_sd, np.maximum(velocity_sd, 0.5), [2 * tilt_sd, 2 * tilt_sd, heading_sd]]
-        ),
+        np.concatenate([sd[:3], np.maximum(sd[3:], 0.5), tilts]),
         np.zeros(3),
         0.0,
-        float(time[k]),
+        float(seen.time[k]),
     )
 
 

@@ -62,6 +62,27 @@ def compare(
     InputError
         If a window lies outside the drive, or no GNSS or whole IMU data are there to start it.
     """
+    windows = _fit_for_drive(drive, windows)
+    engines, solutions, notes = {}, {}, list(notes)
+    for name in progress(models) if progress else models:
+        model = models[name]
+        engines[name] = LooselyCoupled(drive, model, gnss=gnss, heading=heading, **options)
+        solutions[name] = engines[name].solve(moments=sorted({w.start for w in windows}))
+        about = [
+            f"{name}: {n}" if "innovation" in n or "widened" in n else n
+            for n in solutions[name].notes
+        ]
+        notes += [n for n in about if n not in notes]
+    ready = [w for w in windows if all(_moment(solutions[n], w, engines[n]) for n in models)]
+    notes += _not_ready(windows, ready, strict)
+    trust = reference.look(drive)
+    done = {n: _coasted(drive, engines[n], solutions[n], ready, trust) for n in models}
+    study = OutageStudy(tuple(ready), done, tuple(notes))
+    return replace(study, notes=(*study.notes, *_warnings(study, trust)))
+
+
+def _fit_for_drive(drive, windows):
+    """The windows, measured; InputError where one cannot be asked of the drive."""
     windows = tuple(
         w if isinstance(w, Window) else Window(float(w[0]), float(w[1])) for w in windows
     )
@@ -77,30 +98,23 @@ def compare(
             raise InputError(
                 f"the outage from {w.start:g} s for {w.duration:g} s has a hole in the IMU data, or no fix before it; choose another"
             )
-    engines, solutions, notes = {}, {}, list(notes)
-    for name in progress(models) if progress else models:
-        model = models[name]
-        engines[name] = LooselyCoupled(drive, model, gnss=gnss, heading=heading, **options)
-        solutions[name] = engines[name].solve(moments=sorted({w.start for w in windows}))
-        about = [
-            f"{name}: {n}" if "innovation" in n or "widened" in n else n
-            for n in solutions[name].notes
-        ]
-        notes += [n for n in about if n not in notes]
-    ready = [w for w in windows if all(_moment(solutions[n], w, engines[n]) for n in models)]
-    if len(ready) < len(windows):
-        first = next(w for w in windows if w not in ready)
-        if strict or not ready:
-            raise InputError(
-                f"the filter has not started at {first.start:g} s, where an outage begins; choose a later one"
-            )
-        notes.append(
-            f"{len(windows) - len(ready)} windows left out: the filter had not started, the first at {first.start:g} s."
+    return windows
+
+
+def _not_ready(windows, ready, strict):
+    """What is said, in a list, of windows that begin before a filter has started; InputError where none
+    is left, or where each is wanted.
+    """
+    if len(ready) == len(windows):
+        return []
+    first = next(w for w in windows if w not in ready)
+    if strict or not ready:
+        raise InputError(
+            f"the filter has not started at {first.start:g} s, where an outage begins; choose a later one"
         )
-    trust = reference.look(drive)
-    done = {n: _coasted(drive, engines[n], solutions[n], ready, trust) for n in models}
-    study = OutageStudy(tuple(ready), done, tuple(notes))
-    return replace(study, notes=(*study.notes, *_warnings(study, trust)))
+    return [
+        f"{len(windows) - len(ready)} windows left out: the filter had not started, the first at {first.start:g} s."
+    ]
 
 
 def _warnings(study, trust):

@@ -8,8 +8,7 @@ On flat ground, with heading p from north and specific force u forward, v right,
 (its Eqs. 8, 9 and 11; the row of ve' in Eq. 8 is printed with a minus before cos(p) v, which Eqs.
 9 and 11 do not
 have). The errors, estimate minus truth, obey its Eq. 12; what the sensors add is whatever the
-processes say:
-random constants give its 8-state filter (Eq. 15), fourth-order AR models of u and v its 14-state
+processes say: random constants give its 8-state filter (Eq. 15), fourth-order AR models of u and v its 14-state
 filter (Eq. 16).
 
 What Eqs. 14 and 16 leave out, and `order=2` keeps: the half dt^2 that an acceleration error puts
@@ -26,10 +25,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.linalg import block_diag
 
 from ..processes import Sum
+from . import planar_loop
 
 #: The sensors of Eq. (1), in the order of `PlanarSensors.output`.
 SENSORS = ("accel_x", "accel_y", "gyro_z")
@@ -135,122 +134,6 @@ def transition(
     return phi
 
 
-@njit(cache=True)
-def mechanize(state, forward, right, rate, dt):
-    """One step of Eq. (1), in place: `state` (n, e, vn, ve, heading); heading at the middle of the
-    step.
-
-    Returns the north and east specific force.
-    """
-    middle = state[4] + 0.5 * rate * dt
-    c, s = np.cos(middle), np.sin(middle)
-    an, ae = c * forward - s * right, s * forward + c * right
-    state[0] += dt * (state[2] + 0.5 * dt * an)
-    state[1] += dt * (state[3] + 0.5 * dt * ae)
-    state[2] += dt * an
-    state[3] += dt * ae
-    state[4] += rate * dt
-    return an, ae
-
-
-@njit(cache=True, fastmath=True)
-def _apply(p, c, s, an, ae, dt, half, output, block, sensor, work):
-    """work = Phi p with what is zero in Phi left out; `output` and `block` are (rows, columns,
-    values), `sensor` (3, n) scratch.
-    """
-    n = p.shape[0]
-    sensor[:] = 0.0
-    for m in range(len(output[0])):
-        for j in range(n):
-            sensor[output[0][m], j] += output[2][m] * p[5 + output[1][m], j]
-    for j in range(n):
-        north = -ae * p[4, j] + c * sensor[0, j] - s * sensor[1, j]
-        east = an * p[4, j] + s * sensor[0, j] + c * sensor[1, j]
-        work[0, j] = p[0, j] + dt * p[2, j] + half * north
-        work[1, j] = p[1, j] + dt * p[3, j] + half * east
-        work[2, j] = p[2, j] + dt * north
-        work[3, j] = p[3, j] + dt * east
-        work[4, j] = p[4, j] + dt * sensor[2, j]
-    work[5:] = 0.0
-    for m in range(len(block[0])):
-        for j in range(n):
-            work[5 + block[0][m], j] += block[2][m] * p[5 + block[1][m], j]
-
-
-@njit(cache=True)
-def _run(
-    readings,
-    fixes,
-    every,
-    start,
-    p0,
-    gnss,
-    dt,
-    half,
-    output,
-    block,
-    noise,
-    direct,
-    positions,
-    sds,
-    nees,
-    truth,
-):
-    """One run of the filter; see `run`."""
-    n = p0.shape[0]
-    x, b, p = start.copy(), np.zeros(n - 5), p0.copy()
-    work, turned, sensor = np.empty((n, n)), np.empty((n, n)), np.empty((3, n))
-    error = np.zeros(3)
-    next_fix = 0
-    for k in range(len(readings)):
-        error[:] = 0.0
-        for m in range(len(output[0])):
-            error[output[0][m]] += output[2][m] * b[output[1][m]]
-        rate = readings[k, 2] - error[2]
-        middle = x[4] + 0.5 * rate * dt
-        an, ae = mechanize(x, readings[k, 0] - error[0], readings[k, 1] - error[1], rate, dt)
-        c, s = np.cos(middle), np.sin(middle)
-        _apply(p, c, s, an, ae, dt, half, output, block, sensor, work)
-        for i in range(n):
-            for j in range(n):
-                turned[i, j] = work[j, i]
-        _apply(turned, c, s, an, ae, dt, half, output, block, sensor, p)
-        p[2, 2] += dt * (c * c * direct[0] + s * s * direct[1])
-        p[3, 3] += dt * (s * s * direct[0] + c * c * direct[1])
-        p[2, 3] += dt * c * s * (direct[0] - direct[1])
-        p[3, 2] = p[2, 3]
-        p[4, 4] += dt * direct[2]
-        for i in range(n - 5):
-            for j in range(n - 5):
-                p[5 + i, 5 + j] += noise[i, j]
-        old = b.copy()
-        b[:] = 0.0
-        for m in range(len(block[0])):
-            b[block[0][m]] += block[2][m] * old[block[1][m]]
-        if (k + 1) % every == 0 and next_fix < len(fixes):
-            for axis in range(2):
-                gain = p[:, axis] / (p[axis, axis] + gnss[axis])
-                miss = x[axis] - fixes[next_fix, axis]
-                row = p[axis].copy()
-                for i in range(n):
-                    for j in range(n):
-                        p[i, j] -= gain[i] * row[j]
-                for i in range(5):
-                    x[i] -= gain[i] * miss
-                for i in range(5, n):
-                    b[i - 5] += gain[i] * miss  # the state is truth minus estimate here
-            for i in range(n):
-                for j in range(i):
-                    p[i, j] = p[j, i] = 0.5 * (p[i, j] + p[j, i])
-            next_fix += 1
-        positions[k, 0], positions[k, 1] = x[0], x[1]
-        sds[k, 0], sds[k, 1] = np.sqrt(p[0, 0]), np.sqrt(p[1, 1])
-        if truth.shape[0]:
-            d0, d1 = x[0] - truth[k, 0], x[1] - truth[k, 1]
-            det = p[0, 0] * p[1, 1] - p[0, 1] * p[0, 1]
-            nees[k] = (d0 * d0 * p[1, 1] - 2 * d0 * d1 * p[0, 1] + d1 * d1 * p[0, 0]) / det
-
-
 def _sparse(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows, columns and values of what is not zero."""
     rows, columns = np.nonzero(matrix)
@@ -300,26 +183,21 @@ def run(
         raise ValueError(f"`readings` must have the shape (r, n, 3), not {readings.shape}")
     if order not in (1, 2):
         raise ValueError(f"`order` must be 1 or 2, not {order!r}")
-    p0 = block_diag(np.diag(np.asarray(start_sd, float) ** 2), model.start)
+    how = planar_loop.Setup(
+        block_diag(np.diag(np.asarray(start_sd, float) ** 2), model.start),
+        np.asarray(gnss_sd, float) ** 2,
+        int(every),
+        float(model.dt),
+        0.5 * model.dt**2 * (order == 2),
+        _sparse(model.output),
+        _sparse(model.transition),
+        model.noise,
+        model.direct,
+    )
     r, n = readings.shape[:2]
     position, sd, nees = np.empty((r, n, 2)), np.empty((r, n, 2)), np.full((r, n), np.nan)
+    true = np.zeros((0, 2)) if truth is None else np.asarray(truth, float)
     for k in range(r):
-        _run(
-            readings[k],
-            fixes[k],
-            int(every),
-            np.asarray(start[k], float),
-            p0,
-            np.asarray(gnss_sd, float) ** 2,
-            model.dt,
-            0.5 * model.dt**2 * (order == 2),
-            _sparse(model.output),
-            _sparse(model.transition),
-            model.noise,
-            model.direct,
-            position[k],
-            sd[k],
-            nees[k],
-            np.zeros((0, 2)) if truth is None else np.asarray(truth, float),
-        )
+        out = planar_loop.Out(position[k], sd[k], nees[k])
+        planar_loop.run(readings[k], fixes[k], np.asarray(start[k], float), how, out, true)
     return PlanarRun(position, sd, nees)

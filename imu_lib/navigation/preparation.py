@@ -13,29 +13,15 @@ from imu_lib.errors import InputError
 from imu_lib.record import CHANNELS
 from imu_lib.wavelet import denoise
 
-from . import earth, measurement
+from . import earth, fix_faults, measurement, stretch
 
 LONGEST_BRIDGE = 1.0  # s: up to here a hole in the IMU data is bridged by straight lines
-BRIDGE_NOISE = 100.0  # white noise densities are multiplied by this over a bridged hole
 # m/s: velocities further from the motion of their own positions than this, in the median, are not
 # used
 VELOCITY_TRUST = 1.0
 SPAN = 10.0  # s over which that is asked
 HOLE = 2.5  # s between fixes over which no motion is taken
 SHORTEST_STRETCH = 5.0  # s: a stretch between holes shorter than this is left out
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """IMU data without a hole. time (n+1,) s: epochs, the first sample being the start; dt (n,),
-    dtheta, dvel (n, 3): the intervals.
-    """
-
-    time: np.ndarray
-    dt: np.ndarray
-    dtheta: np.ndarray
-    dvel: np.ndarray
-    extra_noise: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -124,15 +110,23 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     sd = np.column_stack([_deviations(drive, gnss, k, position) for k in ("position", "velocity")])
     has_position = np.isfinite(position).all(axis=1) & (np.abs(position[:, 0]) < np.pi / 2)
     has_velocity = np.isfinite(velocity).all(axis=1)
+    held = fix_faults.held(drive)
+    if held.any():
+        has_position &= ~held
+        has_velocity &= ~(held & np.append(False, (velocity[1:] == velocity[:-1]).all(axis=1)))
+        notes.append(
+            f"{held.sum()} of {time.size} fixes repeat the position of the one before while the drive goes on, and are not used."
+        )
     keep = np.isfinite(time) & (has_position | has_velocity)
     if gnss.accept is not None and drive.gnss_fix is not None:
         keep &= np.isin(drive.gnss_fix, gnss.accept)
     order = np.argsort(time[keep], kind="stable")
     index = np.flatnonzero(keep)[order]
     index = index[np.concatenate([[True], np.diff(time[index]) > 1e-6])] if index.size else index
-    if index.size < time.size:
+    lost = time.size - index.size - int((held & ~has_velocity).sum())
+    if lost > 0:
         notes.append(
-            f"{time.size - index.size} of {time.size} fixes left out: without a number, repeated, or of a code not accepted."
+            f"{lost} of {time.size} fixes left out: without a number, repeated, or of a code not accepted."
         )
     if index.size < 2:
         raise InputError(
@@ -248,42 +242,18 @@ def prepare(
     unknown = sorted(set(levels) - set(CHANNELS))
     if unknown:
         raise ValueError(f"`levels` names {unknown[0]!r}; channels are {', '.join(CHANNELS)}")
-    stretches = []
-    bridged = 0
+    stretches, bridged = [], 0
     for a, b in parts:
-        t = time[a:b]
         readings = np.column_stack([drive.gyro[a:b], drive.accel[a:b]]).astype(float)
-        noise = np.ones(t.size)
-        missing = np.maximum(np.rint(np.diff(t) * rate).astype(int) - 1, 0)
-        missing[np.diff(t) < 1.5 / rate] = 0
-        if missing.any():
-            bridged += int(missing.sum())
-            parts = missing + 1
-            within = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-            whole = np.append(
-                np.repeat(t[:-1], parts) + within * np.repeat(np.diff(t) / parts, parts), t[-1]
-            )
-            noise = np.append(np.repeat(np.where(missing > 0, BRIDGE_NOISE, 1.0), parts), 1.0)
-            readings = np.column_stack([np.interp(whole, t, column) for column in readings.T])
-            t = whole
+        t, readings, noise, count = stretch.bridged(time[a:b], readings, rate)
+        bridged += count
         for i, channel in enumerate(CHANNELS):
             if levels.get(channel, 0):
                 readings[:, i] = denoise(readings[:, i], levels[channel], causal=causal)
-        dt = np.diff(t)
-        mean = readings[1:] if sampling == "average" else 0.5 * (readings[1:] + readings[:-1])
-        increments = mean * dt[:, None]
-        stretches.append(
-            Stretch(
-                t,
-                dt,
-                np.ascontiguousarray(increments[:, :3]),
-                np.ascontiguousarray(increments[:, 3:]),
-                noise[1:],
-            )
-        )
+        stretches.append(stretch.of_readings(t, readings, noise, sampling))
     if bridged:
         notes.append(
-            f"{bridged} missing IMU samples bridged by straight lines, with {BRIDGE_NOISE:g} times the noise density."
+            f"{bridged} missing IMU samples bridged by straight lines, with {stretch.BRIDGE_NOISE:g} times the noise density."
         )
     fixes, more = fixes_of(drive, gnss)
     return Prepared(tuple(stretches), fixes, rate, tuple(notes + more))

@@ -11,25 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imu_lib.errors import InputError, UndefinedFormError
+from imu_lib.errors import InputError
 from imu_lib.model import Model
-from imu_lib.processes import GaussMarkov
 from imu_lib.record import CHANNELS
 
 from .free import on_channels, on_measurements
+from .process_states import Part, constant_state, of_channel
 from .structures import Sensors
-
-# deterministic functions of the time since switching on, or without a place in a state: said in
-# `ignored`
-_WITHOUT_STATE = ("ramp", "sinusoid", "warm_up", "temperature", "step", "quantization")
-_SLOWEST_FIRST = (
-    "constant",
-    "random_walk",
-    "gauss_markov",
-    "gauss_markov_2",
-    "telegraph",
-    "autoregressive",
-)
 
 
 @dataclass(frozen=True)
@@ -144,15 +132,12 @@ def sensor_states(
     extra, vibration = on_channels(free), dict(vibration or {})
     blocks, first, static, white, white_speed, ignored = [], [0], [], [], [], []
     for number, channel in enumerate(CHANNELS):
-        density, parts, left = _parts(model[channel], channel, rate, flicker)
+        density, moving, still, left = of_channel(
+            model[channel], channel, (rate, flicker), turn_on_sd[number // 3], constant
+        )
         ignored += left
-        _turned_on(parts, turn_on_sd[number // 3], constant)
-        parts = [
-            _Part(f"{channel} {p.name}", p.transition, p.noise, p.output, p.initial) for p in parts
-        ]
-        moving = [p for p in parts if not p.static]
-        still = [p for p in parts if p.static] + [
-            _constant(name, sd**2, driver) for c, driver, name, sd in extra if c == number
+        still += [
+            constant_state(name, sd**2, driver) for c, driver, name, sd in extra if c == number
         ]
         blocks += moving + still
         level, per_speed = vibration.get(channel, (None, 0.0))
@@ -160,87 +145,33 @@ def sensor_states(
         white_speed.append(per_speed**2)
         static.append(first[-1] + sum(p.output.size for p in moving))
         first.append(static[-1] + sum(p.output.size for p in still))
-    more, sd, step, noise, at = on_measurements(free, correlated, 1.0 / rate)
-    for i in range(len(more)):
-        blocks.append(
-            _Part(
-                more[i],
-                *(np.full((1, 1), v) for v in (step[i], noise[i])),
-                np.zeros(1),
-                np.full((1, 1), sd[i] ** 2),
-            )
-        )
+    more, at = _of_measurements(free, correlated, rate)
+    blocks += more
     at = np.where(at >= 0, at + first[-1], -1)
     # the correlated errors of the fixes move, the rest of the measurements' states keep still: all
     # are taken as moving where there are some
     static.append(first[-1] + (len(more) if correlated is not None else 0))
     first.append(first[-1] + len(more))
-    return _assembled(blocks, first, static, white, white_speed, at, ignored)
+    return _assembled(blocks, (first, static), (white, white_speed), at, ignored)
 
 
-@dataclass(frozen=True)
-class _Part:
-    """States of one process: step matrix and covariance, weights, covariance at the start."""
-
-    name: str
-    transition: np.ndarray
-    noise: np.ndarray
-    output: np.ndarray
-    initial: np.ndarray
-    driver: int = -1
-
-    @property
-    def static(self):
-        return (self.transition == np.eye(self.output.size)).all() and not self.noise.any()
-
-
-def _constant(name, variance, driver=-1):
-    return _Part(
-        name, np.eye(1), np.zeros((1, 1)), np.ones(1), np.full((1, 1), float(variance)), driver
-    )
+def _of_measurements(free, correlated, rate):
+    """States of the measurements, and where each group of them begins."""
+    names, sd, step, noise, at = on_measurements(free, correlated, 1.0 / rate)
+    parts = [
+        Part(
+            name,
+            *(np.full((1, 1), v) for v in (step[i], noise[i])),
+            np.zeros(1),
+            np.full((1, 1), sd[i] ** 2),
+        )
+        for i, name in enumerate(names)
+    ]
+    return parts, at
 
 
-def _parts(entry, channel, rate, flicker):
-    """(white density, states of the processes, names of those without a state) of a channel."""
-    density, parts, ignored = 0.0, [], []
-    for process in entry.terms:
-        if process.name in _WITHOUT_STATE:
-            ignored.append(f"{channel}: {process.name}")
-            continue
-        if process.name == "constant":
-            parts.append(_constant("constant", 0.0))
-            continue
-        for each in _states_of(process, channel, flicker):
-            space = each.state_space()
-            density += space.direct
-            if not space.order:
-                continue
-            if space.rate is not None and abs(space.rate / rate - 1.0) > 5e-3:
-                raise InputError(
-                    f"the {each.name} process of {channel} steps at {space.rate:g} Hz, the drive at {rate:g} Hz; "
-                    "fit it at the drive's rate"
-                )
-            step = space.discrete(1.0 / space.rate if space.rate is not None else 1.0 / rate)
-            parts.append(_Part(each.name, *step, np.ravel(space.H), space.P0.copy()))
-    return density, parts, ignored
-
-
-def _turned_on(parts, sd, constant):
-    """Adds the bias left at switch-on to the slowest of a channel's states, in place; constant : to
-    one that does not forget it.
-    """
-    if not sd > 0.0:
-        return
-    if not parts or (constant and not {p.name for p in parts} & {"constant", "random_walk"}):
-        parts.append(_constant("constant", 0.0))
-    slowest = min(
-        range(len(parts)),
-        key=lambda i: (_SLOWEST_FIRST.index(parts[i].name), -parts[i].transition[0, 0]),
-    )
-    parts[slowest].initial[:, :] += sd**2 * _held(parts[slowest])
-
-
-def _assembled(blocks, first, static, white, white_speed, at, ignored):
+def _assembled(blocks, places, white, at, ignored):
+    first, static = places
     m = first[-1]
     transition, noise, initial = np.zeros((m, m)), np.zeros((m, m)), np.zeros((m, m))
     output, driver, names, begin = np.zeros(m), np.full(m, -1, np.int64), [], 0
@@ -258,37 +189,9 @@ def _assembled(blocks, first, static, white, white_speed, at, ignored):
         output,
         np.array(first, np.int64),
         np.array(static, np.int64),
-        np.array(white),
-        np.array(white_speed),
+        *(np.array(w) for w in white),
         driver,
         at.astype(np.int64),
         tuple(names),
         tuple(ignored),
     )
-
-
-def _states_of(process, channel, flicker):
-    if process.name != "flicker":
-        return [process]
-    if flicker == "refuse":
-        raise UndefinedFormError(
-            f"the flicker noise of {channel} has no finite state space: fit a gauss_markov process in its place, "
-            "or ask for flicker='markov', one Gauss-Markov process per decade"
-        )
-    sigma = process.B * np.sqrt(np.log(10.0) / np.pi)
-    return [
-        GaussMarkov(sigma=sigma, correlation_time=float(10.0**power) / (2.0 * np.pi))
-        for power in range(-1, 5)
-    ]
-
-
-def _held(part):
-    """Covariance of a constant of unit variance in the states of a process: all lags alike where
-    the states are lags.
-    """
-    size = part.output.size
-    if part.name == "autoregressive":
-        return np.ones((size, size))
-    unit = np.zeros((size, size))
-    unit[0, 0] = 1.0
-    return unit

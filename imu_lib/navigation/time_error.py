@@ -12,14 +12,15 @@ import numpy as np
 from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect
 
-from . import earth, fix_noise
+from . import earth, fix_noise, lateness
 from .filter import LooselyCoupled
 from .filter_model import FilterModel
 from .free import priors
 from .preparation import Gnss
 
 STEP = 0.1  # s, of the comparison of turns
-FARTHEST = 15.0  # s
+FARTHEST = 90.0  # s
+USUAL = 15.0  # s: a match further away has to be better
 LEVER_SD = 1.5  # m: an antenna forward of the sensor looks like an early fix at constant speed
 ROUNDS = 4
 
@@ -107,7 +108,8 @@ def from_turns(drive: Drive):
     match = np.array([_match(np.interp(grid - lag, grid, turn), shown, good) for lag in lags])
     best = int(np.argmax(match))
     others = np.abs(lags - lags[best]) > 4.0
-    if match[best] < 0.6 or match[best] < match[others].max() + 0.1:
+    least = 0.6 if abs(lags[best]) < USUAL else 0.7
+    if match[best] < least or match[best] < match[others].max() + 0.1:
         return None
     if 0 < best < lags.size - 1:
         a, b, c = match[best - 1 : best + 2]
@@ -172,7 +174,9 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
     groups = ("gnss_time_offset", *(("velocity_offset",) if own else ()))
     free = {**priors(*groups), "lever_arm": LEVER_SD}
     start = from_turns(drive)
-    start = 0.0 if start is None or abs(start) < 0.5 else start
+    if start is None:  # a road without turns: where the fixes' accelerations are those felt
+        start = lateness.late(drive)[0]
+    start = 0.0 if abs(start) < 0.5 else start
     held = model.held
     before = held.value("gnss_time_offset", "offset", 0.0)
     before = (before, held.value("gnss_time_offset", "velocity_offset", before))

@@ -95,22 +95,6 @@ def fit_in_motion(
     of them
     progress : callable, told the loss after each evaluation
     """
-    engines = [
-        (
-            LooselyCoupled(
-                drive,
-                FilterModel(
-                    "in motion",
-                    vehicle_model(*start),
-                    turn_on_sd=turn_on_sd,
-                    constraint_sd=constraint_sd,
-                ),
-                gnss=gnss or Gnss(),
-            ),
-            windows,
-        )
-        for drive, windows, gnss in cases
-    ]
 
     def filter_model(log):
         return FilterModel(
@@ -120,6 +104,11 @@ def fit_in_motion(
             constraint_sd=constraint_sd,
         )
 
+    first = np.log(np.asarray(start, float))
+    engines = [
+        (LooselyCoupled(drive, filter_model(first), gnss=gnss or Gnss()), windows)
+        for drive, windows, gnss in cases
+    ]
     seen = []  # (loss, parameters): the search may end between two steps, not on its best point
 
     def loss(log):
@@ -132,14 +121,13 @@ def fit_in_motion(
             )
         )
         value += (
-            0.5 * float(np.sum(((log - np.log(start)) / np.log(100.0)) ** 2)) / 10.0
+            0.5 * float(np.sum(((log - first) / np.log(100.0)) ** 2)) / 10.0
         )  # two decades are far: keeps what is not seen near the guess
         seen.append((value, np.array(log)))
         if progress is not None:
             progress(value)
         return value
 
-    first = np.log(np.asarray(start, float))
     simplex = np.vstack([first, first + np.eye(4) * np.log(3.0)])
     minimize(
         loss,

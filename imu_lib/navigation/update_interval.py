@@ -20,7 +20,7 @@ from ..estimate import Estimate
 from ..model import Model
 from ..processes import Autoregressive, Constant, GaussMarkov, Sum, WhiteNoise
 from ..units import DEG, MILLI_G, G
-from . import planar
+from . import planar, planar_loop
 
 INTERVALS = (1, 5, 10, 20, 30, 60)
 KMH = 1 / 3.6
@@ -70,7 +70,7 @@ def parking_lot(fs: float = 20.0, duration: float = 600.0) -> PlanarDrive:
     state, start = np.empty((len(t), 5)), np.array([0.0, 0.0, 0.0, 0.0, 20 * DEG])
     now = start.copy()
     for k, (u, v, w) in enumerate(inputs):  # by the filter's own steps: the truth is exact
-        planar.mechanize(now, u, v, w, 1 / fs)
+        planar_loop.mechanize(now, u, v, w, 1 / fs)
         state[k] = now
     return PlanarDrive(state[:, :2].copy(), state, start, inputs, fs)
 

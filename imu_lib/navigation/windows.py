@@ -9,6 +9,8 @@ from imu_lib.errors import InputError
 
 from . import earth
 
+BEFORE = 5.0  # s before an outage in which a fix must lie
+
 
 @dataclass(frozen=True)
 class Window:
@@ -72,8 +74,13 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
         min(drive.time[-1], drive.gnss_time[-1]) - duration,
         every,
     )
+    starts = _from_fixes(drive, starts, duration)
     windows = [measure(drive, Window(float(s), float(duration))) for s in starts]
     kept = tuple(w for w in windows if not w.mean_speed < moving and not broken(drive, w))
+    if windows and not kept and all(broken(drive, w) for w in windows):
+        raise InputError(
+            f"no window of {duration:g} s fits: none has whole IMU data and a fix in the {BEFORE:g} s before it; give a shorter --duration"
+        )
     if not kept:
         raise InputError(
             f"no window of {duration:g} s fits: the drive must last {settle:g} s after its first motion and go on moving"
@@ -81,12 +88,26 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
     return kept
 
 
+def _from_fixes(drive, starts, duration):
+    """The starts, those without a fix in the seconds before them at the last fix, if that is after the
+    window before: fixes may come in bursts.
+    """
+    fixes, out = np.asarray(drive.gnss_time), []
+    for start in starts:
+        k = int(np.searchsorted(fixes, start, "right")) - 1
+        last = float(fixes[k]) if k >= 0 else start
+        if start - last > BEFORE and (not out or last >= out[-1] + duration):
+            start = last
+        out.append(start)
+    return np.array(out)
+
+
 def broken(drive: Drive, window):
     """Whether the IMU data or the fixes around the window have a hole of more than a second."""
     end = window.start + window.duration
     inside = drive.time[(drive.time >= window.start - 5.0) & (drive.time <= end + 0.5)]
     before = drive.gnss_time[
-        (drive.gnss_time >= window.start - 5.0) & (drive.gnss_time <= window.start)
+        (drive.gnss_time >= window.start - BEFORE) & (drive.gnss_time <= window.start)
     ]
     return (
         inside.size < 2

@@ -3,7 +3,7 @@
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.navigation import gross, windows
+from imu_lib.navigation import axes, fix_faults, fix_motion, windows
 from imu_lib.readers.drive_units import ALIKE, turn_ratio
 from imu_lib.units import DEG
 
@@ -19,11 +19,15 @@ def check(drive):
     windows.overlapping(drive)
     inside = (drive.gnss_time >= drive.time[0]) & (drive.gnss_time <= drive.time[-1])
     fixes = int((np.isfinite(drive.gnss_position).all(axis=1) & inside).sum())
-    if gross.velocities_swapped(drive):
+    if fix_faults.positions_swapped(drive):
+        raise InputError(
+            f"{name}: gnss_position is longitude, latitude; swap its first two columns."
+        )
+    if fix_faults.velocities_swapped(drive):
         raise InputError(
             f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the third's sign."
         )
-    if gross.upside_down(drive):
+    if fix_faults.upside_down(drive):
         raise InputError(
             f"{name}: the heights rise where gnss_velocity falls: it is north, east, down; turn the sign of its third column, or of the heights if they are depths."
         )
@@ -36,7 +40,7 @@ def check(drive):
         raise InputError(
             f"{name}: the accelerometers read {felt:.3g} in the median, where a car feels 9.8 m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`."
         )
-    if gross.forces_reversed(drive):
+    if axes.forces_reversed(drive):
         raise InputError(
             f"{name}: the accelerometers have all signs turned: they read gravity, and not the specific force, its opposite; multiply `accel` by -1."
         )
@@ -58,7 +62,7 @@ def _of_one_code(drive, notes):
     for code in np.unique(codes[np.isfinite(codes)]):
         mine = codes == code
         if mine.sum() > max(FEWEST, 0.02 * codes.size):
-            shares[code] = float(np.mean(gross.contradicted(_fixes(drive, mine))))
+            shares[code] = float(np.mean(fix_motion.contradicted(_fixes(drive, mine))))
     good = [c for c, share in shares.items() if share < 0.3 * CONTRADICTED]
     rest = [c for c, share in shares.items() if share > CONTRADICTED]
     kept = np.isin(codes, good)
@@ -69,6 +73,18 @@ def _of_one_code(drive, notes):
         f"its positions move: those of code {', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
     )
     return _fixes(drive, kept)
+
+
+def _stated(drive, notes):
+    """The drive without standard deviations that are nowhere above zero: nothing is stated there."""
+    for part in ("position", "velocity"):
+        sd = getattr(drive, f"gnss_{part}_sd")
+        if sd is not None and not np.any(np.asarray(sd) > 0.0):
+            notes.append(
+                f"The stated standard deviations of the {part} are zero: usual ones are taken."
+            )
+            drive = drive.with_(**{f"gnss_{part}_sd": None})
+    return drive
 
 
 def _fixes(drive, kept):
@@ -82,10 +98,19 @@ def one_solution(drive, notes):
     """The drive with its positions alone where many of its velocities are not those at which the
     positions move.
     """
+    drive = _stated(drive, notes)
     drive = _of_one_code(drive, notes)
     if drive.gnss_velocity is None:
         return drive
-    share = float(np.mean(gross.contradicted(drive)))
+    ratio = fix_faults.speed_ratio(drive)
+    unit = fix_faults.unit_of(ratio)
+    if unit is not None:
+        notes.append(
+            f"The velocities are {ratio:.3g} times those at which the positions move, as in {unit}: positions alone are used; "
+            f"divide gnss_velocity by {fix_faults.UNITS[unit]:.4g}."
+        )
+        return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+    share = float(np.mean(fix_motion.contradicted(drive)))
     if share < CONTRADICTED:
         return drive
     notes.append(

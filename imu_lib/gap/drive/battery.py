@@ -14,6 +14,9 @@ WAYS = ("along the track", "across the track", "down")
 LAGS = (1, 2, 5, 10)
 PARTS = 6  # of the drive, for means and sizes
 COPIES = 60
+#: Least root mean square, m/s^2, rad/s, m/s, of what innovations may follow: of a straight drive the rest is
+#: the path's own noise, which is that of the innovations.
+LEAST = {"forward acceleration": 0.1, "sideways acceleration": 0.1, "turn rate": 0.01, "speed": 0.5}
 SURE = 4.6  # standard deviations beyond which a statistic of about a hundred is no chance
 
 
@@ -99,7 +102,7 @@ def _statistics(problem, e):
         for name, regressor in regressors.items():
             r = regressor[good] - regressor[good].mean()
             size = np.sqrt(np.mean(r**2))
-            if size > 1e-9:
+            if size > LEAST.get(name, 1e-9):
                 names.append(f"{what} follow the {name}")
                 values.append(float(np.mean(v * r) / size))
         for part, piece in enumerate(np.array_split(v, PARTS)):

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import Drive
-from imu_lib.navigation.gross import IDENTITY, to_body
+from imu_lib.navigation.axes import IDENTITY, to_body
 
 from . import columns
 

@@ -1,23 +1,7 @@
-"""How sure a name may be where the filter stays wrong, and what is said of steps that do not help."""
+"""What is said of steps that do not help, or that the drive cannot tell apart."""
 
-import numpy as np
-
-UNSURE = 3.0  # gap index above which innovations are far from white, and no name is sure
-FAR = 0.8  # no name is surer where they are
 EVEN = 0.5  # two names that the drive cannot tell
 WIDER = 0.05  # of the gap index: what its one printed decimal shows
-#: Found on the path or before it, with standard deviations of their own: not by the innovations' sum.
-_ELSEWHERE = ("axes", "mounting", "heading")
-
-
-def sober(found, index):
-    """Lower the confidences where innovations lie `index` times as far from white ones as chance does:
-    a score is then wrong by as many standard deviations, and nats count for their square less.
-    """
-    for step in found:
-        nats = step["log_likelihood_gain"] / max(index, 1.0) ** 2
-        says = FAR if step["effect"] in _ELSEWHERE else 1.0 / (1.0 + np.exp(-min(nats, 700.0)))
-        step["confidence"] = float(min(step["confidence"], FAR, says))
 
 
 def share(found, ridges):

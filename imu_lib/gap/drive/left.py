@@ -2,13 +2,16 @@
 
 import numpy as np
 
+from imu_lib.navigation import fix_faults, lateness
 from imu_lib.units import DEG
 
-from . import columns, select
+from . import columns, correct, select
 from .battery import SURE
 from .effects import LINEAR
 
 ABSURD = 100.0  # times the model's level
+NEAR = 2.0  # s between a jump of the fixes and the shock that it looks like
+STEADY = 0.5  # s by which stamps of two halves may be late apart
 SEEN = 3.0 * DEG  # of a mounting angle: what the drive does not show of it is said
 SMOOTHED = "other: receiver's velocity is smoothed"
 APART = 3.5  # standard deviations from which on two time offsets are two
@@ -25,7 +28,8 @@ def invisible(state, turned):
         if effect.name in ("gyro_bias", "accel_bias"):
             continue
         price = select.PER_EFFECT + select.PER_PARAMETER * len(effect.columns)
-        for i, x, sd in zip(effect.columns, *select.seen(state.reg, state.kept, effect.name)):
+        seen = select.seen(state.reg, state.kept, effect.name)
+        for i, x, sd, wide in zip(effect.columns, *seen):
             fixless = columns.ALL[i].component == "velocity_offset"
             if fixless and not state.use[:, 3].any():
                 continue
@@ -37,7 +41,7 @@ def invisible(state, turned):
                         "effect": effect.name,
                         "parameter": columns.ALL[i].component,
                         "why": effect.unexcited,
-                        "upper_limit": float(abs(x) + 1.96 * sd),
+                        "upper_limit": float(abs(x) + 1.96 * wide),
                     }
                 )
     return out
@@ -62,7 +66,15 @@ def _angles_unseen(turned):
 def unexplained(state, after):
     """None, or what is left: where on the drive, and in which innovation."""
     parts = []
+    jumps, sizes = fix_faults.jumps(state.drive) if state.restarts else ((), ())
     for when in state.restarts:
+        near = [k for k, t in enumerate(jumps) if abs(t - when) < NEAR]
+        if near:
+            size = ", ".join(f"{v:.0f}" for v in sizes[near[0]])
+            parts.append(
+                f"at {jumps[near[0]]:.1f} s the fixes jump by {size} m (north, east, down) and stay there: another datum, base station or solution"
+            )
+            continue
         parts.append(
             f"a shock at {when:.0f} s: there the innovations are those of a filter that lost its motion at once, and of no effect in the catalogue"
         )
@@ -82,6 +94,17 @@ def unexplained(state, after):
     if abs(z) > SURE:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
     return "; ".join(parts) or None
+
+
+def clocks(state):
+    """None, or that the stamps of the fixes are not late by one time all along."""
+    halves = lateness.of_halves(correct.corrected(state.drive, state.theta))
+    if halves is None or abs(halves[1] - halves[0]) < STEADY:
+        return None
+    return (
+        f"beyond what was found, the fixes are {halves[0]:+.1f} s late in the first half of the drive and {halves[1]:+.1f} s in the second: one of the "
+        "clocks jumps or drifts"
+    )
 
 
 def _index(state):
@@ -104,10 +127,27 @@ def absurd(found):
     return None
 
 
-def worse(found, ratio, left):
-    """What is said where the effects found make withheld outages worse: none of them is sure."""
+def limited(found, unseen, given):
+    """Give the components of found effects that the drive does not show the interval that their upper
+    limit leaves; given (3,): the file's lever arm, beyond which that limit is.
+    """
     for step in found:
-        step["confidence"] = min(step["confidence"], 0.5)
+        for entry in unseen:
+            key, _, part = entry["parameter"].partition(" ")
+            if entry["effect"] != step["effect"] or key not in step["intervals"]:
+                continue
+            limit = entry["upper_limit"]
+            if not part:
+                step["intervals"][key] = [-limit, limit]
+                continue
+            names = [columns.ALL[i].component for i in columns.of(step["effect"])]
+            k = names.index(entry["parameter"])
+            middle = float(given[k]) if step["effect"] == "lever_arm" else 0.0
+            step["intervals"][key][k] = [middle - limit, middle + limit]
+
+
+def worse(ratio, left):
+    """What is said where the effects found make withheld outages worse."""
     said = f"what was found makes withheld outages worse ({ratio:.1f} times the error), so that the model file does not hold it"
     return said + (f"; {left}" if left else "")
 

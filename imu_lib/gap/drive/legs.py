@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.navigation import attitude
-from imu_lib.navigation.preparation import Stretch
+from imu_lib.navigation.stretch import Stretch
 
 from .structures import Nominal
 

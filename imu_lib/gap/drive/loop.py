@@ -1,4 +1,4 @@
-"""The gap on a drive, from the file to the report: axes, gross time errors, the search, what a
+"""The gap on a drive, from the file to the report: axes, large time errors, the search, what a
 vehicle cannot do, and what the answer is worth in outages that the search has not seen.
 """
 
@@ -13,7 +13,7 @@ from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect
 from imu_lib.errors import InputError
 from imu_lib.model import Model
-from imu_lib.navigation import gross
+from imu_lib.navigation import axes, lateness
 from imu_lib.navigation.held import Held
 from imu_lib.units import DEG
 
@@ -25,6 +25,7 @@ from . import (
     evidence,
     left,
     outage,
+    reliability,
     search,
     select,
     steps,
@@ -102,46 +103,28 @@ def close(
     admission.check(drive)
     notes = []
     drive = admission.one_solution(drive, notes)
-    permutation, sure, runner, gain, alike = gross.axes(drive)
-    say(f"axes {' '.join(permutation)}")
-    right = correct.axes_put_right(drive, permutation)
+    turn = axes.of(drive)
+    say(f"axes {' '.join(turn[0])}")
+    right = correct.axes_put_right(drive, turn[0])
     windows = outage.withheld(right)
-    theta, noise, given, original = _start(right, model, notes)
-    state = search.State(
-        right, noise, theta, withhold=tuple((w.start, w.duration) for w in windows)
-    )
-    _start_time(state, say)
-    first = replace(state, theta=np.zeros_like(theta), kept=())
-    first.rebuild()
-    if not given:
-        if state.kept:  # the noise of a path that is seconds off says nothing
-            state.rebuild()
-        fitted = base_model.fit(state if state.kept else first, say)
-        state.noise = first.noise = noise = fitted
-        original = noise.model
-        first.weigh()
-    search.run(state, given=given, random=random, say=say)
+    state, first, given, original = _searched(right, model, (windows, random), notes, say)
+    noise = first.noise
     before = battery(first.problem, first.result.e, first.use, rng)
     after = battery(state.problem, state.result.e, state.use, rng)
     found = steps.of(state, first, noise, rng, before)
-    if permutation != gross.IDENTITY:
-        found.insert(0, steps.axes(permutation, sure, runner, gain, alike, before))
-    known = attitude_sd(state)
-    turned = vehicle.mounting(state.problem, known)
+    if turn[0] != axes.IDENTITY:
+        found.insert(0, steps.axes(*turn, before))
+    turned = vehicle.mounting(state.problem, attitude_sd(state))
     found += steps.mounting(turned, after)
-    mount = _mount(found)
-    given_yaw = heading
-    if given_yaw is None and drive.reference_attitude is not None:
-        given_yaw = float(drive.reference_attitude[0, 2])
-    if given_yaw is not None:
-        apart = vehicle.heading_error(state.problem, given_yaw, mount, state.noise)
-        whose = "" if heading is not None else " by the reference's first attitude"
-        found += [] if apart is None else steps.heading(*apart, after, whose)
-    steps.arm_of_vehicle(found, right, mount)
-    fitted = [] if given else _ratios(noise, drive)
+    found += _heading(state, drive, heading, (_mount(found), after))
+    steps.arm_of_vehicle(found, right, _mount(found))
+    unseen = left.invisible(state, turned)
+    left.limited(found, unseen, np.zeros(3) if drive.lever_arm is None else drive.lever_arm)
+    fitted = _ratios(state.noise, drive)
     original = original.with_drive(tuple(fitted))
     whole = original.with_drive((*fitted, *_effects(found)))
     unexplained = left.unexplained(state, after)
+    unexplained = "; ".join(t for t in (left.clocks(state), unexplained) if t) or None
     result = None
     if windows and judge:
         say("outages before and after")
@@ -151,28 +134,58 @@ def close(
         notes += more
     if result is not None and (result.ratio() or {"low": 0.0})["low"] > 1.0:
         # nothing is taken that does not predict what the search has not seen
-        whole, unexplained = original, left.worse(found, result.ratio()["value"], unexplained)
+        whole, unexplained = original, left.worse(result.ratio()["value"], unexplained)
     elif result is not None and result.ratio():
         notes += evidence.unproven(found, result.ratio())
-    strange = state.restarts or any(e.startswith("other: ") for e in state.kept)
-    absurd = left.absurd(found)
-    unexplained = "; ".join(t for t in (absurd, unexplained) if t) or None
-    strange = strange or absurd is not None
-    if after.index > evidence.UNSURE or strange:
-        evidence.sober(found, after.index)
+    unexplained = "; ".join(t for t in (left.absurd(found), unexplained) if t) or None
+    reliability.give(found, unexplained is not None)
     notes += evidence.share(found, select.ridges(state.reg, state.kept))
     notes += evidence.widening(found)
     return DriveReport(
-        drive, given, tuple(found), tuple(left.invisible(state, turned)), whole, before, after, result,
-        unexplained, tuple(notes), state, first,
+        drive, given, tuple(found), tuple(unseen), whole, before, after, result, unexplained,
+        tuple(notes), state, first,
     )  # fmt: skip
+
+
+def _searched(drive, model, asked, notes, say):
+    """(state, first, given, original): what is held at the end and before anything was, whether a model
+    was given, and the model without what is found; asked: windows to withhold, and whether what is random is searched.
+    """
+    windows, random = asked
+    theta, noise, given, original = _start(drive, model, notes)
+    state = search.State(
+        drive, noise, theta, withhold=tuple((w.start, w.duration) for w in windows)
+    )
+    _start_time(state, say)
+    first = replace(state, theta=np.zeros_like(theta), kept=())
+    first.rebuild()
+    if not given:
+        if state.kept:  # the noise of a path that is seconds off says nothing
+            state.rebuild()
+        state.noise = first.noise = base_model.fit(state if state.kept else first, say)
+        original = first.noise.model
+        first.weigh()
+    search.run(state, given=given, random=random, say=say)
+    return state, first, given, original
+
+
+def _heading(state, drive, heading, known):
+    """The step, in a list, of a wrong heading at the start; known: the mounting's angles and the battery."""
+    mount, after = known
+    given, whose = heading, ""
+    if given is None and drive.reference_attitude is not None:
+        given, whose = float(drive.reference_attitude[0, 2]), " by the reference's first attitude"
+    if given is None:
+        return []
+    apart = vehicle.heading_error(state.problem, given, mount, state.noise)
+    return [] if apart is None else steps.heading(*apart, after, whose)
 
 
 def _start_time(state, say):
     """Start where the turns of the fixes match those felt best, if the innovations agree: on roads
     without turns, or where fixes jump, a match is chance.
     """
-    late, likeness, _ = gross.best_match(correct.corrected(state.drive, state.theta))
+    late, likeness, _ = lateness.best_match(correct.corrected(state.drive, state.theta))
     if abs(late) < SEEN:
         return
     moved = replace(state, theta=state.theta.copy(), kept=("gnss_time_offset",))
@@ -182,7 +195,8 @@ def _start_time(state, say):
         tried.rebuild()
         costs.append(tried.cost() / tried.use.sum())
     if costs[1] < costs[0]:
-        state.theta, state.kept, state.result = moved.theta, moved.kept, None
+        state.take(moved)  # with its heading: that of a path seconds off is none
+        state.result = None
         say(f"fixes are about {late:.1f} s late (turns agree by {likeness:.2f})")
     else:
         state.result = None

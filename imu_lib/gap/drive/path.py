@@ -6,6 +6,7 @@ from imu_lib.drive_effects import DriveEffect
 from imu_lib.navigation import earth
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Gnss
+from imu_lib.record import CHANNELS
 
 from . import condense
 from .legs import Leg
@@ -68,7 +69,7 @@ def _engine(drive, noise, turn_on, heading, velocity_shift):
         for_search(noise.model),
         turn_on_sd=turn_on,
         flicker="markov",
-        effects=_correlated(noise),
+        effects=(*_correlated(noise), *_vibrations(noise)),
     )
     return LooselyCoupled(drive, model, gnss=gnss, heading=heading, remove_bias=False)
 
@@ -110,6 +111,15 @@ def _correlated(noise: Noise):
         return ()
     parameters = {"sigma": noise.sigma, "correlation_time": max(noise.tau, 1e-2)}
     return (DriveEffect("gnss_correlated", parameters),)
+
+
+def _vibrations(noise: Noise):
+    """White noise that follows the speed: without it a path believes its attitude too much."""
+    for channel, growth in zip(CHANNELS, noise.per_speed):
+        if growth > 0.0:
+            density = sum(t.N**2 for t in noise.model[channel].terms if t.name == "white_noise")
+            parameters = {"channel": channel, "N": density**0.5, "N_per_speed": growth}
+            yield DriveEffect("vibration", parameters)
 
 
 def replace_sd(drive, position, velocity):

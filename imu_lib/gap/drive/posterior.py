@@ -41,7 +41,8 @@ def intervals(state, found):
         bounds, medians = np.stack([centre - 1.96 * sd, centre + 1.96 * sd], axis=1), centre
     else:
         bounds, medians = _of_grid(at, centre, axes)
-    if not near or state.problem.long:
+    outside = (start < bounds[:, 0]) | (start > bounds[:, 1])
+    if not near or outside.any() or state.problem.long:
         found.values = np.exp(medians)
     low, high = (found.change.describe(np.exp(b)) for b in bounds.T)
     return {k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]}

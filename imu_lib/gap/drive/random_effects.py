@@ -71,16 +71,20 @@ def _with_process(noise: Noise, channel, position, name, value):
 
 
 def changes(problem: Problem, noise: Noise, given: bool):
-    """All changes that could be tried on top of a hypothesis."""
+    """All changes that could be tried on top of a hypothesis; given: the model is the user's, whose
+    processes may be wrong.
+    """
+    out = _of_fixes(problem, noise)
+    if given:
+        out += _of_processes(noise)
+    return out + _vibrations(problem, noise)
+
+
+def _of_fixes(problem, noise):
+    """Changes of the errors of the fixes: their size, their memory, and wild ones."""
     out = []
-    typical = (
-        float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2])))
-        if problem.use[:, 0].any()
-        else 1.0
-    )
     for of in ("position", "velocity"):
-        stated = getattr(problem.drive, f"gnss_{of}_sd") is not None
-        if stated and problem.use[:, 0 if of == "position" else 3].any():
+        if problem.use[:, 0 if of == "position" else 3].any():
             out.append(
                 Change(
                     "gnss_noise",
@@ -90,51 +94,54 @@ def changes(problem: Problem, noise: Noise, given: bool):
                     lambda v, of=of: {"ratio": max(float(v[0]), LEAST), "of": of},
                 )  # fmt: skip
             )
-    if problem.use[:, 0].any():
-        for tau in (5.0, 60.0):
-            out.append(
-                Change(
-                    "gnss_correlated",
-                    ("gnss_correlated",),
-                    (noise.sigma or typical, noise.tau if noise.sigma else tau),
-                    lambda n, v: n.with_(sigma=float(v[0]), tau=float(v[1])),
-                    lambda v: {"sigma": float(v[0]), "correlation_time": float(v[1])},
-                )  # fmt: skip
-            )
+    if not problem.use[:, 0].any():
+        return out
+    typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2])))
+    for tau in (5.0, 60.0):
         out.append(
             Change(
-                "gnss_outliers",
-                ("gnss_outliers",),
-                (noise.fraction or 0.02, noise.scale or 12.0 * typical),
-                lambda n, v: n.with_(fraction=float(min(v[0], 0.3)), scale=float(v[1])),
-                lambda v: {"fraction": float(min(v[0], 0.3)), "scale": float(v[1])},
+                "gnss_correlated",
+                ("gnss_correlated",),
+                (noise.sigma or typical, noise.tau if noise.sigma else tau),
+                lambda n, v: n.with_(sigma=float(v[0]), tau=float(v[1])),
+                lambda v: {"sigma": float(v[0]), "correlation_time": float(v[1])},
             )  # fmt: skip
         )
-    if given:
-        for channel in CHANNELS:
-            for position, process in enumerate(noise.model[channel].terms):
-                for name in getattr(type(process), "parameters", ()):
-                    name = name.name
-                    if (process.name, name) not in _CHANGEABLE:
-                        continue
-                    value = float(getattr(process, name))
-                    out.append(
-                        Change(
-                            "bias_model",
-                            ("bias_model", channel, process.name, name),
-                            (value,),
-                            lambda n, v, c=channel, p=position, k=name: _with_process(
-                                n, c, p, k, v[0]
-                            ),
-                            lambda v, c=channel, p=process.name, k=name: {
-                                "channel": c,
-                                "process": p,
-                                "name": k,
-                                "to": float(v[0]),
-                            },
-                        )  # fmt: skip
-                    )
-    speed = float(np.sqrt(np.mean(problem.speed**2))) or 1.0
+    out.append(
+        Change(
+            "gnss_outliers",
+            ("gnss_outliers",),
+            (noise.fraction or 0.02, noise.scale or 12.0 * typical),
+            lambda n, v: n.with_(fraction=float(min(v[0], 0.3)), scale=float(v[1])),
+            lambda v: {"fraction": float(min(v[0], 0.3)), "scale": float(v[1])},
+        )  # fmt: skip
+    )
+    return out
+
+
+def _of_processes(noise):
+    """Changes of the parameters of the model's processes."""
+    out = []
+    for channel in CHANNELS:
+        for position, process in enumerate(noise.model[channel].terms):
+            names = [p.name for p in getattr(type(process), "parameters", ())]
+            for name in [n for n in names if (process.name, n) in _CHANGEABLE]:
+                told = {"channel": channel, "process": process.name, "name": name}
+                out.append(
+                    Change(
+                        "bias_model",
+                        ("bias_model", channel, process.name, name),
+                        (float(getattr(process, name)),),
+                        lambda n, v, c=channel, p=position, k=name: _with_process(n, c, p, k, v[0]),
+                        lambda v, told=told: {**told, "to": float(v[0])},
+                    )  # fmt: skip
+                )
+    return out
+
+
+def _vibrations(problem, noise):
+    """White noise that follows the speed, on each channel."""
+    out, speed = [], float(np.sqrt(np.mean(problem.speed**2))) or 1.0
     for number, channel in enumerate(CHANNELS):
         density = max(_white(noise.model, channel), 1e-9)
         out.append(

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.navigation import gross
+from imu_lib.navigation import fix_faults
 
 from . import alone, prune, random_effects, readings, select
 from .hold import held, refit
@@ -91,7 +91,7 @@ def _start_wild(state, say):
     """Start with wild fixes where the fixes alone show them: a path that follows a few that are far
     off says nothing of the others.
     """
-    found = gross.wild(state.drive)
+    found = fix_faults.wild(state.drive)
     if found is None or state.noise.fraction > 0.0 or not state.use[:, 0].any():
         return
     options = random_effects.changes(state.problem, state.noise, False)

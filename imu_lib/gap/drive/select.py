@@ -11,6 +11,7 @@ from itertools import combinations
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from scipy.stats import t as student
 
 from . import columns
 
@@ -18,6 +19,7 @@ PER_PARAMETER = 1.5  # nats; chance alone gains 0.5 each
 PER_EFFECT = 5.0  # nats: about eighteen effects are tried at once
 HUBER = 4.0  # standard deviations
 BLOCK = 20.0  # s over which scores are summed to see how correlated they are
+FEWEST_BLOCKS = 6  # from which on their scatter says something
 #: Groups of columns: an effect of the file format or a cause outside it.
 GROUPS = {}
 for _i, _c in enumerate(columns.ALL):
@@ -64,32 +66,54 @@ def cancelling(index, x, cov):
 class Regression:
     """Information (P, P) and score (P,) of all columns, for total values; temper: by how much
     innovations left over are larger, or more alike from one to the next, than white ones of unit
-    variance.
+    variance; spread (P, P): sum of the squares of the scores of `blocks` stretches, each by itself.
     """
 
     information: np.ndarray
     score: np.ndarray
     temper: float
     count: int
+    spread: np.ndarray | None = None
+    blocks: int = 0
 
     def solve(self, index):
         """Values, covariance and gain (nats, tempered) of a set of columns."""
+        return self._free(index)[:3]
+
+    def sd(self, index):
+        """Standard deviations (k,) of the values of a set, such that 1.96 of them are an interval of 95 %:
+        the likelihood's, or those of the sandwich where they are larger (Huber 1967; over blocks, within which
+        innovations may be correlated, Liang and Zeger 1986), with Student's quantile for few blocks.
+        """
+        _, cov, _, part = self._free(index)
+        own = np.diag(cov)
+        if self.spread is None or self.blocks < FEWEST_BLOCKS:
+            return np.sqrt(own)
         index = np.asarray(index, int)
-        if not index.size:
-            return np.zeros(0), np.zeros((0, 0)), 0.0
-        x, cov, gain = self._solved(index)
+        scores = self.spread[np.ix_(index, index)] / self.temper**2
+        robust = np.einsum("ij,jk,ki->i", cov, scores, cov) * self.blocks / (self.blocks - 1)
+        robust *= (float(student.ppf(0.975, self.blocks - 1)) / 1.96) ** 2
+        return np.sqrt(np.where(part, np.maximum(own, robust), own))
+
+    def _free(self, index):
+        """Values, covariance, gain, and mask of the values that are free: what asks for one that its name
+        does not have is something else.
+        """
+        index = np.asarray(index, int)
         part = np.ones(index.size, bool)
+        if not index.size:
+            return np.zeros(0), np.zeros((0, 0)), 0.0, part
+        x, cov, gain = self._solved(index)
         for _ in range(4):
             away = (np.abs(x) > LIMIT[index]) | cancelling(index, x, cov)
             if not away.any():
                 break
-            # what asks for such a value is something else: nothing is known of this one
             part &= ~away
             rest = index[part]
             y, c, gain = self._solved(rest)
             x, cov = np.zeros(index.size), np.diag(PRIOR[index] ** 2)
             x[part], cov[np.ix_(part, part)] = y, c
-        return x, cov, gain
+        return x, cov, gain, part
 
     def _solved(self, index):
         if not index.size:
@@ -120,7 +144,7 @@ def regression(problem, result, theta, use) -> Regression:
     if np.mean(weight < 1.0) > 1e-3:
         root = np.sqrt(weight)
         j *= root[:, None]
-        total = total * root
+        total, e = total * root, e * root
         information, score = j.T @ j, j.T @ total
         x[seen] = Regression(information, score, 1.0, e.size).solve(seen)[0]
         left = total - j @ x
@@ -128,10 +152,12 @@ def regression(problem, result, theta, use) -> Regression:
     block = ((time - time[0]) / BLOCK).astype(int)
     begins = np.flatnonzero(np.diff(block, prepend=-1))
     ends = np.append(begins[1:], left.size)
-    sums = np.array([left[a:b] @ j[a:b] for a, b in zip(begins, ends)])
-    ratios = np.sum(sums[:, seen] ** 2, axis=0) / np.diag(information)[seen]
+    both = np.stack([left, e])
+    sums = np.array([both[:, a:b] @ j[a:b] for a, b in zip(begins, ends)])
+    ratios = np.sum(sums[:, 0, seen] ** 2, axis=0) / np.diag(information)[seen]
     temper = max(1.0, float(np.mean(left**2)), float(np.median(ratios)))
-    return Regression(information, score, temper, e.size)
+    spread = sums[:, 1].T @ sums[:, 1]  # about what is held: with all columns free, less is left
+    return Regression(information, score, temper, e.size, spread, len(begins))
 
 
 def ridges(reg, kept):
@@ -157,14 +183,14 @@ RIDGES = {"lever_arm": ("gnss_time_offset",), "gnss_time_offset": ("lever_arm",)
 
 
 def seen(reg, kept, effect):
-    """(values, standard deviations) of an effect's columns beside what is held, and beside what may
-    be taken for it.
+    """(values, standard deviations by the likelihood, and those of an interval) of an effect's columns
+    beside what is held, and beside what may be taken for it.
     """
     free = dict.fromkeys((*kept, effect, *RIDGES.get(effect, ())))
     index = [i for e in free for i in GROUPS[e]]
     x, cov, _ = reg.solve(index)
     part = [index.index(i) for i in GROUPS[effect]]
-    return x[part], np.sqrt(np.diag(cov))[part]
+    return x[part], np.sqrt(np.diag(cov))[part], reg.sd(index)[part]
 
 
 def score_of(reg, effects):

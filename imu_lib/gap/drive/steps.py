@@ -10,18 +10,22 @@ from .battery import battery
 from .effects import CATALOGUE, LINEAR
 from .left import ANGLES, APART, TURNED, smoothed_delay
 
-SUREST = 0.999  # no confidence above this is claimed
+SUREST = 0.999  # no weight above this is claimed
 ALIKE = 3.0  # nats
 
 
-def _step(effect, parameters, intervals, confidence, runner, alike, gaps, gain, where=None):
+def _step(effect, values, weight, runner, alike, gaps, gain, where=None):
+    """A step; values: its parameters and intervals; weight: of the name among its rivals, of which
+    `reliability` makes the confidence.
+    """
     return {
         "effect": effect,
-        "parameters": parameters,
-        "intervals": intervals,
+        "parameters": values[0],
+        "intervals": values[1],
         "where": where or CATALOGUE[effect].words,
         "cause": CATALOGUE[effect].cause,
-        "confidence": float(min(confidence, SUREST)),
+        "weight": float(min(weight, SUREST)),
+        "confidence": float(min(weight, SUREST)),
         "runner_up": runner,
         "indistinguishable": list(alike),
         "gap_before": float(gaps[0]),
@@ -37,8 +41,10 @@ def of(state, first, noise, rng, before):
         kept.remove("gnss_time_offset")
     index = [i for e in state.kept for i in select.GROUPS[e]]
     values, cov, total = state.reg.solve(index)
-    sd = dict(zip(index, np.sqrt(np.diag(cov))))
+    sd = dict(zip(index, state.reg.sd(index)))
     values = dict(zip(index, values))
+    # one that would be larger than its name allows is held at nothing
+    kept = [e for e in kept if any(values[i] for i in select.GROUPS[e])]
     names = [n for n in select.GROUPS if n not in state.kept]
     sure = select.confidence(state.reg, state.kept, names, state.apart)
     out, gap = [], before.index
@@ -60,12 +66,11 @@ def of(state, first, noise, rng, before):
         parameters = LINEAR[effect].parameters(now)
         intervals = LINEAR[effect].intervals(now, np.array([sd[i] for i in part]))
         if effect == "gnss_time_offset":
-            parameters, intervals = _one_offset(state, index, values, parameters, intervals)
+            parameters, intervals = _one_offset(state, index, (values, sd), parameters, intervals)
         out.append(
             _step(
                 effect,
-                parameters,
-                intervals,
+                (parameters, intervals),
                 confidence,
                 {"effect": second, "confidence": float(chance)},
                 alike,
@@ -79,19 +84,31 @@ def of(state, first, noise, rng, before):
         noise = found.change.enter(noise, found.values)
         result = state.evaluate(noise)
         after = battery(state.problem, result.e, state.use, rng).index
-        out.append(_random_step(state, found, original, (gap, after)))
+        if not _unstated(state, found.change):
+            out.append(_random_step(state, found, original, (gap, after)))
         gap = after
     return out
 
 
-def _one_offset(state, index, values, parameters, intervals):
-    """The time offset as one number, unless the velocity clearly has one of its own."""
+def _unstated(state, change):
+    """Whether a change is the size of errors of which the file states none: fitted, and no finding."""
+    if change.effect != "gnss_noise":
+        return False
+    return getattr(state.problem.drive, f"gnss_{change.key[1]}_sd") is None
+
+
+def _one_offset(state, index, known, parameters, intervals):
+    """The time offset as one number, unless the velocity clearly has one of its own; known: values and
+    standard deviations by column.
+    """
+    values, sd = known
     a, b = columns.of("gnss_time_offset")
     if not state.use[:, 3].any():
         return ({k: d[k] for k in ("offset",)} for d in (parameters, intervals))
     _, cov, _ = state.reg.solve(index)
     i, j = index.index(a), index.index(b)
-    pair = cov[np.ix_([i, j], [i, j])]
+    wider = np.array([sd[a], sd[b]]) / np.sqrt(np.diag(cov)[[i, j]])
+    pair = cov[np.ix_([i, j], [i, j])] * np.outer(wider, wider)
     apart = values[b] - values[a]
     if abs(apart) > APART * np.sqrt(pair[0, 0] + pair[1, 1] - 2 * pair[0, 1]):
         return parameters, intervals
@@ -128,7 +145,7 @@ def _random_step(state, found, first, gaps):
     k = int(np.argmax(weights))
     alike = sorted({e for (e, v) in rivals if v > -ALIKE and e != change.effect})
     return _step(
-        change.effect, parameters, intervals, 1.0 / total,
+        change.effect, (parameters, intervals), 1.0 / total,
         {"effect": names[k], "confidence": float(weights[k] / total)}, alike, gaps, found.gain,
     )  # fmt: skip
 
@@ -144,7 +161,7 @@ def _stated(model, parameters):
 def axes(permutation, sure, runner, gain, alike, before):
     where = f"the readings follow the fixes' accelerations and turns when x, y, z of the file are taken as {', '.join(permutation)}"
     step = _step(
-        "axes", {"permutation": list(permutation)}, {}, sure,
+        "axes", ({"permutation": list(permutation)}, {}), sure,
         {"effect": f"axes {' '.join(runner)}", "confidence": float(1.0 - sure)}, [],
         (before.index, before.index), gain, where,
     )  # fmt: skip
@@ -171,8 +188,13 @@ def mounting(turned, after):
     return [
         _step(
             "mounting",
-            {n: float(a) for n, a in zip(names, angles)},
-            {n: [float(a - 1.96 * s), float(a + 1.96 * s)] for n, a, s in zip(names, angles, sd)},
+            (
+                {n: float(a) for n, a in zip(names, angles)},
+                {
+                    n: [float(a - 1.96 * s), float(a + 1.96 * s)]
+                    for n, a, s in zip(names, angles, sd)
+                },
+            ),
             SUREST,
             {"effect": "nothing", "confidence": float(np.exp(-min(gain, 700.0)))},
             [],
@@ -195,8 +217,7 @@ def heading(apart, sd, after, whose=""):
     return [
         _step(
             "heading",
-            {"error": apart},
-            {"error": [apart - 1.96 * sd, apart + 1.96 * sd]},
+            ({"error": apart}, {"error": [apart - 1.96 * sd, apart + 1.96 * sd]}),
             SUREST,
             {"effect": "nothing", "confidence": 0.0},
             [],

@@ -28,18 +28,34 @@ def mounting(problem, attitude_sd):
     c_nb = Rotation.from_euler("ZYX", path["attitude"][keep][:, ::-1])
     case = c_nb.inv().apply(v[keep])
     a = np.column_stack([speed[keep], turn[keep]])
-    out = np.zeros(3)
-    spread = np.zeros(3)
-    for k, sign in ((1, -1.0), (2, 1.0)):
-        x, left = _robust(a, case[:, k])
-        out[3 - k if k == 1 else 1] = sign * x[0]
-        spread[3 - k if k == 1 else 1] = left
-    yaw, pitch = np.arcsin(np.clip(out[2], -1, 1)), np.arcsin(np.clip(out[1], -1, 1))
-    level = (c_nb * Rotation.from_euler("ZYX", [yaw, pitch, 0.0]).inv()).as_euler("ZYX")
-    # the vehicle's roll is zero on average: what the case rolls beyond is its own
-    out = np.array([float(np.median(level[:, 2])), pitch, yaw])
-    spread[0] = 0.0
-    return out, np.sqrt(SYSTEMATIC**2 + attitude_sd**2 + spread**2)
+    found = [_robust(a, case[:, k]) for k in range(3)]
+    # where the velocity points in the case's axes: its mean, with the turns' share taken out
+    forward = np.array([x[0] for x, _ in found])
+    forward /= np.linalg.norm(forward)
+    case_to_vehicle = _along(forward)
+    roll = (c_nb * case_to_vehicle.inv()).as_euler("ZYX")[:, 2]
+    # the vehicle's roll is zero on average: what is left is the case's own
+    mean = np.arctan2(np.median(np.sin(roll)), np.median(np.cos(roll)))
+    case_to_vehicle = Rotation.from_rotvec([mean, 0.0, 0.0]) * case_to_vehicle
+    spread = np.array([0.0, found[2][1], found[1][1]])
+    sd = np.sqrt(SYSTEMATIC**2 + attitude_sd**2 + spread**2)
+    return case_to_vehicle.as_euler("ZYX")[::-1], _of_angles(case_to_vehicle, sd)
+
+
+def _along(forward):
+    """The rotation that turns unit vector `forward` (3,) to x by yaw and pitch alone."""
+    yaw = -np.arctan2(forward[1], forward[0])
+    level = Rotation.from_euler("z", yaw).apply(forward)
+    pitch = np.arctan2(level[2], level[0])
+    return Rotation.from_euler("y", pitch) * Rotation.from_euler("z", yaw)
+
+
+def _of_angles(turn, sd):
+    """Standard deviations of roll, pitch, yaw from those of small turns about the vehicle's axes."""
+    step, now = 1e-4, turn.as_euler("ZYX")[::-1]
+    moved = [(Rotation.from_rotvec(step * u) * turn).as_euler("ZYX")[::-1] for u in np.eye(3)]
+    slope = (np.array([m - now for m in moved]) + np.pi) % (2.0 * np.pi) - np.pi
+    return np.sqrt(np.sum((slope / step * sd[:, None]) ** 2, axis=0))
 
 
 def _robust(a, b):

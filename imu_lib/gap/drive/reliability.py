@@ -1,0 +1,80 @@
+"""How sure a name is: as often as names like it were right on blind drives.
+
+A name's weight among its rivals says how much likelier it is than they, if one of them is true and
+the filter is right. How often it is right is counted (`benchmarks/drive_gap_score.py`), apart for
+names of full weight, for lesser ones, and for names beside something that was left unexplained. An
+effect that was found often has its own share; one found seldom, that of all.
+"""
+
+#: Weight from which on a name counts as of full weight.
+FULL = 0.99
+#: Findings of other effects count for as many of its own.
+SHARED = 4.0
+#: {class: {effect: (found, right)}} of benchmarks/results/drive_gap_score_first.json (83 drives).
+COUNTED: dict[str, dict[str, tuple[int, int]]] = {
+    "full": {
+        "accel_bias": (4, 4),
+        "accel_misalignment": (4, 4),
+        "accel_scale": (6, 6),
+        "axes": (3, 3),
+        "bias_model": (1, 1),
+        "gnss_correlated": (3, 3),
+        "gnss_noise": (3, 3),
+        "gnss_outliers": (1, 1),
+        "gnss_time_offset": (5, 4),
+        "gyro_bias": (4, 4),
+        "gyro_g_sensitivity": (4, 4),
+        "gyro_misalignment": (2, 2),
+        "gyro_scale": (3, 3),
+        "heading": (3, 3),
+        "lever_arm": (2, 2),
+        "mounting": (9, 8),
+        "vibration": (2, 2),
+    },
+    "lesser": {
+        "accel_misalignment": (1, 0),
+        "bias_model": (1, 1),
+        "gnss_time_offset": (1, 0),
+        "gyro_misalignment": (1, 1),
+        "imu_clock": (1, 1),
+        "vibration": (1, 1),
+    },
+    "beside": {
+        "bias_model": (2, 0),
+        "gnss_noise": (1, 1),
+        "gnss_outliers": (2, 2),
+        "gnss_time_offset": (1, 0),
+        "gyro_scale": (1, 1),
+        "heading": (3, 0),
+        "imu_clock": (1, 0),
+        "lever_arm": (1, 1),
+        "mounting": (5, 5),
+        "vibration": (2, 1),
+    },
+}
+
+
+def kind(weight: float, beside: bool) -> str:
+    """The class of a name of that weight; beside: something was left unexplained."""
+    if beside:
+        return "beside"
+    return "full" if weight >= FULL else "lesser"
+
+
+def share(effect: str, weight: float, beside: bool) -> float:
+    """Expected share of right names among further ones like it (Laplace's rule, for an effect drawn to the
+    share of its class).
+    """
+    counted = COUNTED[kind(weight, beside)]
+    found, right = (sum(c[k] for c in counted.values()) for k in (0, 1))
+    of_class = (right + 1.0) / (found + 2.0)
+    found, right = counted.get(effect, (0, 0))
+    return (right + SHARED * of_class) / (found + SHARED)
+
+
+def give(found: list[dict], beside: bool) -> None:
+    """Give steps their confidence, and the runner-up what that leaves."""
+    for step in found:
+        sure = share(step["effect"], step["weight"], beside)
+        step["confidence"] = sure
+        step["runner_up"]["confidence"] = min(step["runner_up"]["confidence"], 1.0 - sure)

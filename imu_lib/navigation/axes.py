@@ -1,0 +1,151 @@
+"""The order and signs of the axes, from the fixes' own motion: the readings under every order and
+sign are held against what the fixes expect (`fix_motion`).
+"""
+
+from dataclasses import replace
+from itertools import permutations, product
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from imu_lib.drive import Drive
+
+from .fix_motion import STEP, WIDTH, motion
+
+FORCE_SD, RATE_SD = (
+    0.5,
+    0.05,
+)  # m/s^2 and rad/s by which a real vehicle departs from what is expected
+LEANING = 2.5  # m/s^2: a case tilted by 15 degrees
+IDENTITY = ("+x", "+y", "+z")
+CLEAR = 6.0  # least gain of other axes, after tempering, nats
+MIRRORED = 3.0  # nats against left-handed axes: no sensor has them, a wrong sign in a file does
+
+
+def of(drive: Drive):
+    """The order and signs of the axes: (permutation, confidence, runner-up, gain in nats,
+    indistinguishable).
+    """
+    m = motion(drive)
+    if m is None or m.moving.sum() < 50:
+        return IDENTITY, 0.0, IDENTITY, 0.0, ()
+    costs = _costs(m, everything())
+    temper = _temper(m, min(costs.values()))
+    for permutation in costs:
+        if mirrored(permutation):
+            costs[permutation] += MIRRORED * temper
+    order = sorted(costs, key=costs.get)
+    first = order[0]
+    if not mirrored(first):  # no case can be turned into its mirror image: that is no rival
+        order = [p for p in order if not mirrored(p)]
+    second = order[1]
+    here = costs[IDENTITY]
+    gain = (here - costs[first]) / temper
+    if first == IDENTITY or gain < CLEAR:
+        return IDENTITY, 0.0, first, gain, ()
+    apart = (costs[second] - costs[first]) / temper
+    alike = tuple(p for p in order[1:] if (costs[p] - costs[first]) / temper < 3.0)
+    return first, float(1.0 / (1.0 + np.exp(-apart))), second, float(gain), alike
+
+
+def forces_reversed(drive: Drive) -> bool:
+    """Whether the accelerometers, all their signs turned, fit the gyros and the fixes clearly better
+    than under any order and sign of the axes.
+    """
+    m = motion(drive)
+    if m is None or m.moving.sum() < 50:
+        return False
+    turned = replace(m, readings=m.readings * np.repeat([1.0, -1.0], 3))
+    rigid = (p for p in everything() if not mirrored(p))
+    there = min(_costs(turned, rigid, LEANING).values())
+    here = min(_costs(m, everything(), LEANING).values())
+    return (here - there) / _temper(m, there) > CLEAR
+
+
+def _costs(m, tried, leaning=0.0):
+    """{permutation: misfit, nats as if samples were independent, at the best of a few seconds};
+    leaning: m/s^2 by which a tilted case or a bias may move each force.
+    """
+    shifts = sorted((int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)), key=abs)
+    readings = m.readings.copy()
+    if (~m.moving).sum() > 50:
+        readings[:, :3] -= np.median(readings[:, :3][~m.moving], axis=0)
+    out = {}
+    for permutation in tried:
+        c = to_body(permutation)
+        body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
+        out[permutation] = min(_cost(m, body, k, leaning) for k in shifts)
+    return out
+
+
+def _cost(m, body, shift, leaning=0.0):
+    n = m.time.size
+    a = slice(max(shift, 0), n + min(shift, 0))
+    b = slice(max(-shift, 0), n - max(shift, 0))
+    keep = m.moving[a]
+    apart = (m.expected[a] - body[b])[keep]
+    if leaning and len(apart):
+        apart[:, 3:] -= np.clip(np.median(apart[:, 3:], axis=0), -leaning, leaning)
+    z = apart / np.repeat([RATE_SD, FORCE_SD], 3)
+    z = np.abs(z)
+    huber = np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5)
+    return float(huber.sum() * (m.moving.sum() / max(keep.sum(), 1)))
+
+
+def _temper(m, least):
+    """By how much less than independent ones the samples count: smoothed readings repeat themselves
+    for WIDTH seconds.
+    """
+    return WIDTH / STEP * 5.0 * max(1.0, least / max(m.moving.sum() * 3.0, 1.0))
+
+
+def turn(drive: Drive):
+    """How the case is turned in the vehicle, by the fixes' own motion: (roll, pitch, yaw rad, gain in nats
+    over a case that is not turned); zeros where the drive does not say.
+    """
+    m = motion(drive)
+    if m is None or m.moving.sum() < 50:
+        return np.zeros(3), 0.0
+    readings = m.readings.copy()
+    if (~m.moving).sum() > 50:
+        readings[:, :3] -= np.median(readings[:, :3][~m.moving], axis=0)
+    best = None
+    for shift in sorted((int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)), key=abs):
+        n = m.time.size
+        a = slice(max(shift, 0), n + min(shift, 0))
+        b = slice(max(-shift, 0), n - max(shift, 0))
+        keep = m.moving[a]
+        if keep.sum() < 50:
+            continue
+        seen, felt = m.expected[a][keep], readings[b][keep]
+        # least squares of a rotation between vectors (Wahba 1965; Kabsch 1976)
+        to = np.vstack([seen[:, :3] / RATE_SD, seen[:, 3:] / FORCE_SD])
+        of = np.vstack([felt[:, :3] / RATE_SD, felt[:, 3:] / FORCE_SD])
+        turned, _ = Rotation.align_vectors(to, of)
+        c = turned.as_matrix()
+        cost = _cost(m, np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T]), shift)
+        if best is None or cost < best[0]:
+            best = cost, turned
+    here = _costs(replace(m, readings=readings), [IDENTITY])[IDENTITY]
+    gain = (here - best[0]) / _temper(m, best[0])
+    return best[1].as_euler("ZYX")[::-1], float(gain)
+
+
+def to_body(permutation):
+    """Matrix from the file's axes into the body's: column i is where the file's axis i points."""
+    c = np.zeros((3, 3))
+    for i, entry in enumerate(permutation):
+        c["xyz".index(entry[1]), i] = 1.0 if entry[0] == "+" else -1.0
+    return c
+
+
+def mirrored(permutation) -> bool:
+    """Whether the axes are left-handed."""
+    return bool(np.linalg.det(to_body(permutation)) < 0.0)
+
+
+def everything():
+    """All 48 orders and signs of three axes."""
+    for order in permutations("xyz"):
+        for signs in product("+-", repeat=3):
+            yield tuple(s + a for s, a in zip(signs, order))

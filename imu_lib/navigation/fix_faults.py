@@ -1,0 +1,170 @@
+"""What the fixes say against themselves: positions far off between their neighbours, or that jump for
+good, or that only repeat the last; velocities in another frame or unit than the positions.
+"""
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import detrend
+
+from imu_lib.drive import Drive
+
+from . import earth
+
+FAR_OFF = 12.0  # times the median distance of a fix from the middle of its neighbours
+JUMP, STAYS, BESIDE = 10.0, 0.7, 5  # m; share of a jump that stays; fixes on either side
+CREEPING = 1.0  # m/s: what repeats its position and creeps on the mean stands
+#: Speeds over those in m/s, by unit.
+UNITS = {"km/h": 3.6, "knots": 1.9438, "mph": 2.2369, "ft/s": 3.2808, "cm/s": 100.0, "mm/s": 1000.0}
+ROLLING, OPPOSED = 1.0, -0.7  # m of heights that tell, and a correlation that no road has
+
+
+def wild(drive: Drive):
+    """(share, standard deviation m) of positions that lie far off between their neighbours; None
+    where there are hardly any, or so many that they are the receiver's usual ones.
+    """
+    time, position = np.asarray(drive.gnss_time), np.asarray(drive.gnss_position, float)
+    good = np.isfinite(position).all(axis=1)
+    time, position = time[good], position[good]
+    if time.size < 50:
+        return None
+    ned = earth.meters(position, position[0])
+    part = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], 1e-9)
+    apart = ned[1:-1] - ned[:-2] - part[:, None] * (ned[2:] - ned[:-2])
+    apart = np.linalg.norm(apart[(time[2:] - time[:-2]) < 4.0 * np.median(np.diff(time))], axis=1)
+    size = np.maximum(np.median(apart), 0.01)
+    # a wild one moves the middle of its two neighbours by half as much
+    peak = (apart > FAR_OFF * size) & (apart >= np.maximum(np.roll(apart, 1), np.roll(apart, -1)))
+    share = float(peak.mean())
+    if not 0.002 < share < 0.2:
+        return None
+    return share, float(np.sqrt(np.mean(apart[peak] ** 2) / 3.0))
+
+
+def upside_down(drive: Drive) -> bool:
+    """Whether the fixes' heights rise where their velocities fall."""
+    if drive.gnss_velocity is None:
+        return False
+    time = np.asarray(drive.gnss_time)
+    height, down = np.asarray(drive.gnss_position)[:, 2], np.asarray(drive.gnss_velocity)[:, 2]
+    good = np.isfinite(height) & np.isfinite(down)
+    time, height, down = time[good], height[good], down[good]
+    if time.size < 50:
+        return False
+    sunk = detrend(-height)
+    gone = detrend(np.append(0.0, np.cumsum(0.5 * (down[1:] + down[:-1]) * np.diff(time))))
+    return np.std(gone) > ROLLING and np.corrcoef(sunk, gone)[0, 1] < OPPOSED
+
+
+def _motion(drive):
+    """Horizontal velocities (k, 2) at which positions move over about 2 s, and those that the fixes state,
+    where they are quick.
+    """
+    time = np.asarray(drive.gnss_time)
+    position, velocity = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
+    later = np.searchsorted(time, time + 2.0)
+    k = np.flatnonzero(later < time.size)
+    later = later[k]
+    k, later = k[time[later] - time[k] < 4.0], later[time[later] - time[k] < 4.0]
+    moved = earth.meters(position[later], position[k])[:, :2] / (time[later] - time[k])[:, None]
+    went = 0.5 * (velocity[k] + velocity[later])[:, :2]
+    fast = np.linalg.norm(went, axis=1) > 3.0
+    return moved[fast], went[fast]
+
+
+def _apart(moved, went):
+    return float(np.median(np.linalg.norm(moved - went, axis=1)))
+
+
+def velocities_swapped(drive: Drive) -> bool:
+    """Whether the fixes' velocities fit their own positions as east, north and not as north, east."""
+    if drive.gnss_velocity is None:
+        return False
+    moved, went = _motion(drive)
+    if len(moved) < 50:
+        return False
+    straight, swapped = _apart(moved, went), _apart(moved, went[:, ::-1])
+    return swapped < 0.5 * straight and straight > 2.0 and not positions_swapped(drive)
+
+
+def positions_swapped(drive: Drive) -> bool:
+    """Whether the fixes' velocities fit their positions with latitude and longitude exchanged only."""
+    position = np.asarray(drive.gnss_position, float)
+    if drive.gnss_velocity is None or np.nanmax(np.abs(position[:, 1])) > np.pi / 2:
+        return False
+    moved, went = _motion(drive)
+    if len(moved) < 50:
+        return False
+    other, _ = _motion(drive.with_(gnss_position=position[:, [1, 0, 2]]))
+    best = min(_apart(moved, went), _apart(moved, went[:, ::-1]))
+    return _apart(other, went) < 0.5 * best and best > 1.0
+
+
+def speed_ratio(drive: Drive) -> float:
+    """Stated speeds over those at which the positions move; 1 where both agree within a fifth, or too
+    little is known.
+    """
+    if drive.gnss_velocity is None:
+        return 1.0
+    moved, went = (np.linalg.norm(v, axis=1) for v in _motion(drive))
+    quick = moved > 1.0
+    if quick.sum() < 50:
+        return 1.0
+    ratio = float(np.median(went[quick] / moved[quick]))
+    return ratio if not 0.8 < ratio < 1.25 else 1.0
+
+
+def unit_of(ratio) -> str | None:
+    """The unit whose speeds are so many times those in m/s, or None."""
+    return next((u for u, factor in UNITS.items() if abs(ratio / factor - 1.0) < 0.06), None)
+
+
+def held(drive: Drive):
+    """Which fixes (m,) only repeat the position of the one before while the drive goes on: of a receiver
+    that gives its last solution until it has another.
+    """
+    position, time = np.asarray(drive.gnss_position, float), np.asarray(drive.gnss_time)
+    out = np.zeros(len(position), bool)
+    same = (position[1:] == position[:-1]).all(axis=1)
+    if not same.any():
+        return out
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
+    for first, last in edges.reshape(-1, 2):  # rows first to last are alike
+        if last + 1 >= len(position):
+            continue
+        moved = float(earth.horizontal(position[last + 1 : last + 2], position[first])[0])
+        if moved > CREEPING * (time[last + 1] - time[first]) and moved > 2.0:
+            out[first + 1 : last + 1] = True
+    return out
+
+
+def jumps(drive: Drive):
+    """Times (k,) s and sizes (k, 3) m, NED, of jumps of the positions that stay and that the fixes before
+    and after, or their velocities, do not explain.
+    """
+    time, position = np.asarray(drive.gnss_time), np.asarray(drive.gnss_position, float)
+    good = np.isfinite(position).all(axis=1) & ~held(drive)
+    velocity = None if drive.gnss_velocity is None else np.asarray(drive.gnss_velocity, float)
+    if velocity is not None and np.isfinite(velocity[good]).all(axis=1).mean() > 0.9:
+        good &= np.isfinite(velocity).all(axis=1)
+        velocity = velocity[good]
+    else:
+        velocity = None
+    time, position = time[good], position[good]
+    none = np.zeros(0), np.zeros((0, 3))
+    if time.size < 50:
+        return none
+    step = np.diff(time)
+    left = earth.meters(position[1:], position[:-1])
+    if velocity is not None:
+        left = left - 0.5 * (velocity[1:] + velocity[:-1]) * step[:, None]
+    else:
+        left = left - median_filter(left / step[:, None], (7, 1)) * step[:, None]
+    size = np.linalg.norm(left, axis=1)
+    usual = np.median(size) + 1e-3
+    large = (size > np.maximum(JUMP, FAR_OFF * usual)) & (step < 4.0 * np.median(step))
+    found = []
+    for k in np.flatnonzero(large):
+        near = left[max(k - BESIDE, 0) : k + BESIDE + 1].sum(axis=0)
+        if near @ left[k] > STAYS * size[k] ** 2:
+            found.append(k)
+    return (time[1:][found], left[found]) if found else none
