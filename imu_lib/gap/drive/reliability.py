@@ -6,6 +6,8 @@ names of full weight, for lesser ones, and for names beside something that was l
 effect that was found often has its own share; one found seldom, that of all.
 """
 
+from typing import Any
+
 #: Weight from which on a name counts as of full weight.
 FULL = 0.99
 #: Findings of other effects count for as many of its own.
@@ -72,7 +74,7 @@ def share(effect: str, weight: float, beside: bool) -> float:
     return (right + SHARED * of_class) / (found + SHARED)
 
 
-def give(found: list[dict], beside: bool) -> None:
+def give(found: list[dict[str, Any]], beside: bool) -> None:
     """Give steps their confidence, and the runner-up what that leaves."""
     for step in found:
         sure = share(step["effect"], step["weight"], beside)
