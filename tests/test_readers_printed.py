@@ -121,3 +121,29 @@ def test_moments_written_alike_are_the_same_by_either_way(tmp_path, monkeypatch,
     slow = opened(tmp_path / "a.csv", text, "--gyro-unit rad/s").record
     assert quick.rate == slow.rate and (quick.times() == slow.times()).all()
     assert same(opened(tmp_path / "a.csv", text, "--gyro-unit rad/s"), 100) is not None
+
+
+@pytest.mark.parametrize(
+    ("encoding", "heads"),
+    [
+        ("gb18030", "时间(s),加速度{}(g),角速度{}(°/s)"),
+        ("big5", "時間(s),加速度{}(g),角速度{}(deg/s)"),
+        ("cp932", "時間(s),加速度{}(g),角速度{}(deg/s)"),
+        ("cp949", "시간(s),가속도{}(g),각속도{}(deg/s)"),
+        ("cp1251", "Время с,Ускорение {} (g),Угл. скорость {} (°/с)"),
+        ("koi8_r", "Время с,Ускорение {} (g),Угловая скорость {} (град/с)"),
+        ("latin-1", "Zeit (s),Beschleunigung {} (g),Gyro {} (°/s)"),
+    ],
+)
+def test_the_encoding_is_that_in_which_the_words_are_known(tmp_path, encoding, heads):
+    time, accel, gyro = heads.split(",")
+    named = ",".join([time, *(h.format(a) for h in (accel, gyro) for a in "XYZ")])
+    path = tmp_path / "a.csv"
+    path.write_bytes(table(named, T, IN_G, DPS).encode(encoding))
+    assert len(same(readers.read(path), 100).channel_names) == 6
+
+
+def test_a_remedy_that_leaves_columns_out_says_so(tmp_path):
+    text = table("stand(s),ax (g),ay (g),az (g),foo1,foo2,foo3", T, IN_G, DPS)
+    with pytest.raises(InputError, match="--columns.*leaves out `foo1`, `foo2`, `foo3`"):
+        opened(tmp_path / "a.csv", text, "")

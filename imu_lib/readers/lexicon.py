@@ -27,14 +27,14 @@ ACCEL = words(
     " accelerations xl akzelerometer beschl beschleunigung beschleunigungen beschleunigungssensor"
     " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
     " gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration"
-    " przyspieszenie akcelerometr zrychleni ivme ускорение акселерометр 加速度 加速度计 加速计 加速度計"
+    " przyspieszenie akcelerometr zrychleni ivme ускорение ускорения акселерометр 加速度 加速度计 加速计 加速度計"
     " 가속도 accreading ac f fb fib fibb a gforce gf specificforce sf accs"
 )
 ANGULAR = words(
-    "угловая acisal uhlova angular ang angulaire angolare rotation rotational turn rot katowa winkel"
+    "угловая угл acisal uhlova angular ang angulaire angolare rotation rotational turn rot katowa winkel"
 )
 SPEED = words(
-    "velocity vel rate rates vitesse velocidad velocita velocidade predkosc скорость hiz rychlost speed turn"
+    "velocity vel rate rates vitesse velocidad velocita velocidade predkosc скорость скорости hiz rychlost speed turn"
 )
 #: Letters that name a sensor where they stand nearly alone, and what may stand beside them.
 LETTERS = words("g w a f ac gy")

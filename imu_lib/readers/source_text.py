@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 
-from imu_lib.readers import cells, commas, fields, folded, labelled, tagged
+from imu_lib.readers import cells, commas, encodings, fields, folded, labelled, tagged
 
 
 class Lines:
@@ -25,6 +25,9 @@ class Lines:
         filled = 0 if wide else len(data) - len(data.rstrip(b"\0"))
         if filled > 1:
             data = data[:-filled]  # a card's file that was made before it was written
+        encoding = encodings.of(data, fields.HEAD)
+        if encoding:
+            data = data.decode(encoding, errors="replace").encode()
         if not wide:
             data = data.replace("\u2212".encode(), b"-")  # a typesetter's minus
         if b"\x1b[" in data[:4096]:
@@ -38,6 +41,9 @@ class Lines:
         lines = cls(data, source)
         if filled > 1:
             lines.notes += (f"{filled:,} empty bytes behind the last line were left out.",)
+        if encoding and encoding != "cp1252":
+            name = encodings.CANDIDATES[encoding]
+            lines.notes += (f"The text was read as {name}: its words are known so.",)
         lines._start_and_rate()
         return lines
 
@@ -80,7 +86,8 @@ class Lines:
                 continue
             table = how(self.data.decode(encoding, errors="replace"))
             if table is not None:
-                self.data, self.places, self.notes = table.text.encode(), table.lines, table.notes
+                self.data, self.places = table.text.encode(), table.lines
+                self.notes += table.notes
                 return
 
     def without_words(self, layout) -> bool:

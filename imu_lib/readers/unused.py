@@ -24,8 +24,19 @@ def unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
         if np.asarray(values[i]).dtype.kind in "fi" and (np.diff(values[i]) > 0).mean() > 0.9:
             said = list(told)
             said[i] = Meaning("time")
-            return f"`{headings[i].name}` rises as a time does: {suggestion(said, headings)}"
+            return f"`{headings[i].name}` rises as a time does: {suggestion(said, headings)}{_dropped(said, headings)}"
     return None
+
+
+def _dropped(told: list[Meaning], headings) -> str:
+    """A word on three or more columns of numbers that a suggestion leaves out as unknown."""
+    left = [h.name for m, h in zip(told, headings) if m.why == names.UNKNOWN and h.kind == "number"]
+    if len(left) < 3:
+        return ""
+    return (
+        f" (which leaves out {', '.join(f'`{n}`' for n in left[:6])}, whose names are not known here: put gyro_x, gyro_y, gyro_z or accel_x, accel_y, accel_z "
+        "there if they are readings)"
+    )
 
 
 def say(raw: Raw, told: list[Meaning], headings) -> None:
