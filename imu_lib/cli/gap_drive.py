@@ -117,7 +117,7 @@ def text(found) -> str:
         lines.append(
             f"{step['effect']}: {values(step, found.invisible)}\n    {_lines(step)}\n"
             f"    confidence {step['confidence']:.3g}, runner-up {step['runner_up']['effect']}; "
-            f"log-likelihood gain {step['log_likelihood_gain']:.0f}; gap {step['gap_before']:.1f} to {step['gap_after']:.1f}"
+            f"log-likelihood gain {step['log_likelihood_gain']:.0f}; {gap(step)}"
         )
         if step["indistinguishable"]:
             lines.append(
@@ -134,6 +134,13 @@ def text(found) -> str:
     lines.append(f"unexplained: {found.unexplained or 'nothing'}")
     lines += [f"note: {n}" for n in found.notes]
     return "\n".join(lines)
+
+
+def gap(step, digits=1) -> str:
+    """The gap index before and with a step; of turned axes, that there is none before."""
+    if step["effect"] == "axes":
+        return f"gap {step['gap_after']:.{digits}f} with the axes turned"
+    return f"gap {step['gap_before']:.{digits}f} to {step['gap_after']:.{digits}f}"
 
 
 def _lines(step):
@@ -192,5 +199,5 @@ def _outages(result) -> str:
     return (
         line
         + f"median error {medians['before']:.3g} m before, {medians['after']:.3g} m after; ratio "
-        + f"{ratio['value']:.2f} [{ratio['low']:.2f}, {ratio['high']:.2f}]"
+        + f"{ratio['value']:.2g} [{ratio['low']:.2g}, {ratio['high']:.2g}]"
     )

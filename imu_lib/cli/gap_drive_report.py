@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from imu_lib import plots, report
-from imu_lib.cli.gap_drive import sentence, values
+from imu_lib.cli.gap_drive import gap, sentence, values
 
 INDEX = (
     "The gap index is the distance of the innovations' statistics from those of simulated copies "
@@ -69,8 +69,7 @@ def _step(step, invisible):
         f"Physical cause: {step['cause']}",
         f"Confidence {step['confidence']:.3g}; "
         f"runner-up: {rival['effect']} ({rival['confidence']:.2g}).",
-        f"Log-likelihood gained {step['log_likelihood_gain']:.1f}; gap index "
-        f"{step['gap_before']:.2f} before it, {step['gap_after']:.2f} with it.",
+        f"Log-likelihood gained {step['log_likelihood_gain']:.1f}; {gap(step, 2)}.",
     ]
     if said := sentence(step):
         lines.insert(0, f"{said[0].upper()}{said[1:]}.")
@@ -93,7 +92,7 @@ def _outages(found):
     if ratio:
         parts.append(
             report.paragraph(
-                f"After over before: {ratio['value']:.2f} [{ratio['low']:.2f}, {ratio['high']:.2f}], "
+                f"After over before: {ratio['value']:.2g} [{ratio['low']:.2g}, {ratio['high']:.2g}], "
                 f"{len(found.outages.windows)} windows of {found.outages.duration:.0f} s, paired."
             )
         )

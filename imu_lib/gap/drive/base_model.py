@@ -15,6 +15,8 @@ from imu_lib.drive import Drive
 from imu_lib.model import Model
 from imu_lib.navigation.tuning import vehicle_model
 
+from .select import PER_EFFECT, PER_PARAMETER
+
 if TYPE_CHECKING:
     from .problem import Noise
     from .state import State
@@ -60,3 +62,30 @@ def fit(state: State, say: Callable[[str], object] = lambda text: None) -> Noise
     )  # fmt: skip
     say("noise of the sensors fitted")
     return enter(found.x)
+
+
+def anew(
+    state: State, noise: Noise, say: Callable[[str], object] = lambda text: None
+) -> Noise | None:
+    """The noise fitted again where effects were found, or None where that is not worth its price: what
+    was fitted before held their errors too, and hides whatever is smaller than they were.
+
+    noise : without the changes of what is random that the state holds, which stay
+    """
+    if not state.kept:
+        return None
+    found = fit(state, say)
+    gain = state.evaluate(found).log_likelihood - state.result.log_likelihood
+    if not gain > PER_PARAMETER * len(START) + PER_EFFECT:
+        return None
+    changed = {c.change.key for c in state.changes}
+    fitted = {
+        of: getattr(found, of)
+        for of in ("position", "velocity")
+        if ("gnss_noise", of) not in changed
+    }
+    for change in state.changes:
+        change.before = change.before.with_(model=found.model)
+    state.noise = found
+    state.weigh()
+    return noise.with_(model=found.model, **fitted)

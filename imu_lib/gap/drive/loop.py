@@ -34,6 +34,7 @@ from . import (
 from .battery import battery
 from .problem import Noise, turn_on_of, with_constants
 
+REFITS = 3  # of the noise fitted to the drive, which holds what was not yet found
 SEEN = 0.1  # s: from this offset of the fixes on, the search starts where the turns match best
 
 
@@ -107,13 +108,18 @@ def close(
     say(f"axes {' '.join(turn[0])}")
     right = correct.axes_put_right(drive, turn[0])
     windows = outage.withheld(right)
-    state, first, given, original = _searched(right, model, (windows, random), notes, say)
-    noise = first.noise
+    state, first, noise, original = _searched(right, model, (windows, random), notes, say)
+    given = model is not None
     before = battery(first.problem, first.result.e, first.use, rng)
-    after = battery(state.problem, state.result.e, state.use, rng)
+    after = before  # nothing is held: of one hypothesis there is one index
+    if state.kept or state.changes or state.restarts:
+        after = battery(state.problem, state.result.e, state.use, rng)
     found = steps.of(state, first, noise, rng, before)
+    if found:  # the same innovations, and not their approximation about the path as it is
+        found[-1]["gap_after"] = after.index
     if turn[0] != axes.IDENTITY:
         found.insert(0, steps.axes(*turn, before))
+        notes.append(steps.TURNED_BEFORE)
     turned = vehicle.mounting(state.problem, attitude_sd(state))
     found += steps.mounting(turned, after)
     found += _heading(state, drive, heading, (_mount(found), after))
@@ -121,8 +127,9 @@ def close(
     unseen = left.invisible(state, turned)
     left.limited(found, unseen, np.zeros(3) if drive.lever_arm is None else drive.lever_arm)
     fitted = _ratios(state.noise, drive)
+    whole = original if given else noise.model
+    whole = whole.with_drive((*fitted, *_effects(found)))
     original = original.with_drive(tuple(fitted))
-    whole = original.with_drive((*fitted, *_effects(found)))
     unexplained = left.unexplained(state, after)
     unexplained = "; ".join(t for t in (left.clocks(state), unexplained) if t) or None
     result = None
@@ -148,8 +155,8 @@ def close(
 
 
 def _searched(drive, model, asked, notes, say):
-    """(state, first, given, original): what is held at the end and before anything was, whether a model
-    was given, and the model without what is found; asked: windows to withhold, and whether what is random is searched.
+    """(state, first, noise, original): what is held at the end and before anything was, the noise under
+    what is found, and the model before; asked: windows to withhold, and whether what is random is searched.
     """
     windows, random = asked
     theta, noise, given, original = _start(drive, model, notes)
@@ -166,7 +173,14 @@ def _searched(drive, model, asked, notes, say):
         original = first.noise.model
         first.weigh()
     search.run(state, given=given, random=random, say=say)
-    return state, first, given, original
+    noise = first.noise
+    for _ in range(REFITS if not given else 0):
+        again = base_model.anew(state, noise, say)
+        if again is None:
+            break
+        noise = again
+        search.run(state, given=given, random=random, say=say)
+    return state, first, noise, original
 
 
 def _heading(state, drive, heading, known):

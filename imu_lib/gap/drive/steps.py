@@ -12,6 +12,10 @@ from .left import ANGLES, APART, TURNED, smoothed_delay
 
 SUREST = 0.999  # no weight above this is claimed
 ALIKE = 3.0  # nats
+TURNED_BEFORE = (
+    "No filter runs with the axes as they are in the file: innovations before are those with the axes already turned, "
+    "outages before those with the axes as they are."
+)
 
 
 def _step(effect, values, weight, runner, alike, gaps, gain, where=None):
@@ -53,7 +57,7 @@ def of(state, first, noise, rng, before):
         for e in kept
     }
     done = [e for e in state.kept if e not in kept]
-    plain = state.problem.evaluate(noise, sens=True, use=state.use)
+    plain = state.problem.evaluate(first.noise, sens=True, use=state.use)
     reg = select.regression(state.problem, plain, state.theta, state.use)
     for effect in sorted(kept, key=gains.get, reverse=True):
         done.append(effect)
