@@ -6,8 +6,9 @@ import pytest
 from fault_judge import judge
 
 from imu_lib import faults
-from imu_lib.faults import clock
+from imu_lib.faults import clock, standing
 from imu_lib.faults.chance import Levels, period_of
+from imu_lib.health import of_record
 from imu_lib.record import Record
 
 CHANNELS = generator.CHANNELS
@@ -248,3 +249,25 @@ def test_a_dead_zone_is_told_with_its_value_and_its_share():
         "gyro_z": np.minimum(x[2], 0.7),
     }
     assert not [f for f in faults.find(Record(others, 100.0)) if f.kind == "dead_zone"]
+
+
+@pytest.mark.parametrize("on", [["accel_z"], CHANNELS])
+@pytest.mark.parametrize("first", [2000, 3500])
+def test_what_stands_still_to_the_end_is_frozen_and_no_dead_zone(on, first):
+    """Told with its times and masked, on one channel or all; the rest is used."""
+    x, rate = still(n=6000)
+    last = 5000 if first == 2000 else 6000
+    for c in map(list(CHANNELS).index, on):
+        x[first:last, c] = x[first, c]
+    record = Record(dict(zip(CHANNELS, x.T)), rate)
+    (found,) = faults.find(record)
+    assert set(found.channels) == set(on) and "frozen output" in found.sentence
+    assert np.array_equal(found.rows, np.arange(first + 1, last))
+    health = of_record(record)
+    assert all(health.channels[c].frozen == len(found.rows) for c in on)
+    assert not any("shaken" in s or "dead zone" in s for s in health.findings)
+    sound = faults.sound(record)
+    assert abs(np.nanstd(sound.record["accel_z"]) / 1.5e-2 - 1) < 0.03
+    assert sound.record.n == (first + 1 if len(on) > 1 and last == 6000 else 6000)
+    masked, notes = standing.masked(record)
+    assert np.isnan(masked["accel_z"]).sum() == len(found.rows) and len(notes) == 1

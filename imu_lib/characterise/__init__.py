@@ -23,6 +23,7 @@ from imu_lib.characterise.channel import (
     stretches,
 )
 from imu_lib.errors import InputError
+from imu_lib.faults import standing
 from imu_lib.long_record import LongRecord
 from imu_lib.model import Model
 from imu_lib.readers.side_by_side import own_rates
@@ -93,9 +94,13 @@ def characterise(
     apart = own_rates(record)
     if apart:
         return _apart(record, apart, channels, candidates, workers, progress)
+    given = record
+    record, still = standing.masked(given)
+    gone = set(given.channel_names) - set(record.channel_names)
+    asked = [name for name in channels or given.channel_names if name not in gone]
     gap_free = record.continuous().enough()
-    flat = [name for name in channels or record.channel_names if np.ptp(gap_free[name]) == 0]
-    names = tuple(name for name in channels or record.channel_names if name not in flat)
+    flat = [name for name in asked if np.ptp(gap_free[name]) == 0]
+    names = tuple(name for name in asked if name not in flat)
     if not names:
         raise InputError(
             f"{record.source or 'The record'}: no channel ever changes, so there is no noise to describe; check the logger."
@@ -107,7 +112,7 @@ def characterise(
     ]
     cores = workers or (min(len(tasks), scheduler.cores()) if record.n > PARALLEL else 1)
     results = scheduler.shared(channel, tasks, cores)
-    notes += _of_record(record, flat) + causes.notes(gap_free, names)
+    notes += still + _of_record(record, flat) + causes.notes(gap_free, names)
     return _gathered(record, results, progress, notes)
 
 

@@ -39,8 +39,8 @@ def write(found, path) -> None:
         parts += _channel(found, name)
     clean = [n for n in names if on_channel(found, n).startswith("nothing")]
     if clean:
-        agree = ", ".join(clean) + ": simulation and measurement agree."
-        parts.append(report.paragraph(f"Nothing missing in {agree}"))
+        said = on_channel(found, clean[0]).partition("nothing")[2].lstrip(": ")
+        parts.append(report.paragraph(f"Nothing missing in {', '.join(clean)}: {said}."))
     with open(path, "w", encoding="utf-8") as handle:
         handle.write(report.page("Where simulation and measurement disagree", *parts))
 

@@ -7,8 +7,8 @@ import numpy as np
 from imu_lib.faults.finding import Finding, named
 
 #: Share of the samples at one value, times that of the next most frequent one, and share of the
-#: samples on either side of it.
-SHARE, TIMES, SIDE = 0.05, 8.0, 0.03
+#: samples on either side of it; visits to it at the least.
+SHARE, TIMES, SIDE, VISITS = 0.05, 8.0, 0.03, 20
 
 
 def find(channels: dict[str, np.ndarray], time: np.ndarray) -> list[Finding]:
@@ -25,7 +25,11 @@ def find(channels: dict[str, np.ndarray], time: np.ndarray) -> list[Finding]:
 
 
 def value(x: np.ndarray) -> float | None:
-    """The value of the dead zone of a channel, shape (n,), or None."""
+    """The value of the dead zone of a channel, shape (n,), or None.
+
+    A signal comes to its dead zone and leaves it again and again; one value that stands once, for
+    however long, is frozen output.
+    """
     good = x[~np.isnan(x)]
     if len(good) < 1000:
         return None
@@ -36,7 +40,12 @@ def value(x: np.ndarray) -> float | None:
     at, share = values[order[-1]] + 0.0, count[order[-1]] / len(good)
     sides = min(np.mean(good < at), np.mean(good > at))
     alone = share * len(good) > TIMES * count[order[-2]]
-    return float(at) if share > SHARE and alone and sides > SIDE else None
+    if not (share > SHARE and alone and sides > SIDE):
+        return None
+    edge = np.flatnonzero(np.diff(np.r_[False, good == at, False].astype(np.int8)))
+    visits = edge[1::2] - edge[::2]
+    spread = (visits.sum() - visits.max()) / len(good)
+    return float(at) if len(visits) >= VISITS and spread > SHARE else None
 
 
 def _finding(at: float, some: list, time: np.ndarray) -> Finding:

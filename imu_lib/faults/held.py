@@ -9,16 +9,17 @@ from scipy.ndimage import binary_dilation
 
 from imu_lib.faults.chance import Levels, coincidences, period_of, run_starts
 from imu_lib.faults.finding import Finding, named, seconds
+from imu_lib.faults.standing import STANDS, frozen_rows, together
 
 #: Share of repeats from which on a stream may be held all through.
 SHARE = 0.3
-#: Runs that chance may make in a record, to be called frozen.
-FROZEN = 1e-6
 #: Part of the way from independent to alike at which two channels are held together.
 LIFT = 0.3
 #: Scatter of the number of copies over their mean up to which they are a slower rate; copies that
 #: come at random scatter by more.
 REGULAR = 0.42
+#: Share of the copies that the longest run holds, from which on channels stand still together.
+MOST = 0.5
 
 
 def repeats(x: np.ndarray) -> np.ndarray:
@@ -47,8 +48,15 @@ def find(
             found.append(item)
             done |= set(group)
     rest = [c for c in names if c not in done]
+    frozen = {c: frozen_rows(again[c], chance[c]) for c in rest}
+    for group, rows in together(frozen, len(time)):
+        expected = float(np.prod([chance[c] for c in group]) * len(rows))
+        found.append(_copies(group, rows, expected, time))
+        for c in group:
+            again[c][rows] = False
+            frozen[c] = np.setdiff1d(frozen[c], rows, assume_unique=True)
     for c in rest:
-        rows = _frozen(again[c], chance[c])
+        rows = frozen[c]
         if len(rows) and not _others_too(rows, [again[o] for o in rest if o != c]):
             found.append(_copies([c], rows, float(chance[c] * len(rows)), time))
             again[c][rows] = False
@@ -72,25 +80,6 @@ def _at_an_end(levels: Levels) -> np.ndarray:
         if levels.runs[end] > 3:  # once or twice is noise
             out |= levels.index == end
     return out
-
-
-def _frozen(again: np.ndarray, chance: float) -> np.ndarray:
-    """Rows of runs of equal neighbours that are longer than the grid makes them anywhere near."""
-    n = len(again)
-    edge = np.flatnonzero(np.diff(np.r_[False, again, False].astype(np.int8)))
-    start, stop = edge[::2], edge[1::2]
-    length = stop - start
-    p = min(max(chance, float(again.mean())), 0.995)
-    long = np.flatnonzero(length > max(8.0, np.log(n / FROZEN) / -np.log(p)))
-    total = np.r_[0, np.cumsum(again)]
-    rows = []
-    for i in long:
-        k = int(length[i])
-        low, high = max(0, start[i] - 5 * k), min(n, stop[i] + 5 * k)
-        near = (total[high] - total[low] - k) / max(1, high - low - k)
-        if near < 1 and k > np.log(n / FROZEN) / -np.log(max(near, p)):
-            rows.append(np.arange(start[i], stop[i]))
-    return np.concatenate(rows) if rows else np.zeros(0, np.int64)
 
 
 def _others_too(rows: np.ndarray, others: list[np.ndarray]) -> bool:
@@ -180,6 +169,7 @@ def _copies(names, rows, expected, time) -> Finding | None:
     many = len(names) > 1
     where = f"from {seconds(time[rows[0]])} to {seconds(time[rows[-1]])} s"
     how = f", one in {period}" if period else ""
+    still = longest >= max(STANDS, MOST * len(rows))
     if many:
         kind = "dropout"
         parameters = {
@@ -190,7 +180,12 @@ def _copies(names, rows, expected, time) -> Finding | None:
         }
         sentence = (
             f"{len(rows):,} rows ({100 * fraction:.2g} %{how}) repeat the one before on "
-            f"{named(tuple(names))}, {where}: copies in place of samples that were lost."
+            f"{named(tuple(names))}, {where}"
+            + (
+                f", up to {longest + 1:,} in a row: frozen output."
+                if still
+                else ": copies in place of samples that were lost."
+            )
         )
     else:
         kind = "stuck"

@@ -72,7 +72,9 @@ def windows(channels: dict[str, np.ndarray], rate: float, grid: dict[str, float]
         return Windows(known, moving, shaking, block)
     for row, name in enumerate(channels):
         m, s = mean[row], sd[row]
-        quiet = float(np.quantile(s[known], 0.2))
+        # where the output is frozen nothing is quiet
+        live = known & (s > 1e-6 * s[known].max())
+        quiet = float(np.quantile(s[live if live.any() else known], 0.2))
         shaking |= known & (s > SHAKING * quiet + grid.get(name, 0.0))
         noise = quiet / np.sqrt(block)
         if name.startswith("gyro"):

@@ -52,14 +52,22 @@ def find(record: Record) -> tuple[Finding, ...]:
     data += held.constant(channels, time)
     data += held.find(channels, time, record.rate, levels, blind)
     # what stands at the value of a dead zone is neither lost nor frozen
-    swallowed = {c for item in dead for c in item.channels}
-    data = [d for d in data if not set(d.channels) <= swallowed] + dead
+    zero = {c: item.parameters["value"] for item in dead for c in item.channels}
+    data = [d for d in data if not _swallowed(d, channels, zero)] + dead
     data += dropout.missing(channels, time)
     data += copied.find(channels, time)
     found = data + clock.find(record) + warm_up.find(record)
     if not travels(channels, record.rate, data):
         found += _happened(record, channels, time, levels, data)
     return tuple(sorted(found, key=lambda f: (_rank(f), f.start)))
+
+
+def _swallowed(item: Finding, channels, zero: dict[str, float]) -> bool:
+    """Whether what was found is visits to the dead zones of its channels, at the values `zero`."""
+    return all(
+        c in zero and (not len(item.rows) or np.mean(channels[c][item.rows] == zero[c]) > 0.5)
+        for c in item.channels
+    )
 
 
 def travels(channels, rate: float, data) -> bool:

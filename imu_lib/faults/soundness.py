@@ -9,6 +9,7 @@ import numpy as np
 from imu_lib.faults import clock
 from imu_lib.faults.finding import BREAKS, Finding, seconds
 from imu_lib.faults.search import find
+from imu_lib.faults.standing import STANDS, stands
 from imu_lib.record import Record
 
 #: s left out on each side of a tilt or a restart.
@@ -28,18 +29,21 @@ def breaks(findings) -> list[tuple[float, float]]:
     return sorted(out)
 
 
-def longest_stretch(record: Record, findings) -> tuple[float, float]:
+def longest_stretch(
+    record: Record, findings, between: tuple[float, float] | None = None
+) -> tuple[float, float]:
     """Start and stop (s) of the longest part without a disturbance, tilt, restart or long hole.
 
-    Drop-outs and short gaps may lie in it.
+    Drop-outs and short gaps may lie in it. `between` (s): where something is measured at all.
     """
-    end = record.duration
-    best, at = (0.0, end), 0.0
+    at, end = between or (0.0, record.duration)
+    best = at, end
     spans = breaks(findings)
     if not spans:
         return best
     length = -1.0
     for low, high in [*spans, (end, end)]:
+        low = min(low, end)
         if low - at > length:
             best, length = (at, low), low - at
         at = max(at, high)
@@ -95,7 +99,7 @@ def sound(
     for f in findings:
         if f.kind == "held" and set(f.channels) >= set(channels):
             thinned = f
-        elif f.kind in ("dropout", "held", "disturbance") and len(f.rows):
+        elif (f.kind in ("dropout", "held", "disturbance") or stands(f)) and len(f.rows):
             # what touched some channels visibly touched all
             for c in channels if f.kind == "disturbance" else f.channels:
                 if c in channels:
@@ -112,9 +116,16 @@ def sound(
     ending = [f for f in findings if f.kind in kinds]
     start, stop = 0.0, record.duration
     cut = bool(breaks(ending))
-    if cut:
-        start, stop = longest_stretch(record, ending)
+    first, last = _measured(out)
+    if first > 0 or last < record.duration:
+        notes.append(
+            f"Something is measured from {seconds(first)} to {seconds(last)} s; the rest is cut off."
+        )
+        start, stop = first, last
         out = out.slice(start, stop)
+    if cut:
+        start, stop = longest_stretch(record, ending, (start, stop))
+        out = replace(record, channels=channels).slice(start, stop)
         notes.append(
             f"The longest stretch without a tilt, a restart or a long hole is taken: "
             f"{seconds(start)} to {seconds(stop)} s."
@@ -131,6 +142,18 @@ def sound(
             f"{np.sqrt(1 / burst.evidence['share_recorded']):.3g} times the sensor's N."
         )
     return Sound(out, tuple(findings), start, stop, cut, masked, dead, tuple(notes))
+
+
+def _measured(record: Record) -> tuple[float, float]:
+    """From when to when (s) anything is measured; the ends of the record where less than STANDS
+    samples are lost there.
+    """
+    lost = np.logical_and.reduce([np.isnan(x) for x in record.channels.values()])
+    rows, time = np.flatnonzero(~lost), record.times()
+    first = float(time[rows[0]]) if rows[0] >= STANDS else 0.0
+    lost_at_end = record.n - 1 - rows[-1] >= STANDS
+    last = float(time[rows[-1] + 1]) if lost_at_end else record.duration
+    return first, last
 
 
 def _burst_means(record: Record, f: Finding) -> Record:

@@ -181,6 +181,8 @@ class _Bench:
             if abs(about) < TURNED * float(np.sqrt(noise**2 @ up**2)):
                 about = 0.0
             return Turn(low, high, minimal + about * up, change, score, pulse)
+        if not (told_sd > 0).any():
+            return None
         expected = np.linalg.norm(change) / max(float(np.median(told_sd[told_sd > 0])), 1e-300)
         if touched and expected < TURNED and score > 1.5 * CHANGED:
             return Turn(low, high, minimal, change, score, pulse)

@@ -18,6 +18,7 @@ from imu_lib.faults import Finding
 from imu_lib.faults.disturbance import KNOCK
 from imu_lib.faults.finding import named, seconds
 from imu_lib.faults.soundness import Sound
+from imu_lib.faults.standing import stands
 from imu_lib.gap import record_level
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
@@ -78,7 +79,8 @@ def ready(record: Record, model: Model | None = None) -> Ready:
             f"{_name(record)}: {record.n:,} samples are too few; the gap workflow needs {LEAST} or more."
         )
     findings = faults.find(record)
-    left_out = _silent(record) | {
+    still = {c for f in findings if stands(f) for c in f.channels}
+    left_out = _silent(record, still) | {
         f.channels[0]: f"is {f.parameters['of']} again"
         + (" with the sign reversed" if f.parameters["sign"] < 0 else "")
         + ", one measurement in two columns"
@@ -101,7 +103,7 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     for c in list(masked.channels):  # what is held or dropped most of the time
         lost = float(np.isnan(masked.channels[c]).mean())
         if lost > MOST_LOST:
-            left_out[c] = f"is no measurement in {lost:.0%} of the samples"
+            left_out[c] = f"is no measurement in {lost:.0%} of the samples" + _still(findings, c)
     kept = {c: x for c, x in masked.channels.items() if c not in left_out}
     if not kept:
         raise InputError(_nothing(record, left_out))
@@ -179,8 +181,16 @@ def without_turns(findings: Iterable[Finding]) -> list[Finding]:
     return [f for f in findings if not turned(f)]
 
 
-def _silent(record: Record) -> dict[str, str]:
-    """Channels that say next to nothing, and why."""
+def _still(findings: tuple[Finding, ...], channel: str) -> str:
+    """From when to when a channel stands still, in words."""
+    spans = [(f.start, f.stop) for f in findings if stands(f) and channel in f.channels]
+    return "".join(f", frozen from {seconds(a)} to {seconds(b)} s" for a, b in spans)
+
+
+def _silent(record: Record, still: set[str]) -> dict[str, str]:
+    """Channels that say next to nothing, and why; those of `still` stand still for a part that is
+    known and masked.
+    """
     out = {}
     for channel, x in record.channels.items():
         lost = np.isnan(x).mean()
@@ -193,7 +203,7 @@ def _silent(record: Record) -> dict[str, str]:
             else "never changes"
             if same == 1
             else f"is stuck at one value for {run:.0%} of the record"
-            if run > LONGEST_STUCK
+            if run > LONGEST_STUCK and channel not in still
             else f"has one value in {same:.0%} of its samples, which hides its noise"
             if same > MOST_ALIKE
             else None
@@ -230,6 +240,11 @@ def _clock(
 
 def _step(finding: Finding) -> Step | None:
     """A finding as a step of the record; None where the effect has no name in a model file."""
+    if finding.kind == "stuck" and stands(finding):
+        # masked like the drop-outs that hold several channels
+        copies = {"held": True, "period": None, "channels": list(finding.channels)}
+        p = {"fraction": finding.parameters["fraction"], **copies}
+        finding = replace(finding, kind="dropout", parameters=p)
     if finding.kind not in DETECTED:
         return None
     parameters = dict(finding.parameters)

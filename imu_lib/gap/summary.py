@@ -101,7 +101,7 @@ def _good_for(found: Report) -> str:
     text = f"The record, {words.seconds(whole)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
     if stop - start < WHOLE * whole:
         text += f"; the other {words.seconds(whole - (stop - start))} are left out"
-        text += " (a tilt, a restart or a long hole lies between)"
+        text += " (a tilt, a restart, frozen output or a long hole lies between)"
     if held:
         text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
     return text + "."
@@ -181,6 +181,8 @@ def _without_name(found: Report) -> str:
         if beyond:
             return f"Left without a name: {beyond}."
         if told.relevant(found.steps):
+            if all(c.before is None for c in found.channels.values()):
+                return "Beside what is named nothing was found; no gap index was asked for."
             return "Beside what is named, simulation and measurement agree."
         return "Nothing is left without a name."
     first = found.channels[left[0]].result.unexplained

@@ -71,7 +71,11 @@ def on_channel(found: Report, name: str) -> str:
     if felt:
         parts.append(f"on the record: {', '.join(felt)}")
     if not parts:
-        return "left unexplained" if r.unexplained else "nothing: simulation and measurement agree"
+        if r.unexplained:
+            return "left unexplained"
+        if found.channels[name].before is None:
+            return "nothing found; no gap index was asked for"
+        return "nothing: simulation and measurement agree"
     return "; ".join(parts)
 
 

@@ -69,6 +69,8 @@ def _lost(s: Step) -> str:
         text = s.where.partition(". ")[0].partition(": drop-outs")[0]
         text = text[:1].lower() + text[1:]
         return text.rstrip(".") if s.evidence == BURSTS else f"drop-outs: {text}"
+    if s.where.endswith("frozen output."):
+        return s.where.partition(", up to ")[0] + ": frozen output"
     what = "samples are missing" if s.effect == "time_gaps" else "rows are drop-outs"
     return f"{_amount(s.parameters, 'fraction')} of the {what}"
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from imu_lib.faults import Finding
 from imu_lib.faults.grid import resolution
+from imu_lib.faults.standing import stands
 from imu_lib.health.result import Channel
 from imu_lib.readers import plausibility
 
@@ -21,7 +22,7 @@ def of_channel(name: str, x: np.ndarray, rate: float, faults: tuple[Finding, ...
     for f in faults:
         if name in f.channels and f.kind in ("dropout", "stuck"):
             clean[f.rows] = np.nan
-        if name in f.channels and f.kind == "stuck":
+        if name in f.channels and (f.kind == "stuck" or stands(f)):
             frozen += len(f.rows)
             longest = max(longest, int(f.evidence["longest"]) + 1)
         if name in f.channels and f.kind == "constant":
