@@ -305,3 +305,22 @@ def test_steps_coarser_than_the_scatter_are_said():
     record = Record({"accel_x": fine, "accel_z": coarse}, 32.0)
     (note,) = [n for n in causes.notes(record, record.channel_names) if "output steps" in n]
     assert "accel_z 0.0156 against" in note and "accel_x" not in note
+
+
+def test_a_sensor_that_moves_is_told(tmp_path, capsys):
+    """What a hand or a car does is no noise; each command that describes noise says so."""
+    rng = np.random.default_rng(5)
+    t = np.arange(6000) / 100.0
+    rest = Record({"gyro_z": rng.normal(0, 1e-3, t.size)}, 100.0)
+    turning = Record({"gyro_z": 0.3 * np.sin(0.5 * t) + rest["gyro_z"]}, 100.0)
+    moved = [n for n in characterise(turning, workers=1).notes if "moved or was shaken" in n]
+    assert len(moved) == 1 and "`imu-lib check FILE`" in moved[0]
+    assert not [n for n in characterise(rest, workers=1).notes if "moved" in n]
+    for name, record in (("rest", rest), ("turning", turning)):
+        np.savez(tmp_path / f"{name}.npz", time=t, gyro_z=record["gyro_z"])
+    assert main(["compare", *(str(tmp_path / f"{n}.npz") for n in ("rest", "turning"))]) == 0
+    (note,) = [x for x in capsys.readouterr().err.splitlines() if "moved" in x]
+    assert "turning.npz" in note
+    assert main(["gap", str(tmp_path / "turning.npz"), "--simulations", "0"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "not of a sensor at rest" in out and "nobody touched" not in out

@@ -82,7 +82,12 @@ def run(notebook, folder: Path, *, after_error=None, on_cell=None):
         client.on_cell_error = go_on
     if on_cell is not None:
         client.on_cell_execute = on_cell
-    client.execute()
+    try:
+        client.execute()
+    except AssertionError:
+        if client.km is None:  # nbclient takes Ctrl-C itself: it ends the kernel and then misses it
+            raise KeyboardInterrupt from None
+        raise
     settle(notebook)
     return notebook
 

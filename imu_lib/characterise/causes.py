@@ -9,6 +9,7 @@ from scipy import stats
 from scipy.fft import rfft
 
 from imu_lib import units
+from imu_lib.faults import travelling
 from imu_lib.faults.grid import resolution
 from imu_lib.record import Record
 
@@ -33,6 +34,7 @@ def notes(record: Record, names) -> tuple[str, ...]:
         The channels looked at.
     """
     return (
+        *filter(None, [travelling.sentence(record)]),
         *coarse(record, names),
         *warming(record, names),
         *empty_low_end(record, names),

@@ -113,6 +113,8 @@ def _write(result, folder, formats, report, export):
 
 
 def _print(result, report, out, formats):
+    from imu_lib import export
+
     for sensor in report.sensors(result):
         header, rows = report.rows_of(result, sensor)
         print(common.table(rows, header), end="\n\n")
@@ -124,7 +126,9 @@ def _print(result, report, out, formats):
             f"written to {out}: model.json, result.json, report.html, figures"
             + (", " + ", ".join(formats) if formats else "")
         )
-    elif not formats:
+    elif formats:
+        print(f"written: {', '.join(export.FORMATS[form][0] for form in formats)}")
+    else:
         print(
             "--out DIR writes the error model, figures and a report; --export kalibr a file for Kalibr"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from imu_lib.cli import common
@@ -31,6 +32,8 @@ def run(args):
         keys = [k for k in (*READING, "only", "start", "stop") if k != "rate"]
         common.refuse_without_effect(args, keys, "A and B are models, not records; leave it out.")
     a, b = (_open(args, path) for path in (args.a, args.b))
+    for path, opened in ((args.a, a), (args.b, b)):
+        _told_moving(path, opened)
     try:
         result = compare(
             a,
@@ -57,6 +60,14 @@ def _open(args, path):
         return Model.load(path)
     args.file = path
     return common.open_either(args, least=SUMMED)
+
+
+def _told_moving(path, opened):
+    from imu_lib.faults import travelling
+    from imu_lib.record import Record
+
+    if isinstance(opened, Record) and (sentence := travelling.sentence(opened)):
+        print(f"note: {path}: {sentence}", file=sys.stderr)
 
 
 def report(result, a: str, b: str) -> str:

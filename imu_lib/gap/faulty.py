@@ -14,7 +14,7 @@ import numpy as np
 from imu_lib import faults
 from imu_lib.arrays import Array
 from imu_lib.errors import InputError
-from imu_lib.faults import Finding
+from imu_lib.faults import Finding, travelling
 from imu_lib.faults.disturbance import KNOCK
 from imu_lib.faults.finding import named, seconds
 from imu_lib.faults.soundness import Sound
@@ -124,7 +124,7 @@ def ready(record: Record, model: Model | None = None) -> Ready:
         tuple(steps),
         processes,
         left_out,
-        tuple(_notes(left_out, sound)),
+        tuple(_notes(left_out, sound, travelling.sentence(masked))),
         doubt,
         findings,
     )
@@ -140,9 +140,10 @@ def _enough(n: int, record: Record, findings: tuple[Finding, ...]) -> None:
         )
 
 
-def _notes(left_out: dict[str, str], sound: Sound) -> list[str]:
-    """What was left out or cut, in sentences."""
-    notes = [f"{c} {why}; it is left out." for c, why in left_out.items()] + list(sound.notes)
+def _notes(left_out: dict[str, str], sound: Sound, moved: str | None) -> list[str]:
+    """What was left out or cut, in sentences; whether it moved first."""
+    notes = [moved] if moved else []
+    notes += [f"{c} {why}; it is left out." for c, why in left_out.items()] + list(sound.notes)
     if sound.start > 0:
         notes.append(
             f"Times of what follows count from {seconds(sound.start)} s (as with --start "

@@ -10,6 +10,7 @@ import numpy as np
 
 from imu_lib import units
 from imu_lib.errors import UndefinedFormError
+from imu_lib.faults import travelling
 from imu_lib.gap import known_before, surroundings, told, words
 from imu_lib.gap.evenness import TAIL
 from imu_lib.gap.faulty import BURSTS
@@ -45,7 +46,12 @@ def sentences(found: Report) -> list[str]:
     held = known_before.sentence(found, gone)
     out = [
         _good_for(found),
-        sentence(steps, SURE, _left_out(found), named=bool(told.relevant(found.steps))),
+        sentence(
+            steps,
+            SURE,
+            [*_moved(found), *_left_out(found)],
+            named=bool(told.relevant(found.steps)),
+        ),
         _sensor(found),
         " ".join(
             filter(
@@ -96,6 +102,11 @@ def _good_for(found: Report) -> str:
         if clean
         else "with reserve, since no channel is explained in full"
     )
+    if _moved(found):
+        return (
+            f"The record, {words.seconds(span)} at {record.rate:.5g} Hz, is not of a sensor at rest "
+            "and not good for its noise."
+        )
     start, stop = found.stretch or (0.0, span)
     whole = max(found.whole or span, span)
     text = f"The record, {words.seconds(whole)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
@@ -105,6 +116,10 @@ def _good_for(found: Report) -> str:
     if held:
         text += f"; on time that was not fitted the gap index is {np.median(held):.2f}"
     return text + "."
+
+
+def _moved(found: Report) -> list[str]:
+    return [note for note in found.notes if note.startswith(travelling.BEGINS)]
 
 
 def _left_out(found: Report) -> list[str]:
