@@ -147,3 +147,54 @@ def test_a_remedy_that_leaves_columns_out_says_so(tmp_path):
     text = table("stand(s),ax (g),ay (g),az (g),foo1,foo2,foo3", T, IN_G, DPS)
     with pytest.raises(InputError, match="--columns.*leaves out `foo1`, `foo2`, `foo3`"):
         opened(tmp_path / "a.csv", text, "")
+
+
+def test_whole_microseconds_lose_no_decimals(tmp_path):
+    micros = I * 10_000
+    micros[5:30:9] += 40  # a clock that is late now and then, and never in the last quarter
+    found = opened(tmp_path / "a.csv", table("micros,gx_dps,gy_dps,gz_dps", micros, DPS), "")
+    assert not any("lose decimals" in n for n in found.record.notes)
+
+
+def test_three_columns_that_nothing_names_may_be_either_sensor(tmp_path):
+    with pytest.raises(
+        InputError, match="time,gyro_x.*or time,accel_x,accel_y,accel_z with --accel"
+    ):
+        opened(tmp_path / "a.csv", table("millis,adc_x,adc_y,adc_z", I * 10, GYRO), "")
+
+
+def test_units_behind_a_heading(tmp_path):
+    text = table("t_s,wx_degph,wy_degph,wz_degph,fx_mps2,fy_mps2,fz_mps2", T, DPS * 3600, ACCEL)
+    assert len(same(opened(tmp_path / "a.csv", text, ""), 100).channel_names) == 6
+    text = table("t_s,wx_rps,wy_rps,wz_rps", T, GYRO)
+    with pytest.raises(InputError, match="--gyro-unit rad/s or --gyro-unit rev/s"):
+        opened(tmp_path / "a.csv", text, "")
+    same(opened(tmp_path / "a.csv", text, "--gyro-unit rad/s"), 100)
+
+
+def test_a_sensor_that_may_be_left_out_is_warned_of(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(table("t_s,foo1,foo2,foo3,ax_mps2,ay_mps2,az_mps2", T, GYRO, ACCEL))
+    with pytest.warns(UserWarning, match="no column was read as the gyro; `foo1`"):
+        readers.read_record(path)
+
+
+@pytest.mark.parametrize("form", ["1.001,25", "1,001.25", "1'001.25"])
+def test_marks_between_thousands_are_left_out(tmp_path, form):
+    thousands, decimal = form[1], form[5]
+    swap = str.maketrans({",": thousands, ".": decimal})
+    rows = [";".join(f"{v:,.4f}".translate(swap) for v in (10.0 * k, *(1e3 * IN_G[k]))) for k in I]
+    text = "\n".join(["Zeit [ms];ax [mg];ay [mg];az [mg]", *rows]) + "\n"
+    found = opened(tmp_path / "a.csv", text, "")
+    assert len(same(found, 100).channel_names) == 3
+    assert any("thousands" in n for n in found.record.notes)
+
+
+def test_neighbours_that_changed_places_are_put_back(tmp_path):
+    rows = I.copy()
+    for k in (20, 50, 51, 90):
+        rows[[k, k + 1]] = rows[[k + 1, k]]
+    text = table("t_s,gx_dps,gy_dps,gz_dps", T[rows], DPS[rows])
+    found = opened(tmp_path / "a.csv", text, "")
+    assert same(found, 100) is not None
+    assert any("put in place by their stamps" in n for n in found.record.notes)

@@ -142,7 +142,7 @@ KIND_OF = {
     "dt": "dtheta", "da": "dtheta", "dang": "dtheta", "dv": "dv", "dvel": "dv",
 }  # fmt: skip
 SUFFIX = re.compile(
-    r"_(meters?_pers2|m_pers2|meters?_per_s2|meters?_per_second_squared|rad_per_sec|rad_per_s|rad_s|rads|radps|rad_sec|deg_per_sec|deg_per_s|degs|deg_s|degps|deg_sec|dps|mdps|cdps|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
+    r"_(meters?_pers2|m_pers2|meters?_per_s2|meters?_per_second_squared|rad_per_sec|rad_per_s|rad_s|rads|radps|revps|rps|rad_sec|deg_per_sec|deg_per_s|degs|deg_s|degps|deg_sec|dps|mdps|cdps|deg_per_hour|deg_per_hr|deg_per_h|degph|deg_hr|deg_h|dph|m_per_s2|mps2|m_s2|m_s_2|m_s\^2|ms2|ms_2"
     r"|mss|mg|ug|g|counts?|lsb|raw|adc|sec|secs|msec|usec|nsec|ms|us|ns|s|min|degc|degf|deg_c|deg_f|celsius|fahrenheit|kelvin|c|f|k)$"
 )
 SUFFIX_UNIT = {

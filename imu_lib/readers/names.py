@@ -94,7 +94,7 @@ def _with_tail(found: Meaning, key: str, axis, signal, name: str):
         fits = shorter.quantity and (
             shorter.quantity not in UNITS
             or spelled in UNITS[shorter.quantity]
-            or spelled == "counts"
+            or spelled in ("counts", "rps")
         )
         if fits and (found.quantity is None or found.quantity == shorter.quantity):
             return shorter, spelled, None

@@ -49,6 +49,9 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
         if len(free) in (3, 4) and not signal
         else ""
     )
+    if one and "gyro_" in named_so and "accel_" not in named_so:
+        other = named_so.replace("gyro_", "accel_")
+        one = f", or {other} with --accel-unit where they are accelerations{one}"
     stamps = {n.partition("[")[0] for n in named_so.split(",")} & {"time", "date", "clock"}
     timed = stamps or any(m.quantity in ("time", "date", "clock") for m in told)
     rate = "" if timed or raw.rate else " and the rate with --rate HZ"

@@ -22,10 +22,13 @@ class Timing:
     keep: np.ndarray
 
 
-def rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
-    """Repeats spread, rate measured and held against the stated one, the clock's grain taken out."""
+def rated(raw, time, keep, tick, given, rate, lenient, whole=False) -> Timing:
+    """Repeats spread, rate measured and held against the stated one, the clock's grain taken out; stamps
+    that are `whole` numbers have no decimals to lose.
+    """
     n = len(time)
-    packed = _packets(raw, time) if ticking(time, coarser(time, tick)) is None else None
+    late = tick if whole else coarser(time, tick)
+    packed = _packets(raw, time) if ticking(time, late) is None else None
     if packed is not None:
         raw.tick = (
             1.5 * int(np.bincount(np.unique(time, return_counts=True)[1]).argmax()) / packed[1]
@@ -33,7 +36,7 @@ def rated(raw, time, keep, tick, given, rate, lenient) -> Timing:
         _agree(raw, packed[1], rate)
         return Timing(*even(*packed), keep)
     printed = tick
-    tick = raw.tick = coarser(time, tick)
+    tick = raw.tick = late
     if tick > printed:
         raw.notes += (
             f"The stamps lose decimals as they grow: they are printed to {tick:.3g} s at the end.",

@@ -162,6 +162,10 @@ class Raw:
                     f"{self.source}: `{heading}` is named a {'gyro' if kind == 'gyro' else 'accelerometer'} and states {unit}, a unit of the other; say what "
                     "each column is with --columns (names by position, - skips)."
                 )
+            if unit == "rps" and kind == "gyro":
+                raise InputError(
+                    f"{self.source}: `{heading}` is in [rps], which is radians or revolutions per second; give {flag} rad/s or {flag} rev/s."
+                )
             scaled = spelling.scaled(unit, kind)
             if scaled and kind in ("gyro", "accel") and spelling.size_of_a_count(unit):
                 return unit

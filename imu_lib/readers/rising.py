@@ -60,12 +60,17 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
                 f"{int((np.diff(sorted_) < 0).sum()):,} messages were out of order and put in place by their stamps.",
             )
             return stamp[sorted_], sorted_
+    if not raw.contract and (sorted_ := _swapped(stamp, usual)) is not None:
+        raw.notes += (
+            f"{int((np.diff(sorted_) < 0).sum()):,} rows were out of order and put in place by their stamps, between which none is missing then.",
+        )
+        return stamp[sorted_], sorted_
     back = [i for i in falls if _set_back(stamp, i)]
     if len(back) != falls.size or falls.size > max(3, len(stamp) // 500):
         row = int(next((i for i in falls if i not in back), falls[0]))
         raise InputError(
             f"{where}, {raw.line(row)}: the time falls from {stamp[row - 1]:.15g} to {stamp[row]:.15g}; sort the rows by time, "
-            "or leave the stamps out with --time-unit none --rate HZ."
+            "or leave the stamps out with --time-unit none --rate HZ, which keeps the rows in the order of the file."
         )
     raw.set_back = tuple(
         (int(i), float(stamp[i] - stamp[i - 1] - usual)) for i in falls
@@ -75,6 +80,17 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
         shift = stamp[i - 1] + usual - stamp[i]
         stamp[i:] += int(round(shift)) if stamp.dtype.kind == "i" else shift
     return stamp, order
+
+
+def _swapped(stamp: np.ndarray, usual: float) -> np.ndarray | None:
+    """The order of rows by their stamps, where neighbours changed places and each fits into a gap of one
+    interval that it left; None where a clock may have been set back.
+    """
+    order = np.argsort(stamp, kind="stable")
+    if np.abs(order - np.arange(len(stamp))).max() > NEAR:
+        return None
+    step = np.diff(stamp[order]) / usual if usual > 0 else np.zeros(1)
+    return order if 0.7 < step.min() and step.max() < 1.3 else None
 
 
 def _refuse_intervals(raw: Raw, stamp: np.ndarray, fall: float, where: str) -> None:

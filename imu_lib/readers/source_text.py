@@ -8,6 +8,11 @@ import re
 
 from imu_lib.readers import cells, commas, encodings, fields, folded, labelled, tagged
 
+#: A field whose thousands are set apart: 1.001,32 and 1,001.32 and 1'001.32.
+_THOUSANDS = re.compile(
+    rb"""(?:(?<=[;\t|\n"])|^)[+-]?[1-9]\d{0,2}(?:(?:\.\d{3})+,|(?:[,']\d{3})+\.)\d+(?=[;\t|\r\n"]|$)"""
+)
+
 
 class Lines:
     """The text of a file: its bytes, and what a row of the table is called in a message."""
@@ -45,7 +50,20 @@ class Lines:
             name = encodings.CANDIDATES[encoding]
             lines.notes += (f"The text was read as {name}: its words are known so.",)
         lines._start_and_rate()
+        if _THOUSANDS.search(lines.head()[0]):
+            lines.without_thousands()
         return lines
+
+    def without_thousands(self) -> bool:
+        """Leave out the marks that set thousands apart, where a decimal mark of the other kind follows
+        them. Whether there were any.
+        """
+        found = _THOUSANDS.search(self.data)
+        if found is None:
+            return False
+        self.data = _THOUSANDS.sub(_joined, self.data)
+        self.notes += (f"Marks between thousands were left out, as in {found[0].decode()!r}.",)
+        return True
 
     def _start_and_rate(self) -> None:
         """The start and the rate that stand above the readings, once in every column, as Empatica's
@@ -155,6 +173,13 @@ class Lines:
                 f"{len(text)} line{'s' * (len(text) > 1)} of words at the end were left out.",
             )
         return True
+
+
+def _joined(found: re.Match[bytes]) -> bytes:
+    """A number without its marks between thousands: the last mark is that of the decimals."""
+    number = found[0]
+    at = max(number.rfind(b"."), number.rfind(b","))
+    return re.sub(rb"[.,']", b"", number[:at]) + number[at:]
 
 
 def _ended(data: bytes) -> bool:

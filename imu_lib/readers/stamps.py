@@ -172,7 +172,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
             f"The clock falls back by {-fall * told.factor:.6g} s at {raw.line(i)} (it was set, or the logger began anew); the stamps "
             "go on from there by one interval, what was lost in between is not known.",
         )
-    return rated(raw, relative * told.factor, keep, grain(stamp, told.factor), given, rate, lenient)
+    tick, whole = grain(stamp, told.factor), stamp.dtype.kind == "i"
+    return rated(raw, relative * told.factor, keep, tick, given, rate, lenient, whole)
 
 
 def _slow_contract(raw: Raw, relative: np.ndarray, first: float, where: str) -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 
 from imu_lib.errors import InputError
-from imu_lib.readers import at_once, one_sensor, sentinels, streams, unsigned
+from imu_lib.readers import at_once, one_sensor, sentinels, streams, unsigned, unused
 from imu_lib.readers.assemble import (
     UnitAsked,
     ask_for_both,
@@ -21,8 +22,17 @@ from imu_lib.record import Record
 def read_record(path=None, **options) -> Record:
     """A static record from one file, or from a gyro and an accelerometer file; all options as in
     `read`.
+
+    Warns
+    -----
+    UserWarning
+        Where columns of unknown names may be a sensor that the record does not hold.
     """
-    return read(path, **options).record
+    found = read(path, **options)
+    lost = None if path is None or options.get("only") else unused.lost(found)
+    if lost:
+        warnings.warn(lost, stacklevel=2)
+    return found.record
 
 
 def read_counted(path=None, **options) -> tuple[Record, int]:

@@ -130,7 +130,7 @@ def _parse(path, lines, layout, wanted) -> dict[int, np.ndarray]:
         table = _arrow(lines, layout, numeric, texts)
     if table is None:
         table = _pandas(lines, layout, numeric, texts)
-    if table is None and lines.without_words(layout):
+    if table is None and (lines.without_thousands() or lines.without_words(layout)):
         return _parse(path, lines, layout, wanted)
     if table is None:
         _explain(path, lines, layout, wanted)

@@ -77,3 +77,19 @@ def say(raw: Raw, told: list[Meaning], headings) -> None:
                 f"No column was read as the {word}; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are not known here "
                 "(--columns names columns by position).",
             )
+
+
+def lost(found) -> str | None:
+    """A sentence on three or more columns of unknown names where a `Reading` has but one of gyro and
+    accelerometer; None where it has both, or there are no such columns.
+    """
+    there = {name.partition("_")[0] for name in found.record.channel_names}
+    missing = {"gyro", "accel"} - there
+    left = [c.name for c in found.columns if c.read_as is None and c.evidence == names.UNKNOWN]
+    if not missing or len(left) < 3:
+        return None
+    word = "gyro" if "gyro" in missing else "accelerometer"
+    return (
+        f"{found.record.source}: no column was read as the {word}; {', '.join(f'`{n}`' for n in left[:6])} were left out, their names are not known "
+        "(columns= names columns by position)."
+    )
