@@ -10,6 +10,7 @@ from imu_lib.gap import drive as gap_drive
 from imu_lib.gap.drive import (
     admission,
     alone,
+    base_model,
     columns,
     left,
     path,
@@ -23,6 +24,7 @@ from imu_lib.gap.drive import (
 from imu_lib.gap.drive.problem import Noise
 from imu_lib.gap.drive.state import Change
 from imu_lib.model import Model
+from imu_lib.navigation import tuning
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 
 MODEL = Model.from_json(generator.MODEL)
@@ -259,3 +261,22 @@ def test_the_index_of_turned_axes_is_said_to_be_of_turned_ones():
     assert step["gap_after"] == found.after.index == found.before.index
     assert "axes already turned" in found.notes[0]
     assert "with the axes turned" in gap_cli.text(found) and " to " not in gap_cli.gap(step)
+
+
+def test_a_vibration_tells_the_density_of_the_noise_fitted_last(monkeypatch):
+    def alike(density):
+        return Noise(tuning.vehicle_model(1e-3, density, 3e-5, 1e-3))
+
+    loud, right = alike(0.5), alike(0.03)
+    drive = made(43001, duration=100.0)
+    state = search.State(drive, loud, np.zeros(len(columns.ALL)), kept=("gnss_time_offset",))
+    state.rebuild()
+    options = random_effects.changes(state.problem, loud, False)
+    vibration = next(c for c in options if c.key == ("vibration", "accel_z"))
+    state.changes = [Change(vibration, np.array([1e-4]), 0.0, loud)]
+    state.noise = vibration.enter(loud, [1e-4])
+    state.weigh()
+    monkeypatch.setattr(base_model, "fit", lambda *_: vibration.enter(right, [1e-4]))
+    assert base_model.anew(state, loud).model is state.changes[0].before.model
+    told = state.changes[0].change.describe([1e-4])
+    assert told["N"] == pytest.approx(0.03)

@@ -5,6 +5,7 @@ innovations allow.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ from imu_lib.drive import Drive
 from imu_lib.model import Model
 from imu_lib.navigation.tuning import vehicle_model
 
+from . import random_effects
 from .select import PER_EFFECT, PER_PARAMETER
 
 if TYPE_CHECKING:
@@ -84,8 +86,12 @@ def anew(
         for of in ("position", "velocity")
         if ("gnss_noise", of) not in changed
     }
+    told = {c.key: c.describe for c in random_effects.changes(state.problem, found, False)}
     for change in state.changes:
         change.before = change.before.with_(model=found.model)
+        # a vibration tells the density that it is added to
+        key = change.change.key
+        change.change = replace(change.change, describe=told.get(key, change.change.describe))
     state.noise = found
     state.weigh()
     return noise.with_(model=found.model, **fitted)
