@@ -13,6 +13,23 @@ THREE, SIX = "gx,gy,gz", "gx,gy,gz,ax,ay,az"
 NAMED = "--columns time,gyro_x,gyro_y,gyro_z"
 
 
+def _holed(folder, drive):
+    """Five minutes straight to the north at 10 m/s, of which the IMU lost two seconds in each forty."""
+    t, fixes = np.arange(0.0, 300.0, 0.1), np.arange(0.0, 300.0)
+    t = t[t % 40.0 < 38.0]
+    north = np.tile(np.asarray(drive.gnss_position)[0], (len(fixes), 1))
+    north[:, 0] += 10.0 * fixes / 6.37e6
+    noise = np.random.default_rng(1).normal(size=(2, len(t), 3))
+    np.savez(
+        folder / "holed.npz",
+        time=t,
+        gyro=1e-3 * noise[0],
+        accel=1e-2 * noise[1] - [0.0, 0.0, 9.806],
+        gnss_time=fixes,
+        gnss_position=north,
+    )
+
+
 def _drive(folder):
     """A short drive as .npz, as a table with a solution beside it, and with rates in deg/s."""
     from imu_lib import preset
@@ -32,6 +49,7 @@ def _drive(folder):
         gnss_time=np.arange(60.0),
         gnss_position=np.tile(place, (60, 1)),
     )
+    _holed(folder, drive)
     t = np.asarray(drive.time)
     head = "time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]"
     (folder / "imu.csv").write_text(table(head, t, np.asarray(drive.gyro), np.asarray(drive.accel)))
