@@ -56,3 +56,17 @@ def test_what_shakes_is_the_environments_and_where_to_go_from_there():
     rows = {line.split()[0]: line for line in shown.splitlines() if line.strip()}
     assert rows["gyro_x"].endswith("on the record: vibration")
     assert rows["gyro_y"].endswith("nothing found; no gap index was asked for")
+
+
+def test_a_channel_whose_noise_grows_is_told_with_both_of_its_levels():
+    """N from 1e-3 to 2.5e-3 over the record: no time is before it, and each has an interval."""
+    n, fs = 8000, 100.0
+    x = 1e-3 * np.sqrt(fs) * np.random.default_rng(6).standard_normal(n)
+    grown = Record({"accel_y": 0.3 + x * (1 + 1.5 * np.arange(n) / n)}, fs)
+    found = gap.close(grown, simulations=0, jobs=1)
+    (step,) = [s for _, s in found.steps if s.effect == "noise_level_change"]
+    for name, true in (("time", 0.0), ("duration", n / fs)):
+        low, high = step.intervals[name]
+        assert 0 <= low <= step.parameters[name] <= high and low <= true <= high + 1e-6, name
+    told = re.search(r"accel_y (\S+) m/s/sqrt\(h\) at the start and (\S+) m/s/sqrt\(h\) at the end", " ".join(sentences(found)))  # fmt: skip
+    assert abs(float(told[1]) / 0.06 - 1) < 0.1 and abs(float(told[2]) / 0.15 - 1) < 0.1

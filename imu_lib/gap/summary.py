@@ -16,7 +16,7 @@ from imu_lib.gap.evenness import TAIL
 from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.surroundings import SURE
 from imu_lib.gap.wrong import LOST, sentence
-from imu_lib.processes import Resolution, Sum, Telegraph
+from imu_lib.processes import NoiseLevelChange, Resolution, Sum, Telegraph
 
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report
@@ -135,6 +135,7 @@ def _sensor(found: Report) -> str:
         if not density:
             continue
         text = f"the {name} have {_range(density, 'N', channels[0])} of noise"
+        text += _changed(found, dict(zip(channels, (v[0] for v in values))))
         floor = [v[1] for v in values if v[1]]
         if floor:
             text += f", a bias instability of {_range(floor, 'B', channels[0])}"
@@ -154,6 +155,18 @@ def _sensor(found: Report) -> str:
     taken = {s.effect: None for _, s in told.relevant(found.steps) if s.effect in NO_NOISE}
     without = [NO_NOISE[effect] for effect in taken]
     return words.sentence(out) + (f" ({words.listed(without)} taken out)" if without else "") + "."
+
+
+def _changed(found: Report, density: dict[str, float | None]) -> str:
+    """Densities of the channels whose level changes, at both ends of the record, in words."""
+    parts = []
+    for channel, first in density.items():
+        change = found.model[channel].find("noise_level_change")
+        if first and isinstance(change, NoiseLevelChange):
+            scale = change.factor(found.record.n, found.record.rate)
+            ends = [_range([first * float(scale[at])], "N", channel) for at in (0, -1)]
+            parts.append(f"{channel} {ends[0]} at the start and {ends[1]} at the end")
+    return f" ({'; '.join(parts)})" if parts else ""
 
 
 def _character(

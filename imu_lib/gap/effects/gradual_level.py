@@ -17,6 +17,9 @@ BEGINNINGS = (0.0, 0.15, 0.3, 0.45, 0.6)
 LENGTHS = (0.25, 0.4, 0.6, 0.8, 1.0)
 #: Gain in log-likelihood that it has to bring, and what its three parameters are held against it.
 GAIN, HANDICAP = 20.0, 6.0
+#: Log-likelihood by which a shape of the 95 % interval is below the best, shapes that are tried, and
+#: ratios about the best, in logarithms.
+DROP, GRID, RATIOS = 0.5 * 3.84, 25, np.linspace(-0.4, 0.4, 9)
 #: Trial shapes.
 PLACES = len(BEGINNINGS) * len(LENGTHS)
 
@@ -43,7 +46,7 @@ class GradualLevel(ChannelEffect):
         level = Level(y, view.fs, independent)
         if level.k < 40:
             return []
-        gain, process, spread = fitted(level, y, view)
+        gain, process, spread, when = fitted(level, y, view)
         if gain < GAIN + HANDICAP:
             return []
         scale = process.factor(len(y), view.fs)
@@ -60,15 +63,19 @@ class GradualLevel(ChannelEffect):
                 gain - HANDICAP,
                 f"variance of the innovations: {behaviour(path, view.temperature, wholly=True)}, from "
                 f"{max(start, 0.0):.0f} to {min(stop, len(y) / view.fs):.0f} s",
-                {"ratio": [ratio * np.exp(-1.96 * spread), ratio * np.exp(1.96 * spread)]},
+                {"ratio": [ratio * np.exp(-1.96 * spread), ratio * np.exp(1.96 * spread)], **when},
                 scale=scale,
                 places=PLACES,
             )
         ]
 
 
-def fitted(level: Level, y: Array, view: ChannelView) -> tuple[float, Stage, float]:
-    """(gain over a steady level, the change, standard deviation of the logarithm of its ratio)."""
+def fitted(
+    level: Level, y: Array, view: ChannelView
+) -> tuple[float, Stage, float, dict[str, list[float]]]:
+    """(gain over a steady level, the change, standard deviation of the logarithm of its ratio,
+    95 % intervals of its beginning and its duration).
+    """
     whole = len(y) / view.fs
     time = (np.arange(level.k) + 0.5) * level.step
     weight = level.m * view.smooth.independent
@@ -95,7 +102,7 @@ def fitted(level: Level, y: Array, view: ChannelView) -> tuple[float, Stage, flo
             value = gain(ratio, s)
             if value > best[0]:
                 best = value, [ratio, begin, np.log(length)]
-    bounds = ((-4.0, 4.0), (-0.05, 0.8), (np.log(0.2), 0.05))
+    bounds = ((-4.0, 4.0), (0.0, 0.8), (np.log(0.2), 0.0))
     options = {"xatol": 1e-3, "fatol": 1e-2, "maxiter": 200}
     r = minimize(loss, best[1], method="Nelder-Mead", bounds=bounds, options=options)
     centred = shape(r.x[1] * whole, np.exp(r.x[2]) * whole)
@@ -106,7 +113,19 @@ def fitted(level: Level, y: Array, view: ChannelView) -> tuple[float, Stage, flo
         time=float(r.x[1] * whole),
         duration=float(np.exp(r.x[2]) * whole),
     )
-    return -float(r.fun), process, float(spread)
+    near = [
+        (b, d)
+        for b in np.r_[np.linspace(0.0, 0.8, GRID), r.x[1]]
+        for d in np.r_[np.linspace(0.2, 1.0, GRID), np.exp(r.x[2])]
+        if max(gain(g, shape(b * whole, d * whole)) for g in r.x[0] + RATIOS) > -r.fun - DROP
+    ]
+    begins, lengths = np.array(near).T * whole
+    step = 0.8 * whole / (GRID - 1)  # an end lies between a shape that is in and one that is not
+    when = {
+        "time": [max(0.0, float(begins.min()) - step), float(begins.max()) + step],
+        "duration": [float(lengths.min()) - step, min(whole, float(lengths.max()) + step)],
+    }
+    return -float(r.fun), process, float(spread), when
 
 
 EFFECTS = (GradualLevel(),)
