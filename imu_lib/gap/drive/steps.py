@@ -13,8 +13,8 @@ from .left import ANGLES, APART, TURNED, smoothed_delay
 SUREST = 0.999  # no weight above this is claimed
 ALIKE = 3.0  # nats
 TURNED_BEFORE = (
-    "No filter runs with the axes as they are in the file: innovations before are those with the axes already turned, "
-    "outages before those with the axes as they are."
+    "The search turns the axes first: innovations before are those with the axes already turned, outages before those "
+    "with the axes as they are in the file."
 )
 
 
