@@ -6,6 +6,7 @@ import numpy as np
 
 from imu_lib import gap
 from imu_lib.gap.summary import sentences
+from imu_lib.gap.surroundings import coupled
 from imu_lib.gap.table import table
 from imu_lib.processes import Vibration
 from imu_lib.record import Record
@@ -70,3 +71,22 @@ def test_a_channel_whose_noise_grows_is_told_with_both_of_its_levels():
         assert 0 <= low <= step.parameters[name] <= high and low <= true <= high + 1e-6, name
     told = re.search(r"accel_y (\S+) m/s/sqrt\(h\) at the start and (\S+) m/s/sqrt\(h\) at the end", " ".join(sentences(found)))  # fmt: skip
     assert abs(float(told[1]) / 0.06 - 1) < 0.1 and abs(float(told[2]) / 0.15 - 1) < 0.1
+
+
+def test_where_white_noise_meets_a_walk_is_no_bias_instability():
+    """N 1.5e-3 m/s^2/sqrt(Hz) and K 5e-3: they meet at half a second."""
+    n, fs = 6000, 100.0
+    rng = np.random.default_rng(9)
+    walk = np.cumsum(5e-3 / np.sqrt(fs) * rng.standard_normal(n))
+    x = 0.3 + 1.5e-3 * np.sqrt(fs) * rng.standard_normal(n) + walk
+    found = gap.close(Record({"accel_y": x}, fs), simulations=0, jobs=1)
+    text = " ".join(sentences(found)[:-1])
+    assert "bias instability" not in text
+    assert "random walk of" in text or "Gauss-Markov process" in text
+
+
+def test_a_line_of_the_mains_on_gyros_alone_is_no_shaking():
+    line = {"frequency": 50.02, "bandwidth": 0.0, "harmonics": 1, "channels": ["gyro_x", "gyro_y"]}
+    assert coupled(line)
+    assert not coupled({**line, "channels": ["gyro_x", "accel_z"]})
+    assert not coupled({**line, "frequency": 47.0}) and not coupled({**line, "from": 3.0})

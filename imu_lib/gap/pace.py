@@ -30,7 +30,10 @@ STANDS, SHARE = 25.0, 0.3
 NEAR, LINES = 2, 0.5
 #: Confidence in a rate on which several lines agree.
 SURE = 0.95
-WHY = "no line of known frequency (of the given model, or the mains with its multiples) is in the record"
+WHY = (
+    f"neither lines of the given model nor {LEAST} multiples of the mains are in the record, which "
+    "would tell"
+)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,15 @@ from imu_lib.gap.evenness import TAIL
 from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.surroundings import SURE
 from imu_lib.gap.wrong import LOST, sentence
-from imu_lib.processes import NoiseLevelChange, Resolution, Sum, Telegraph
+from imu_lib.processes import (
+    GaussMarkov,
+    NoiseLevelChange,
+    RandomWalk,
+    Resolution,
+    Sum,
+    Telegraph,
+    WhiteNoise,
+)
 
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report
@@ -26,6 +34,8 @@ if TYPE_CHECKING:
 
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
 REACHED = 0.1
+#: Averaging time below which the least Allan deviation is no bias instability without flicker noise, s.
+SHORT = 5.0
 #: Share of the record from which on the stretch that was looked at is all of it.
 WHOLE = 0.99
 #: Rows that are lost at the most without a cause that is worth looking for.
@@ -141,6 +151,7 @@ def _sensor(found: Report) -> str:
             text += f", a bias instability of {_range(floor, 'B', channels[0])}"
             longest = max(v[2] for v in values if v[2])
             text += f" (at {words.seconds(longest)})"
+        text += _wanders(found, channels) + _walks(found, channels)
         stages = [s for c in channels for s in found.model[c].stages]
         steps = [s.lsb for s in stages if isinstance(s, Resolution)]
         if steps:
@@ -155,6 +166,38 @@ def _sensor(found: Report) -> str:
     taken = {s.effect: None for _, s in told.relevant(found.steps) if s.effect in NO_NOISE}
     without = [NO_NOISE[effect] for effect in taken]
     return words.sentence(out) + (f" ({words.listed(without)} taken out)" if without else "") + "."
+
+
+def _markov(model: Sum) -> list[GaussMarkov]:
+    return [t for t in model.terms if isinstance(t, GaussMarkov)]
+
+
+def _walks(found: Report, channels: list[str]) -> str:
+    """Random walks that rise above the white noise before any bias instability shows, in words."""
+    parts = []
+    for channel in channels:
+        terms = found.model[channel].terms
+        white = [t.N for t in terms if isinstance(t, WhiteNoise)]
+        walk = [t.K for t in terms if isinstance(t, RandomWalk)]
+        meet = np.sqrt(3) * white[0] / walk[0] if white and walk else np.inf
+        if meet < SHORT:
+            parts.append(
+                f"{_range(walk, 'K', channel)} on {channel}, above its white noise from "
+                f"{words.seconds(float(meet))} on"
+            )
+    return f", a random walk of {'; '.join(parts)}" if parts else ""
+
+
+def _wanders(found: Report, channels: list[str]) -> str:
+    """The Gauss-Markov processes of the channels, in words."""
+    parts = []
+    for channel in channels:
+        unit, factor = ("deg/s", np.pi / 180) if channel[0] == "g" else ("mg", 9.80665e-3)
+        parts += [
+            f"{t.sigma / factor:.3g} {unit} over {words.seconds(t.correlation_time)} on {channel}"
+            for t in _markov(found.model[channel])
+        ]
+    return f", and wander as a Gauss-Markov process ({'; '.join(parts)})" if parts else ""
 
 
 def _changed(found: Report, density: dict[str, float | None]) -> str:
@@ -189,6 +232,8 @@ def _character(
     i = int(np.argmin(deviation))
     if i >= len(tau) - 3:  # it still falls: the record is too short for a floor
         return density, None, None
+    if tau[i] < SHORT and model.find("flicker") is None:
+        return density, None, None  # where white noise meets a walk or a process is no floor
     return density, float(deviation[i] / 0.664), float(tau[i])
 
 
@@ -228,6 +273,8 @@ def _next(found: Report) -> str:
     shook = [s.parameters for _, s in found.steps if s.effect == "vibration"]
     if shook and all(surroundings.hums(p) for p in shook):
         advice.append("keep cables and supply away from the mains")
+    elif shook and all(surroundings.coupled(p) for p in shook):
+        advice.append("keep cables and supply away from what couples into the electronics")
     elif shook:
         advice.append("record again away from what shakes it, on a heavy base")
     absorbed = any("temperature" in c.result.absorbed for c in found.channels.values())

@@ -84,7 +84,19 @@ def _shook(steps: list[Step]) -> str:
     times = sorted((e["from"], e["to"]) for e in episodes if e.get("from") is not None)
     when = words.listed([f"from {a:.0f} to {b:.0f} s" for a, b in times]) if times else ""
     where = f"{' ' + when if when else ''} on {words.channels(p['channels'])}"
+    if coupled(p):
+        return f"a line {what}{where} couples into the electronics{', ' + how if how else ''}"
     return f"it shook {what}{where}{', ' + how if how else ''}"
+
+
+def coupled(p: dict[str, Any]) -> bool:
+    """Whether a steady line at the frequency of the mains is on gyros alone, or accelerometers alone:
+    what shakes shakes both.
+    """
+    if p.get("from") is not None or p.get("lines") or p["bandwidth"] > 0.01 * p["frequency"]:
+        return False
+    one_kind = len({c[0] for c in p["channels"]}) == 1
+    return hums(p) or one_kind and of_mains(p["frequency"], 2)
 
 
 def hums(p: dict[str, Any]) -> bool:
