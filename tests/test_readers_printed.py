@@ -197,4 +197,4 @@ def test_neighbours_that_changed_places_are_put_back(tmp_path):
     text = table("t_s,gx_dps,gy_dps,gz_dps", T[rows], DPS[rows])
     found = opened(tmp_path / "a.csv", text, "")
     assert same(found, 100) is not None
-    assert any("put in place by their stamps" in n for n in found.record.notes)
+    assert any("put back by their stamps" in n for n in found.record.notes)

@@ -62,7 +62,7 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
             return stamp[sorted_], sorted_
     if not raw.contract and (sorted_ := _swapped(stamp, usual)) is not None:
         raw.notes += (
-            f"{int((np.diff(sorted_) < 0).sum()):,} rows were out of order and put in place by their stamps, between which none is missing then.",
+            f"Rows were out of order at {falls.size:,} place{'s' * (falls.size > 1)} and put back by their stamps, between which none is missing then.",
         )
         return stamp[sorted_], sorted_
     back = [i for i in falls if _set_back(stamp, i)]
