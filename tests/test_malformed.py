@@ -60,7 +60,7 @@ TABLES = {
     "unit in a number": (lines(edit(250, 6, "-9.8m")), "line 252, column 7"),
     "infinity": (lines(edit(17, 5, "inf")), "line 19"),
     "nan time": (lines(edit(30, 0, "nan")), "line 32"),
-    "unsorted": (lines(swap), "line 103"),
+    "unsorted": (lines(swap), "line 203"),
     "repeated time": (lines(repeat_time), "line 102"),
     "constant time": (
         lines(lambda rows: ["1.0," + r.partition(",")[2] for r in rows]),
