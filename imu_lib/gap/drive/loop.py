@@ -111,9 +111,9 @@ def close(
     state, first, noise, original = _searched(right, model, (windows, random), notes, say)
     given = model is not None
     before = battery(first.problem, first.result.e, first.use, rng)
-    after = before  # nothing is held: of one hypothesis there is one index
-    if state.kept or state.changes or state.restarts:
-        after = battery(state.problem, state.result.e, state.use, rng)
+    after = battery(state.problem, state.result.e, state.use, rng)
+    if not (state.kept or state.changes or state.restarts):
+        before = after  # of one hypothesis there is one index, about the path as it is in the end
     found = steps.of(state, first, noise, rng, before)
     if found:  # the same innovations, and not their approximation about the path as it is
         found[-1]["gap_after"] = after.index
