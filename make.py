@@ -8,11 +8,11 @@ project itself (editable, with its command `imu-lib`); that takes a minute or tw
 afterwards.
 
   book                    execute the chapters on the embedded data, then build book/_build/html
-  test [PYTEST ARGS]      all tests and the notebooks' stored outputs; with arguments, just what they name
-  refresh [NOTEBOOKS]     re-execute chapters (default: all) and store their outputs
-  bench [NAMES]           run benchmarks/NAME.py (default: all) and store their tables
-  pdf                     the whole book as one PDF (needs Chromium or Chrome)
-  lint                    ruff over the code, rules and format; mypy over the rooms that are typed
+  test [PYTEST ARGS]      all tests and the notebooks' stored outputs; with arguments, just what
+  they name refresh [NOTEBOOKS]     re-execute chapters (default: all) and store their outputs
+  bench [NAMES]           run benchmarks/NAME.py (default: all) and store their tables pdf
+  the whole book as one PDF (needs Chromium or Chrome) lint                    ruff over the code,
+  rules and format; mypy over the rooms that are typed
 """
 
 import contextlib
@@ -37,7 +37,8 @@ class Stop(Exception):
 def main(arguments):
     if sys.version_info < (3, 11):
         raise Stop(
-            "make.py needs Python 3.11 or later, this is {}.{}: start it with a newer one, for instance "
+            "make.py needs Python 3.11 or later, this is {}.{}: start it with a newer one, for "
+            "instance "
             "`python3.12 make.py book`.".format(*sys.version_info[:2])
         )
     task = arguments[0] if arguments else ""
@@ -153,8 +154,10 @@ def set_up():
             )
         if not done:
             raise Stop(
-                "the packages of environment.txt could not be installed (the messages above say why): check "
-                "the network connection and run the same command again; deleting .venv starts afresh."
+                "the packages of environment.txt could not be installed (the messages above say "
+                "why): check "
+                "the network connection and run the same command again; deleting .venv starts "
+                "afresh."
             )
         STAMP.write_text(fingerprint(), encoding="utf-8")
         say("set-up done")

@@ -115,7 +115,8 @@ def main():
     path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     for name, row in table.items():
         print(
-            f"{name.ljust(44)} {row['coverage_percent']:5.1f} % of {row['intervals']}, half width {row['median_half_width']:.3g}"
+            f"{name.ljust(44)} {row['coverage_percent']:5.1f} % of {row['intervals']}, half width "
+            f"{row['median_half_width']:.3g}"
         )
 
 

@@ -3,9 +3,10 @@
     IMU_LIB_DATA=... python benchmarks/drive_additions.py [DRIVE ...]
 
 The 18-state filter with the 2013 paper's noise on the recorded drives, 30 s outages every 30 s: as
-it is, and with what `imu-lib outages --models 18AV+...` adds. "late" holds the lateness of the fixes
-that the innovations ask for. Standard deviations of the fixes are as large as the innovations ask.
-Errors are against the reference where it is fit, else against the same filter's full-GNSS solution.
+it is, and with what `imu-lib outages --models 18AV+...` adds. "late" holds the lateness of the
+fixes that the innovations ask for. Standard deviations of the fixes are as large as the
+innovations ask. Errors are against the reference where it is fit, else against the same filter's
+full-GNSS solution.
 """
 
 import json
@@ -82,7 +83,8 @@ def main():
         print(name, round(found.offset, 2), found.velocity_offset, round(found.gain), flush=True)
         for n, row in rows.items():
             print(
-                f"   {n:22s} median {row['median'][0]:6.1f} m, predicted {row['predicted']:6.1f} m, NIS {row['nis']:.2f}, "
+                f"   {n:22s} median {row['median'][0]:6.1f} m, predicted {row['predicted']:6.1f} "
+                f"m, NIS {row['nis']:.2f}, "
                 f"rejected {100 * max(row['rejected'].values()):.0f} %",
                 flush=True,
             )

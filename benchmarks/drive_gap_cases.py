@@ -1,6 +1,6 @@
-"""Drives in which effects are hidden, for `drive_gap_score.py`: what is drawn, how it is searched, and
-what the true effect would gain. The generator (tests/drive_generator.py) shares no code with the
-navigation package.
+"""Drives in which effects are hidden, for `drive_gap_score.py`: what is drawn, how it is searched,
+and what the true effect would gain. The generator (tests/drive_generator.py) shares no code with
+the navigation package.
 """
 
 from __future__ import annotations
@@ -169,8 +169,8 @@ def strange(seed):
 
 
 def in_outages(drive, effects, model):
-    """Median of the largest errors in withheld outages, m: under the model found, under the true one,
-    and without either.
+    """Median of the largest errors in withheld outages, m: under the model found, under the true
+    one, and without either.
     """
     entries = [DriveEffect(name, p) for name, p in effects if name != "bias_model"]
     true = path_model(effects).with_drive(tuple(entries))

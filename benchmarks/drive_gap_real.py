@@ -3,10 +3,10 @@
     IMU_LIB_DATA=FOLDER python benchmarks/drive_gap_real.py [NAME ...]   # FOLDER/drive/*.npz
 
 Each drive is searched as it is, without an error model; then, from what was found, with one effect
-hidden in it at a time (`HIDDEN`, and turned axes). What is found then is compared with what was found
-before. `expected` is the gain in nats that the drive's own information promises for the hidden value:
-below about 15 no search can name it, and the answer is the upper limit. Resumes from its table in
-benchmarks/results/drive_gap_real.json: names given are searched anew.
+hidden in it at a time (`HIDDEN`, and turned axes). What is found then is compared with what was
+found before. `expected` is the gain in nats that the drive's own information promises for the
+hidden value: below about 15 no search can name it, and the answer is the upper limit. Resumes from
+its table in benchmarks/results/drive_gap_real.json: names given are searched anew.
 """
 
 from __future__ import annotations
@@ -129,7 +129,15 @@ def injected(drive, found):
             "limit holds": None if limit is None else bool(limit >= abs(before + value)),
         }  # fmt: skip
         out.append(row)
-        print("  ", {k: v if isinstance(v, (str, bool)) or v is None else round(v, 4) for k, v in row.items()}, flush=True)  # fmt: skip
+        # fmt: skip
+        print(
+            "  ",
+            {
+                k: v if isinstance(v, (str, bool)) or v is None else round(v, 4)
+                for k, v in row.items()
+            },
+            flush=True,
+        )
     return out
 
 

@@ -115,7 +115,9 @@ def frequency(rows, beside):
 
 
 def names_by_class(rows):
-    """{class of `reliability`: {effect: [found, right]}} of all names: what sets their confidence."""
+    """{class of `reliability`: {effect: [found, right]}} of all names: what sets their
+    confidence.
+    """
     out = {k: {} for k in reliability.COUNTED}
     for r in rows:
         for s in r["steps"]:
@@ -127,8 +129,8 @@ def names_by_class(rows):
 
 
 def covered(rows, unseen=True):
-    """(values inside their interval, values, inside or within a tenth) of rightly named effects; unseen:
-    with the components whose interval is what the upper limit leaves.
+    """(values inside their interval, values, inside or within a tenth) of rightly named effects;
+    unseen: with the components whose interval is what the upper limit leaves.
     """
     inside, total, near = 0, 0, 0
     for r in rows:

@@ -1,12 +1,13 @@
-"""Score of the detectors of faults and disturbances on records in which one was put, and on sound ones.
+"""Score of the detectors of faults and disturbances on records in which one was put, and on sound
+ones.
 
-    python benchmarks/fault_score.py --cases 40 --first 1000        # every kind, sound records; stores the table
-    python benchmarks/fault_score.py --kinds tilt,knock --cases 10 --print
+    python benchmarks/fault_score.py --cases 40 --first 1000        # every kind, sound records;
+    stores the table python benchmarks/fault_score.py --kinds tilt,knock --cases 10 --print
 
 The generator (tests/fault_generator.py) shares no code with the package. A fault counts as found if
 its kind, its time (1 s, or four samples), and its channels and rows, rate or angle are right and no
-other of its kind is reported. Any finding of another kind is a false one. Sound records: any finding
-at all that is more than told (jitter, a clock's grain) is a false alarm. The table goes to
+other of its kind is reported. Any finding of another kind is a false one. Sound records: any
+finding at all that is more than told (jitter, a clock's grain) is a false alarm. The table goes to
 benchmarks/results/fault_score.json with the command, the date and the seeds.
 """
 

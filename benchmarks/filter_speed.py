@@ -68,7 +68,8 @@ def main():
             {
                 "command": "python benchmarks/filter_speed.py",
                 "date": time.strftime("%Y-%m-%d"),
-                "machine": f"{platform.machine()}, numba {numba.__version__}, numpy {np.__version__}",
+                "machine": f"{platform.machine()}, numba {numba.__version__}, numpy "
+                f"{np.__version__}",
                 "epochs": rows,
                 "five_models_seven_outages_two_drives": study,
             },

@@ -1,5 +1,6 @@
-"""How often a fleet's intervals hold what its table was drawn from: typical value, scatter from unit
-to unit apart from the estimates' error, the worst of 95 %, drift over dates, sensor against day.
+"""How often a fleet's intervals hold what its table was drawn from: typical value, scatter from
+unit to unit apart from the estimates' error, the worst of 95 %, drift over dates, sensor against
+day.
 
 Tables are drawn here, with nothing of the estimators: the units' logarithms are normal, or of
 Student's t with 4 degrees of freedom, which no question assumes.

@@ -1,5 +1,5 @@
-"""What sets three constants of the competition: how much more a fit gains than its screening promises
-(`rounds.MOST_OF_SCREENED`), how often a noise that is not there enters a free base
+"""What sets three constants of the competition: how much more a fit gains than its screening
+promises (`rounds.MOST_OF_SCREENED`), how often a noise that is not there enters a free base
 (`base_fit.PER_NOISE`), and how evidences of rivals scatter beyond what they say (`state.TEMPER`).
 
     python benchmarks/gap_constants.py --cases 1 --first 9600000

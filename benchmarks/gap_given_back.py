@@ -1,4 +1,5 @@
-"""The cycle of the gap workflow: the model that it has grown, given back with a new record of itself.
+"""The cycle of the gap workflow: the model that it has grown, given back with a new record of
+itself.
 
     python benchmarks/gap_given_back.py --cases 10 --first 9500000 --log back.jsonl     # resumes
     python benchmarks/gap_given_back.py --kinds telegraph,low_pass --cases 5 --print

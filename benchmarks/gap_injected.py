@@ -4,16 +4,16 @@
     python benchmarks/gap_injected.py --effects ramp,spikes --cases 1 --print
     python benchmarks/gap_injected.py --drawn --together 3 --cases 2 --name gap_strange
 
-A wrong rate (`rate_error`) is told by known lines alone: such a stretch has lines put in, is run, and
-is given its own grown model with a rate that is wrong.
+A wrong rate (`rate_error`) is told by known lines alone: such a stretch has lines put in, is run,
+and is given its own grown model with a rate that is wrong.
 
 A stretch of a real record is run as it is and with one effect put into it (`gap_put`, which shares
 nothing with the package), rounded to the digits of its file again. The effect counts as named where
 it is a step of that channel (or of the record with that channel) that was not there before; `new`
 counts steps of high confidence on other channels that were not there before. Cases whose effect
 gains less than 20 in log-likelihood over the spectrum of the stretch are counted apart, and so are
-those that the stretch has already, or that the fitted base says that it may have absorbed. Needs the folder of recorded data, IMU_LIB_DATA. The table goes
-to benchmarks/results/gap_injected.json.
+those that the stretch has already, or that the fitted base says that it may have absorbed. Needs
+the folder of recorded data, IMU_LIB_DATA. The table goes to benchmarks/results/gap_injected.json.
 """
 
 from __future__ import annotations

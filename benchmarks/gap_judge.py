@@ -12,7 +12,9 @@ DESCRIBES = ("process", "name", "from", "reference", "channels", "taps", "order"
 
 
 def matches(step, truth):
-    """Whether a step names a truth: the effect in its channel, for a changed parameter also which."""
+    """Whether a step names a truth: the effect in its channel, for a changed parameter also
+    which.
+    """
     if step["effect"] != truth["effect"] or step["channel"] != truth["channel"]:
         return False
     p = truth.get("parameters", {})
@@ -165,7 +167,8 @@ def _of(row, name):
 def show(rows):
     print(
         f"{'kind':<20}{'cases':>6}{'detect.':>8}{'named':>7}{'listed':>7}{'95 %':>16}{'wrong':>7}{'false':>9}{'unexpl.':>9}"
-        f"{'param ok':>10}{'cover':>8}{'s':>7}   final model: {'kinds':>8}{'spectrum':>10}{'covering':>10}"
+        f"{'param ok':>10}{'cover':>8}{'s':>7}   final model: "
+        f"{'kinds':>8}{'spectrum':>10}{'covering':>10}"
     )
     for r in rows:
         print(

@@ -1,9 +1,10 @@
 """False alarms of the gap workflow on channels and on whole records in which nothing is hidden.
 
     python benchmarks/gap_null.py --channels 1000 --first 500000
-    python benchmarks/gap_null.py --wide --channels 300 --first 700000     # 20 s to 24 h, 4 Hz to 1 kHz
-    python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl               # resumes; stores the table
-    python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl --part 0/2    # one half, into the log only
+    python benchmarks/gap_null.py --wide --channels 300 --first 700000     # 20 s to 24 h, 4 Hz to
+    1 kHz python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl
+    # resumes; stores the table python benchmarks/gap_null.py --records 200 --first 600000 --log
+    null.jsonl --part 0/2    # one half, into the log only
 
 Single channels, or whole records of six channels (one hour, 100 Hz, even time stamps, all checks
 of the record: noise in

@@ -1,7 +1,8 @@
 """One effect put into a stretch of a recorded signal, with the log-likelihood that it gains.
 
-Nothing here is shared with the package. How much an effect gains is reckoned against the spectrum of
-the stretch as it was recorded, its own drifts included: what is in it already hides what is put in.
+Nothing here is shared with the package. How much an effect gains is reckoned against the spectrum
+of the stretch as it was recorded, its own drifts included: what is in it already hides what is put
+in.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
 G = 9.80665
-#: Effects that are put in at a drawn gain, and those of the samples, which have a gain of their own.
+#: Effects that are put in at a drawn gain, and those of the samples, which have a gain of their
+#: own.
 SHAPES = ("sinusoid", "vibration", "step", "ramp", "warm_up", "temperature")
 NOISES = ("random_walk", "gauss_markov", "flicker", "quantization", "telegraph")
 SAMPLES = (
@@ -292,7 +294,9 @@ def _on_record(effect, channels, fs, rng):
 
 
 def _clocked(out, own, fs, rng):
-    """Steady lines of two or three causes, whose frequencies a model knows: a wrong clock moves all."""
+    """Steady lines of two or three causes, whose frequencies a model knows: a wrong clock
+    moves all.
+    """
     t, gain = np.arange(len(next(iter(out.values())))) / fs, 0.0
     for f in rng.uniform(0.06, 0.44, int(rng.integers(2, 4))) * fs:
         c = str(rng.choice(list(out)))

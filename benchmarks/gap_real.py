@@ -5,8 +5,8 @@
     python benchmarks/gap_real.py --again          # one sensor's model on its other records
     python benchmarks/gap_real.py --pictures       # the curves of stored models
 
-No model is given. Ten minutes of the long ones, all of the others. Needs the folder of recorded data,
-IMU_LIB_DATA. The table goes to benchmarks/results/gap_real.json.
+No model is given. Ten minutes of the long ones, all of the others. Needs the folder of recorded
+data, IMU_LIB_DATA. The table goes to benchmarks/results/gap_real.json.
 """
 
 from __future__ import annotations

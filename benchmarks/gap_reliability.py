@@ -5,8 +5,8 @@
 Counts every finding of the stored tables gap_score, gap_score_free, gap_score_pairs and
 gap_injected: its confidence, and whether what it names had been hidden in that channel. Findings
 beside something that was left unexplained, slopes beside a filter, and names whose weight among
-their rivals was stored, are counted with the confidence that `gap/measured.py` gives them now. The table goes to
-benchmarks/results/gap_reliability.json.
+their rivals was stored, are counted with the confidence that `gap/measured.py` gives them now. The
+table goes to benchmarks/results/gap_reliability.json.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ OF_RECORD = (
     "vibration",
 )
 SEEN_AS = {"disturbance": ("tilt",)}
-#: Noises that are strongest near half the sampling rate, and the confidence at the most that they had
-#: beside a filter when the tables were stored.
+#: Noises that are strongest near half the sampling rate, and the confidence at the most that they
+#: had beside a filter when the tables were stored.
 SLOPED, FORMER = ("autoregressive", "quantization"), 0.8
 #: Names that compete with rivals.
 RIVALS = {e.name for e in COMPETITORS}
@@ -53,8 +53,8 @@ BINS = (0.0, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.97, 0.995, 1.0 + 1e-9)
 def findings(strict=True):
     """(effect, stored confidence, right, beside something unexplained, table) of every finding.
 
-    Where an effect was put into a recorded signal, a new name in place of one that is gone counts as
-    wrong, though nobody knows which of the two was; without `strict` it is left out.
+    Where an effect was put into a recorded signal, a new name in place of one that is gone counts
+    as wrong, though nobody knows which of the two was; without `strict` it is left out.
     """
     for name in SCORES:
         for case in json.loads((RESULTS / f"{name}.json").read_text())["cases"]:

@@ -1,8 +1,9 @@
 """Score of the gap workflow on records in which effects are hidden.
 
-    python benchmarks/gap_score.py --cases 30 --first 10000 --log cases.jsonl    # every effect, pairs, none, unknown; resumes
-    python benchmarks/gap_score.py --cases 2 --simulations 100 --name gap_score_index   # with the gap index, before and after
-    python benchmarks/gap_score.py --kinds step,telegraph --cases 5 --print
+    python benchmarks/gap_score.py --cases 30 --first 10000 --log cases.jsonl    # every effect,
+    pairs, none, unknown; resumes python benchmarks/gap_score.py --cases 2 --simulations 100 --name
+    gap_score_index   # with the gap index, before and after python benchmarks/gap_score.py --kinds
+    step,telegraph --cases 5 --print
 
 The generator (tests/gap_generator.py) shares no code with the package. A case counts for the
 naming rate if the hidden

@@ -89,7 +89,9 @@ def template_of(entry):
 
 
 def truth_of(entry, fs, n):
-    """Parameters by label, and the flat level: the Allan deviation where the model's is flattest."""
+    """Parameters by label, and the flat level: the Allan deviation where the model's is
+    flattest.
+    """
     labels = Sum(entry.terms).labels()
     out = {label: getattr(entry.terms[index], name) for label, index, name in labels}
     tau = np.array([allan.flat_time(entry, 1 / fs, n / fs / 3)])
@@ -197,7 +199,8 @@ def main(arguments=None):
         mine = [row for row in rows if row[0] == method]
         if mine:
             stored["methods"][method] = {
-                "command": f"python benchmarks/interval_coverage.py --seeds {options.seeds} --methods {method}",
+                "command": f"python benchmarks/interval_coverage.py --seeds {options.seeds} "
+                f"--methods {method}",
                 "date": time.strftime("%Y-%m-%d", time.gmtime()),
                 "twin": options.twin,
                 "hours": HOURS,
@@ -211,7 +214,8 @@ def main(arguments=None):
         result = stored["methods"].get(method)
         if result:
             print(
-                f"{method}: pooled {result['pooled_all']:.3f}, {result['seconds_per_channel']:.2f} s a channel"
+                f"{method}: pooled {result['pooled_all']:.3f}, "
+                f"{result['seconds_per_channel']:.2f} s a channel"
             )
             for label, line in result["pooled"].items():
                 each = " ".join(
@@ -220,7 +224,8 @@ def main(arguments=None):
                     if label in table
                 )
                 print(
-                    f"  {label:17s} {line['covered']:.3f} ratio {line.get('median_ratio', np.nan):.3f}  {each}"
+                    f"  {label:17s} {line['covered']:.3f} ratio "
+                    f"{line.get('median_ratio', np.nan):.3f}  {each}"
                 )
     print(f"{time.time() - start:.0f} s")
 

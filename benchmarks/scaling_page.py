@@ -83,7 +83,17 @@ def fleets(rows):
         return ""
     lines = []
     for one in (r for r in own if r["workers"] == 1):
-        two = next((r for r in own if r["workers"] == 2 and r["records"] == one["records"] and r.get("minutes") == one.get("minutes")), None)  # fmt: skip
+        # fmt: skip
+        two = next(
+            (
+                r
+                for r in own
+                if r["workers"] == 2
+                and r["records"] == one["records"]
+                and r.get("minutes") == one.get("minutes")
+            ),
+            None,
+        )
         if two:
             lines.append(
                 f"Two workers take {two['wall']:g} s where one takes {one['wall']:g} s for "
@@ -107,7 +117,10 @@ def alone(rows):
 def page(told):
     """The text of the page."""
     rows = [row for row in told["table"] if "hours" in row]
-    own = sorted((r["hours"], r["processor"], r["rss"]) for r in rows if r["command"] == "characterise")  # fmt: skip
+    # fmt: skip
+    own = sorted(
+        (r["hours"], r["processor"], r["rss"]) for r in rows if r["command"] == "characterise"
+    )
     (t0, y0, _), (t1, y1, memory) = own[0], own[-1]
     hourly = (y1 - y0) / (t1 - t0)
     fixed = y0 - hourly * t0

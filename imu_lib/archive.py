@@ -25,7 +25,8 @@ def _read(stream, size: int, where: str) -> np.ndarray:
         shape, fortran, dtype = read(stream)
     except (ValueError, EOFError, SyntaxError, TypeError) as error:
         raise InputError(
-            f"{where} is not a readable NumPy array ({str(error).splitlines()[0]}); save it again with numpy.savez."
+            f"{where} is not a readable NumPy array ({str(error).splitlines()[0]}); save it again "
+            "with numpy.savez."
         ) from None
     if dtype.hasobject:
         raise InputError(
@@ -37,13 +38,15 @@ def _read(stream, size: int, where: str) -> np.ndarray:
     held = size - stream.tell()
     if count * dtype.itemsize > held:
         raise InputError(
-            f"{where} announces {count:,} values in its header but the file holds {held // max(dtype.itemsize, 1):,}; "
+            f"{where} announces {count:,} values in its header but the file holds "
+            f"{held // max(dtype.itemsize, 1):,}; "
             "it is cut off or damaged: write it again."
         )
     data = stream.read(count * dtype.itemsize)
     if len(data) < count * dtype.itemsize:
         raise InputError(
-            f"{where} ends after {len(data) // max(dtype.itemsize, 1):,} of {count:,} values; it is cut off: write it again."
+            f"{where} ends after {len(data) // max(dtype.itemsize, 1):,} of {count:,} values; it "
+            "is cut off: write it again."
         )
     return np.frombuffer(data, dtype=dtype, count=count).reshape(
         shape, order="F" if fortran else "C"
@@ -80,7 +83,8 @@ def load_arrays(path) -> dict[str, np.ndarray]:
                 return dict(pool.map(one, members))
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise InputError(
-            f"{path} is not a whole .npz file ({error}); it is cut off or damaged: write or fetch it again."
+            f"{path} is not a whole .npz file ({error}); it is cut off or damaged: write or fetch "
+            "it again."
         ) from None
 
 

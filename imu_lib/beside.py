@@ -18,7 +18,8 @@ def whole(path: str | os.PathLike[str], *, sync: bool = False) -> Iterator[Path]
     Parameters
     ----------
     path : path-like
-        The file to be. A symbolic link is followed; what is there stays until the new file is whole.
+        The file to be. A symbolic link is followed; what is there stays until the new file is
+        whole.
     sync : bool
         Wait for the disk before the file takes its name, so that a power cut leaves one of the two.
     """

@@ -117,7 +117,8 @@ def compare(
     common = [c for c in a.channel_names if c in b.channel_names]
     if not common:
         raise ValueError(
-            f"`a` and `b` have no channel in common: {', '.join(a.channel_names)} against {', '.join(b.channel_names)}"
+            f"`a` and `b` have no channel in common: {', '.join(a.channel_names)} against "
+            f"{', '.join(b.channel_names)}"
         )
     rates = [x.rate for x in (a, b) if x.rate] or [rate]
     fs = max((r for r in rates if r), default=None)

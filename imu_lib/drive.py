@@ -76,7 +76,8 @@ class Drive:
             if len(value) < 2 or not np.isfinite(value).all() or (np.diff(value) <= 0).any():
                 what = {"time": "samples", "gnss_time": "fixes"}.get(key, "points of the reference")
                 raise ValueError(
-                    f"`{key}` must hold at least two rising times in seconds and holds {len(value)}; "
+                    f"`{key}` must hold at least two rising times in seconds and holds "
+                    f"{len(value)}; "
                     f"write the times of all {what} there"
                 )
             put(self, key, value)
@@ -99,7 +100,10 @@ class Drive:
         put(self, "notes", tuple(self.notes))
 
     def __repr__(self):
-        return f"Drive({self.name or 'unnamed'}: {self.duration:.6g} s, IMU {self.rate:.6g} Hz, {len(self.gnss_time)} fixes)"
+        return (
+            f"Drive({self.name or 'unnamed'}: {self.duration:.6g} s, IMU {self.rate:.6g} Hz, "
+            f"{len(self.gnss_time)} fixes)"
+        )
 
     @property
     def rate(self) -> float:
@@ -179,7 +183,8 @@ def _check_position(position, key):
         np.abs(good[:, 1]) > 2 * np.pi + 1e-9
     ).any():
         raise ValueError(
-            f"`{key}` has a latitude of {np.abs(good[:, 0]).max():.4g}, beyond pi/2; latitude and longitude are in rad, "
+            f"`{key}` has a latitude of {np.abs(good[:, 0]).max():.4g}, beyond pi/2; latitude and "
+            "longitude are in rad, "
             "it looks like degrees: multiply them by pi/180"
         )
 
@@ -194,7 +199,8 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
     ]
     if missing:
         raise InputError(
-            f"{source} has no `{missing[0]}`; a drive needs time, gyro, accel, gnss_time and gnss_position "
+            f"{source} has no `{missing[0]}`; a drive needs time, gyro, accel, gnss_time and "
+            "gnss_position "
             f"(found: {', '.join(sorted(arrays)) or 'nothing'})."
         )
     values = {k: numbers(v, f"{source}, array `{k}`,") for k, v in arrays.items() if k in known}
@@ -216,7 +222,8 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
         if len(order) < len(t) or (np.diff(order) < 0).any():
             swapped = int((np.diff(t[good]) < 0).sum())
             notes += (
-                f"{clock}: {len(t) - len(order)} rows without a number or with a repeated time left out, "
+                f"{clock}: {len(t) - len(order)} rows without a number or with a repeated time "
+                "left out, "
                 f"{swapped} out of order put in place.",
             )
             for k in [clock] + partners:

@@ -28,8 +28,8 @@ FORGOTTEN = 1.0
 
 
 def fast(entry: Sum) -> Sum:
-    """The random terms that are neither white nor slow: what a filter of the sensor leaves of its noise,
-    a Gauss-Markov process of a few hundredths of a second. Their spectrum is flat below the
+    """The random terms that are neither white nor slow: what a filter of the sensor leaves of its
+    noise, a Gauss-Markov process of a few hundredths of a second. Their spectrum is flat below the
     frequencies at which a bias is followed.
     """
     return Sum(tuple(t for t in entry.noise.terms if t.name not in WHITE and _forgets(t)))
@@ -54,7 +54,8 @@ def slow(entry: Sum) -> Sum:
 
 def white(entry: Sum) -> float:
     """Density N of a channel where a bias is followed, unit/sqrt(Hz); 0 where it has none: that of
-    the white terms and the low end of the fast ones (one-sided 2 N^2; 2 sigma^2 Tc for Gauss-Markov).
+    the white terms and the low end of the fast ones (one-sided 2 N^2; 2 sigma^2 Tc for
+    Gauss-Markov).
     """
     low = sum(float(t.psd(np.array([1e-6]))[0]) / 2.0 for t in fast(entry).terms)
     return float(np.sqrt(sum(t.N**2 for t in entry.terms if t.name == "white_noise") + low))
@@ -121,7 +122,8 @@ def _source(model, mark="#"):
     return [
         f"{mark} written by imu_lib from the error model {model.name or '(unnamed)'} ({rate})",
         f"{mark} {model.source}" if model.source else f"{mark} source not stated",
-        f"{mark} a bias random walk stands for all slow processes: it has their Allan variance at {HORIZON:g} s",
+        f"{mark} a bias random walk stands for all slow processes: it has their Allan variance at "
+        f"{HORIZON:g} s",
     ]
 
 
@@ -145,7 +147,8 @@ def kalibr(model: Model) -> str:
         )
         if found and found[0] == 0:
             lines.append(
-                f"# 0: the record shows none. Kalibr divides by it: put in a longer record's value or the data sheet's for {word}_{key}"
+                "# 0: the record shows none. Kalibr divides by it: put in a longer record's "
+                f"value or the data sheet's for {word}_{key}"
             )
     lines += [
         "rostopic: /imu0",
@@ -173,19 +176,22 @@ def ros(model: Model) -> str:
         value = {a[-1]: model[a] for a in axes}
         variance = [_variance(value[a], rate) if a in value else 0.0 for a in "xyz"]
         rows = [f"{v:.6e}" for v in np.diag(variance).ravel()]
+        walks = [f"{equivalent_walk(value[a]):.6e}" if a in value else "0.0" for a in "xyz"]
         lines += [
-            f"      # per-sample variance, ({unit})^2: sensor_msgs/Imu {key}_covariance, row by row",
+            f"      # per-sample variance, ({unit})^2: sensor_msgs/Imu {key}_covariance, "
+            "row by row",
             f"      {key}_covariance: [{', '.join(rows)}]",
-            f"      {key}_noise_density: [{', '.join(f'{white(value[a]):.6e}' if a in value else '0.0' for a in 'xyz')}]"
+            f"      {key}_noise_density: "
+            f"[{', '.join(f'{white(value[a]):.6e}' if a in value else '0.0' for a in 'xyz')}]"
             f"  # {unit}/sqrt(Hz)",
-            f"      {key}_random_walk: [{', '.join(f'{equivalent_walk(value[a]):.6e}' if a in value else '0.0' for a in 'xyz')}]"
-            f"  # {unit}/s/sqrt(Hz)",
+            f"      {key}_random_walk: [{', '.join(walks)}]  # {unit}/s/sqrt(Hz)",
         ]
     gyro = _worst(model, "gyro", lambda entry: np.sqrt(_variance(entry, rate)))
     if gyro:
         walk = _worst(model, "gyro", equivalent_walk)[0]
         lines += [
-            f"    # imu_tools, imu_filter_madgwick: sqrt(3/4) of the gyro's error, rad/s, and of its drift over {HORIZON:g} s, rad/s^2",
+            "    # imu_tools, imu_filter_madgwick: sqrt(3/4) of the gyro's error, rad/s, and of "
+            f"its drift over {HORIZON:g} s, rad/s^2",
             f"    gain: {np.sqrt(0.75) * gyro[0]:.6e}",
             f"    zeta: {np.sqrt(0.75) * walk / np.sqrt(HORIZON):.6e}",
         ]

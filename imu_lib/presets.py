@@ -146,7 +146,8 @@ def _twin() -> Model:
         {channel: _twin_channel(row) for channel, row in published_2013().items()},
         rate=100.0,
         name="3dm-gx3-25",
-        source="twin of what Quinchia et al. (2013) measured, Tables 4 and 5; moving average of Sec. 5.1",
+        source="twin of what Quinchia et al. (2013) measured, Tables 4 and 5; moving average of "
+        "Sec. 5.1",
     )
 
 
@@ -195,7 +196,8 @@ def _isis_imu() -> Model:
         },
         rate=100.0,
         name="isis-imu",
-        source="Zhao et al. (2011), Tables 2 and 3 (B of Table 3 read as m/s/h); the sampling rate, 100 Hz, is ours",
+        source="Zhao et al. (2011), Tables 2 and 3 (B of Table 3 read as m/s/h); the sampling "
+        "rate, 100 Hz, is ours",
     )
 
 
@@ -218,7 +220,8 @@ def _rga300ca() -> Model:
         channels,
         rate=20.0,
         name="rga300ca",
-        source="Park and Gao (2008): Table 1's limits; the noise parameters are ours, the paper prints none",
+        source="Park and Gao (2008): Table 1's limits; the noise parameters are ours, the paper "
+        "prints none",
     )
 
 

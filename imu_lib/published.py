@@ -14,7 +14,9 @@ MODELS_2013 = ("15AV", "18AV", "18AVWD", "15AR", "27AR")
 
 @dataclass(frozen=True)
 class Outage2013:
-    """One GPS outage of the 2013 paper: Tables 9 and 10 by error model, Table 6 by wavelet level."""
+    """One GPS outage of the 2013 paper: Tables 9 and 10 by error model, Table 6 by wavelet
+    level.
+    """
 
     number: int
     duration_s: float

@@ -77,7 +77,8 @@ class Record:
         for name, x in channels.items():
             if np.isinf(x).any():
                 raise ValueError(
-                    f"`{name}` holds an infinite value at sample {int(np.flatnonzero(np.isinf(x))[0])}; NaN marks a missing sample"
+                    f"`{name}` holds an infinite value at sample "
+                    f"{int(np.flatnonzero(np.isinf(x))[0])}; NaN marks a missing sample"
                 )
             if np.isnan(x).all():
                 raise ValueError(f"`{name}` holds no number, only NaN")
@@ -93,7 +94,8 @@ class Record:
             wrong = np.flatnonzero(~(np.diff(time) > 0))
             if not np.isfinite(time[0]) or wrong.size:
                 raise ValueError(
-                    f"`time` must rise from sample to sample; it does not at sample {int(wrong[0]) + 1 if wrong.size else 0}"
+                    "`time` must rise from sample to sample; it does not at sample "
+                    f"{int(wrong[0]) + 1 if wrong.size else 0}"
                 )
             put(self, "time", time)
         if self.temperature is not None:
@@ -112,7 +114,10 @@ class Record:
         )
 
     def __repr__(self) -> str:
-        return f"Record({self.name or 'unnamed'}: {', '.join(self.channels)}; {self.n} samples at {self.rate:.6g} Hz, {self.duration:.6g} s)"
+        return (
+            f"Record({self.name or 'unnamed'}: {', '.join(self.channels)}; {self.n} samples at "
+            f"{self.rate:.6g} Hz, {self.duration:.6g} s)"
+        )
 
     def __contains__(self, key: object) -> bool:
         return key in self.channels
@@ -178,12 +183,12 @@ class Record:
         high = self.n if stop is None else int(np.searchsorted(t, stop - 0.5e-6 / self.rate))
         if high - low < 2:
             raise ValueError(
-                f"`start` {start} and `stop` {stop} leave fewer than two samples of a record of {self.duration:.6g} s"
+                f"`start` {start} and `stop` {stop} leave fewer than two samples of a record of "
+                f"{self.duration:.6g} s"
             )
         return self if (low, high) == (0, self.n) else self.take(slice(low, high))
 
     # -- gaps
-    # -------------------------------------------------------------------------------------------------
 
     def slots(self) -> np.ndarray:
         """Number of each sample on the even grid at `rate`, shape (n,), int: a number left out is
@@ -210,8 +215,10 @@ class Record:
         worth printing."""
         if self.n < least:
             raise InputError(
-                f"{self.source or self.name or 'The record'} has {self.n} samples ({units.duration(self.duration)}) without a gap and at "
-                f"least {least} are needed; record the sensor at rest for longer: minutes for white noise, hours for bias instability."
+                f"{self.source or self.name or 'The record'} has {self.n} samples "
+                f"({units.duration(self.duration)}) without a gap and at "
+                f"least {least} are needed; record the sensor at rest for longer: minutes for "
+                "white noise, hours for bias instability."
             )
         return self
 
@@ -227,7 +234,8 @@ class Record:
             return replace(self, time=None)
         if n > 10 * self.n + 1_000_000:
             raise ValueError(
-                f"`time` leaves {n - self.n:,} of {n:,} samples missing; cut the record at its gaps first (start, stop)"
+                f"`time` leaves {n - self.n:,} of {n:,} samples missing; cut the record at its "
+                "gaps first (start, stop)"
             )
 
         def spread(x: Array) -> Array:
@@ -257,7 +265,8 @@ class Record:
             return replace(self, time=None)
         part = self.take(
             slice(low, high),
-            f"Longest stretch without a gap: {(high - low) / self.rate:.6g} s from {self.times()[low]:.6g} s on, of {self.duration:.6g} s.",
+            f"Longest stretch without a gap: {(high - low) / self.rate:.6g} s from "
+            f"{self.times()[low]:.6g} s on, of {self.duration:.6g} s.",
         )
         return replace(part, time=None)
 
@@ -285,7 +294,8 @@ class Record:
                 channels=channels,
                 notes=even.notes
                 + (
-                    f"{count:,} missing samples in short gaps (up to {fill}) bridged by straight lines.",
+                    f"{count:,} missing samples in short gaps (up to {fill}) bridged by straight "
+                    "lines.",
                 ),
             )
         return even.longest_stretch()

@@ -15,9 +15,12 @@ TITLES = {
 }
 NAMES = {"sigma": "Gauss-Markov sigma", "correlation_time": "correlation time"}
 STYLE = (
-    "body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;line-height:1.45}"
-    "table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}"
-    "td,th{white-space:nowrap;padding:.2rem .6rem;border-bottom:1px solid #ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
+    "body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 "
+    "1rem;line-height:1.45}"
+    "table{border-collapse:collapse;margin:1rem "
+    "0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}"
+    "td,th{white-space:nowrap;padding:.2rem .6rem;border-bottom:1px solid "
+    "#ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
     "img{max-width:100%}figcaption{color:#444;font-size:.9rem}.note{color:#444}"
     "@media (prefers-color-scheme:dark){body{background:#1b1b1b;color:#ddd}td,th{border-color:#444}"
     "figcaption,.note{color:#aaa}img{background:#fff}}"
@@ -25,14 +28,14 @@ STYLE = (
 
 
 # -- HTML
-# ----------------------------------------------------------------------------------------------------------
 
 
 def page(title, *parts):
     """A whole HTML page without outside references; `parts` are pieces of HTML in order."""
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n<meta name="viewport" '
-        f'content="width=device-width,initial-scale=1">\n<title>{html.escape(title)}</title>\n<style>{STYLE}</style>'
+        f'content="width=device-width,initial-scale=1">\n<title>{html.escape(title)}</title>\n'
+        f"<style>{STYLE}</style>"
         f"</head>\n<body>\n<h1>{html.escape(title)}</h1>\n"
         + "\n".join(parts)
         + "\n</body></html>\n"
@@ -112,7 +115,10 @@ def estimate(e, symbol, channel, digits=4):
     factor, _ = units.datasheet(base, channel)
     if e.value is None:
         return f"< {number(e.high / factor, 3)}" if math.isfinite(e.high) else "not shown"
-    return f"{number(e.value / factor, digits)} [{number(e.low / factor, digits)}, {number(e.high / factor, digits)}]"
+    return (
+        f"{number(e.value / factor, digits)} [{number(e.low / factor, digits)}, "
+        f"{number(e.high / factor, digits)}]"
+    )
 
 
 def unit_name(symbol, channel):
@@ -201,7 +207,8 @@ def characterisation_page(result, figures=()):
         ]
     parts.append(
         paragraph(
-            "Values with 95 % intervals; < stands before the 95 % upper limit of what the record does not "
+            "Values with 95 % intervals; < stands before the 95 % upper limit of what the record "
+            "does not "
             "show. N, B, K, Q, R as in IEEE Std 952 and 1293.",
             note=True,
         )

@@ -188,7 +188,8 @@ def _on_dask(function, tasks, address):
         client = Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise InputError(
-            f"--scheduler {address}: no Dask scheduler answers ({str(error).splitlines()[0][:90]}); "
+            f"--scheduler {address}: no Dask scheduler answers "
+            f"({str(error).splitlines()[0][:90]}); "
             "start one with `dask scheduler` and give the address that it prints."
         ) from None
     # a scheduler that goes away is told in one sentence below
@@ -219,7 +220,8 @@ def _on_dask(function, tasks, address):
                 submit(1)
         except (futures.CancelledError, asyncio.CancelledError, CommClosedError):
             raise InputError(
-                f"The Dask scheduler at {address} is gone; what has ended until now is kept. Start it "
+                f"The Dask scheduler at {address} is gone; what has ended until now is kept. "
+                "Start it "
                 "again and give the same command with its address: it goes on from there."
             ) from None
 

@@ -3,8 +3,9 @@ percentage error.
 
 The Allan variance estimate behaves like a chi-square with `edf` degrees of freedom, edf = 2 E[V]^2
 / Var[V]. For
-power-law noise the covariance of two windows that lie t cluster lengths apart is a fourth difference of |t|^p (or
-t^p ln|t|), and Var[V] is the sum of its squares over all pairs of windows (Greenhall and Riley 2003, Eqs. 7-10).
+power-law noise the covariance of two windows that lie t cluster lengths apart is a fourth
+difference of |t|^p (or t^p ln|t|), and Var[V] is the sum of its squares over all pairs of windows
+(Greenhall and Riley 2003, Eqs. 7-10).
 """
 
 from __future__ import annotations
@@ -23,7 +24,9 @@ _STEPS = 100  # windows per cluster length where there are more than this
 
 
 def _power(t: Array, alpha: int) -> Array:
-    """Generalised autocovariance |t|^(3 - alpha), with ln|t| for odd alpha (Eq. 7; a common factor does not matter)."""
+    """Generalised autocovariance |t|^(3 - alpha), with ln|t| for odd alpha (Eq. 7; a common
+    factor does not matter).
+    """
     t = np.abs(t)
     return t ** (3 - alpha) * (np.log(np.where(t > 0, t, 1.0)) if alpha % 2 else 1.0)
 
@@ -43,7 +46,9 @@ def _covariance(t: Array, alpha: int, m: int | None = None) -> Array:
 
 @lru_cache(maxsize=16)
 def _squares(alpha: int, steps: int, m: int | None) -> Array:
-    """Squared correlation of windows 0, 1/steps, 2/steps, ... cluster lengths apart, up to three."""
+    """Squared correlation of windows 0, 1/steps, 2/steps, ... cluster lengths apart, up to
+    three.
+    """
     t = np.arange(3 * steps + 1) / steps
     covariance = _covariance(t, alpha, m)
     return (covariance / covariance[0]) ** 2

@@ -177,7 +177,8 @@ def _found(
     count = len(template.linear) + len(template.shape)
     if index.size <= count:
         raise ValueError(
-            f"`curve` has {index.size} averaging times in the range, too few to fit {count} parameters"
+            f"`curve` has {index.size} averaging times in the range, too few to fit {count} "
+            "parameters"
         )
     problem = Problem(curve, template, index, discrepancy)
     found = min(

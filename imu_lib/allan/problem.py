@@ -46,7 +46,8 @@ class Terms:
                     size = p.kind == "amplitude" or process.name == "ramp"
                     if not size and p.kind not in ("time", "frequency", "rate"):
                         raise ValueError(
-                            f"`terms`: give {process.name} its `{p.name}`; an Allan curve cannot fit it"
+                            f"`terms`: give {process.name} its `{p.name}`; an Allan curve cannot "
+                            "fit it"
                         )
                     (self.linear if size else self.shape).append((t, p.name, labels[t, p.name]))
         if not self.linear and not self.shape:

@@ -88,7 +88,9 @@ def autocorrelation(x, fs, *, max_lag=None, detrend="mean") -> Autocorrelation:
 
 
 def autocovariance(x: np.ndarray, lags: int) -> np.ndarray:
-    """Sums of products over n, lags 0 to `lags`, shape (lags + 1,); the mean is not removed here."""
+    """Sums of products over n, lags 0 to `lags`, shape (lags + 1,); the mean is not removed
+    here.
+    """
     n = x.size
     if lags <= _FEW_LAGS:
         return np.array([x[: n - k] @ x[k:] for k in range(lags + 1)]) / n

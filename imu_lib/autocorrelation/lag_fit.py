@@ -249,7 +249,9 @@ def _start(gamma, shapes):
 
 
 def _iterate(theta, gamma, mean_of, covariance_of, longest, iterations=20):
-    """Gauss-Newton with the covariance re-evaluated at every step; None where it does not settle."""
+    """Gauss-Newton with the covariance re-evaluated at every step; None where it does not
+    settle.
+    """
     size = theta.size
     step = np.array([1e-5, 1e-5, 1e-5 * gamma[0], 1e-5 * gamma[0]])[:size]
     settled = False

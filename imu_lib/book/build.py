@@ -116,7 +116,8 @@ def write_status(work: Path, runs, chapters):
     for chapter in chapters:
         if chapter.slug in seconds:
             lines.append(
-                f"| {{doc}}`../nbs/{chapter.slug}` | {seconds[chapter.slug]:.1f} | executed in this build |"
+                f"| {{doc}}`../nbs/{chapter.slug}` | {seconds[chapter.slug]:.1f} | executed in "
+                "this build |"
             )
         else:
             reason = f"; not at hand: {', '.join(chapter.missing)}" if chapter.missing else ""
@@ -132,7 +133,8 @@ def build_pages(work: Path, *, strict: bool, builder: str = "html") -> list[str]
     """Run jupyter-book over `work`; returns its warnings. With `strict` each is an error. Raises
     BuildError.
     """
-    # the trees of a book are kept to its end: looking for garbage among them takes two fifths of the time
+    # the trees of a book are kept to its end: looking for garbage among them takes two fifths of
+    # the time
     command = [
         sys.executable,
         "-c",

@@ -106,7 +106,10 @@ def _line(start, end) -> str:
     x0, y0 = start[0] + start[2] / 2, start[1] + HEIGHT
     x1, y1 = end[0] + end[2] / 2, end[1]
     bend = (y1 - y0) / 2
-    return f'<path d="M{x0:.1f} {y0}C{x0:.1f} {y0 + bend:.1f} {x1:.1f} {y1 - bend:.1f} {x1:.1f} {y1}"/>'
+    return (
+        f'<path d="M{x0:.1f} {y0}C{x0:.1f} {y0 + bend:.1f} {x1:.1f} {y1 - bend:.1f} {x1:.1f} '
+        f'{y1}"/>'
+    )
 
 
 def write(root: Path) -> None:
@@ -120,9 +123,11 @@ def write(root: Path) -> None:
     shown = sum(map(len, needed(edges).values()))
     caption = (
         f"The house, drawn from its imports when these pages were built: {len(edges)} rooms, "
-        f"{count} imports, of which the {shown} that no chain of others says already are lines. A room "
+        f"{count} imports, of which the {shown} that no chain of others says already are lines. A "
+        "room "
         "says what it imports when the pointer rests on it."
     )
-    picture = f'<figure class="house">{drawing(layers(text), edges)}<figcaption>{caption}</figcaption></figure>'
+    drawn = drawing(layers(text), edges)
+    picture = f'<figure class="house">{drawn}<figcaption>{caption}</figcaption></figure>'
     text = text.replace(MARK, f"```{{raw}} html\n{picture}\n```")
     path.write_text(text, encoding="utf-8")

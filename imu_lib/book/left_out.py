@@ -72,8 +72,8 @@ def explain(notebook, about: str, *, summary: bool = True) -> list[str]:
     """Put a note after every cell that failed and one at the top; returns the reasons, none for
     what only builds on another.
 
-    `about`: the record in a few words, as in "300 samples, 3 s"; `summary`: whether the top says how
-    many steps are left out.
+    `about`: the record in a few words, as in "300 samples, 3 s"; `summary`: whether the top says
+    how many steps are left out.
     """
     cells, reasons, lost, builds = [], [], {}, 0
     for cell in notebook.cells:
@@ -99,7 +99,10 @@ def explain(notebook, about: str, *, summary: bool = True) -> list[str]:
         count = len(reasons) + builds
         of = sum(cell.cell_type == "code" for cell in cells)
         verb = "is" if count == 1 else "are"
-        text = f":::{{warning}}\nOn this record {count} of {of} steps of this chapter {verb} left out; a note in place of each says why.\n:::"
+        text = (
+            f":::{{warning}}\nOn this record {count} of {of} steps of this chapter {verb} left "
+            "out; a note in place of each says why.\n:::"
+        )
         cells.insert(1, nbformat.v4.new_markdown_cell(text, id="left-out"))
     notebook.cells = cells
     return reasons

@@ -90,7 +90,9 @@ def filled(text: str, subject: Subject) -> str:
 
 
 def notebook_of(text: str):
-    """The notebook of a template: text cells, code cells, a text cell for each heading of a page."""
+    """The notebook of a template: text cells, code cells, a text cell for each heading of a
+    page.
+    """
     cells, at = [], 0
     for match in FENCE.finditer(text):
         cells += texts(text[at : match.start()])
@@ -139,7 +141,8 @@ def run(notebook, folder: Path, subject: Subject, progress) -> list[str]:
             told = comment[1] if comment else page
             progress(f"[{done}/{steps}] {elapsed // 60}:{elapsed % 60:02d} {told}")
 
-    # processes that a step started are cleaned up behind the kernel, which is no news for the reader
+    # processes that a step started are cleaned up behind the kernel, which is no news for the
+    # reader
     with environment(PYTHONWARNINGS="ignore"):
         execute.run(notebook, folder, after_error=left_out.forget, on_cell=told)
     reasons = left_out.explain(notebook, subject.about, summary=False)
@@ -237,7 +240,8 @@ def downloads(folder: Path) -> str:
     if not folder.is_dir() or not any(folder.iterdir()):
         return "Nothing could be written for other programs: the fit was left out."
     items = "".join(
-        f'<li><a href="../{DOWNLOADS}/{html.escape(p.name)}" download>{html.escape(p.name)}</a></li>'
+        f'<li><a href="../{DOWNLOADS}/{html.escape(p.name)}" '
+        f"download>{html.escape(p.name)}</a></li>"
         for p in sorted(folder.iterdir())
     )
     return f"```{{raw}} html\n<ul>{items}</ul>\n```"

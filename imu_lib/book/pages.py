@@ -140,7 +140,9 @@ def adopt(document, output, node):
 
 
 class Functions(SphinxTransform):
-    """Turns the code of a table of symbols into links to the reference, where it names a function."""
+    """Turns the code of a table of symbols into links to the reference, where it names a
+    function.
+    """
 
     default_priority = 700
 
@@ -169,7 +171,9 @@ class Functions(SphinxTransform):
 
 
 def page_context(app, pagename, templatename, context, doctree):
-    """Leave out Thebe, which needs a network (and is declared twice), and say what printing does."""
+    """Leave out Thebe, which needs a network (and is declared twice), and say what printing
+    does.
+    """
     context["script_files"] = [
         script
         for script in context.get("script_files", ())
@@ -183,7 +187,9 @@ def page_context(app, pagename, templatename, context, doctree):
 
 
 def plain_docstring(app, what, name, obj, options, lines):
-    """Docstrings are plain text with formulas: what reStructuredText would take for markup is not."""
+    """Docstrings are plain text with formulas: what reStructuredText would take for markup is
+    not.
+    """
     for number, line in enumerate(lines):
         bullet, line = re.match(r"(\s*(?:\* )?)(.*)", line).groups()
         parts = re.split(r"(`+[^`]+`+)", line)

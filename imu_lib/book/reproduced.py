@@ -1,7 +1,8 @@
-"""The page of what is reproduced: each table, figure and equation of the papers, where it is met, and
-how far ours is from what is printed.
+"""The page of what is reproduced: each table, figure and equation of the papers, where it is met,
+and how far ours is from what is printed.
 
-Made from book/reproduced.toml and from what the chapters' cells store; nothing in it is typed by hand.
+Made from book/reproduced.toml and from what the chapters' cells store; nothing in it is typed by
+hand.
 """
 
 import re

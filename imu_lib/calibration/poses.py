@@ -61,7 +61,8 @@ def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1
     excited = np.flatnonzero(spread > 1e-3 * max(spread.max(), 1e-300))
     if not len(excited):
         raise InputError(
-            "All reference inputs are equal, so bias and scale factor cannot be told apart; use at least two different positions or rates."
+            "All reference inputs are equal, so bias and scale factor cannot be told apart; use "
+            "at least two different positions or rates."
         )
     design = np.column_stack([truth[:, excited], np.ones(len(truth))])
     dof = len(truth) - design.shape[1]
@@ -127,7 +128,8 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
     singular = np.linalg.svd(fit.jac / np.linalg.norm(fit.jac, axis=0), compute_uv=False)
     if singular[-1] < ALIKE * singular[0]:
         raise InputError(
-            f"The {len(y)} poses lie in too few directions to tell cross-coupling from scale factor and bias; add poses with "
+            f"The {len(y)} poses lie in too few directions to tell cross-coupling from scale "
+            "factor and bias; add poses with "
             "two axes tilted at once, or list what the poses are (--poses)."
         )
     matrix, bias = _split(fit.x)
@@ -158,7 +160,9 @@ def _split(p):
 
 
 def _magnitude(z, gravity):
-    """Residuals of Eq. (2) on the readings `z` and their Jacobian, as functions of the parameters."""
+    """Residuals of Eq. (2) on the readings `z` and their Jacobian, as functions of the
+    parameters.
+    """
 
     def inputs(p):
         matrix, bias = _split(p)
@@ -176,7 +180,9 @@ def _magnitude(z, gravity):
 
 
 def _sphere(y: np.ndarray) -> np.ndarray:
-    """Start values: the sphere nearest to the readings, |y|^2 = 2 y.c + (r^2 - c.c), linear in c and the rest."""
+    """Start values: the sphere nearest to the readings, |y|^2 = 2 y.c + (r^2 - c.c), linear in
+    c and the rest.
+    """
     middle, scale = y.mean(axis=0), np.ptp(y, axis=0).max() / 2
     z = (y - middle) / scale
     solution, *_ = np.linalg.lstsq(
@@ -204,7 +210,8 @@ def unexcited(y: np.ndarray, centre: np.ndarray, gravity: float) -> None:
             f"{s / reach:.2g} g on accel_{a}" for a, s in zip(AXES, spread) if a in poor
         )
         raise InputError(
-            f"The poses do not excite {' and '.join('accel_' + a for a in poor)}: the readings at rest vary by {seen} only; add "
+            f"The poses do not excite {' and '.join('accel_' + a for a in poor)}: the readings at "
+            f"rest vary by {seen} only; add "
             f"poses with {' and with '.join(poor)} up and down."
         )
 
@@ -233,8 +240,8 @@ def ferraris(
 def held_out(
     reading: np.ndarray, *, gravity: float = G, nominal: float | None = None
 ) -> np.ndarray:
-    """Length of the specific force less gravity of every second pose, calibrated by `from_gravity` from
-    the others, ndarray, shape (k // 2,), m/s^2.
+    """Length of the specific force less gravity of every second pose, calibrated by `from_gravity`
+    from the others, ndarray, shape (k // 2,), m/s^2.
     """
     half = from_gravity(reading[::2], gravity=gravity, nominal=nominal)
     return np.linalg.norm(half.correct(reading[1::2]), axis=1) - gravity

@@ -104,7 +104,8 @@ def rest_windows(
     width = max(3, round(window * fs))
     if len(accel) < 2 * width:
         raise InputError(
-            f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of {window:g} s at {fs:g} Hz."
+            f"The record has {len(accel)} samples; {2 * width} are needed to look for rests of "
+            f"{window:g} s at {fs:g} Hz."
         )
     accel = np.asarray(accel, float)
     deviation = moving_deviation(accel, width)
@@ -114,7 +115,8 @@ def rest_windows(
         gravity = max(spread, np.abs(np.median(accel, axis=0)).max())
     if level > REST_LIMIT * gravity:
         raise InputError(
-            f"The sensor is never at rest: the accelerometers' standard deviation over {window:g} s does "
+            f"The sensor is never at rest: the accelerometers' standard deviation over {window:g} "
+            "s does "
             f"not fall below {deviation.min():.3g}; record it standing still in several poses."
         )
     if gyro is not None:

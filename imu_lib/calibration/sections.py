@@ -82,7 +82,8 @@ def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
         ]
     except (ValueError, TypeError, AttributeError, KeyError):
         raise InputError(
-            f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": 1271}}, ...}}.'
+            f'{path}: expected named sections in samples, {{"x_p": {{"start": 540, "stop": '
+            f"1271}}, ...}}."
         ) from None
     out = []
     for name, start, stop in items:
@@ -147,7 +148,8 @@ def _section(path: Path, number: int, values: dict[str, float]) -> Section:
     }
     if not found:
         raise InputError(
-            f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, rate_y, rate_z in deg/s."
+            f"{path}: row {number} says nothing about the pose; give x, y, z in g or rate_x, "
+            "rate_y, rate_z in deg/s."
         )
     return Section(
         values["start"],

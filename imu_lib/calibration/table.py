@@ -4,7 +4,8 @@
   constant
   rate W in the vertical plane reads
 
-      y(t) = b + (1 + S) g cos(W t + p) = b + A cos(W t) + C sin(W t),    (1 + S) g = sqrt(A^2 + C^2)    (1)
+      y(t) = b + (1 + S) g cos(W t + p) = b + A cos(W t) + C sin(W t),    (1 + S) g = sqrt(A^2 +
+      C^2)    (1)
 
   W is found anew in every run, because the motor does not keep it.
 - Rate table (same section, Fig. 9, Table 3): a yaw gyroscope at steps 0, 10, ... 80, ... -80,
@@ -62,7 +63,8 @@ def line(reference: np.ndarray, reading: np.ndarray) -> Line:
     x, y = np.asarray(reference, float), np.asarray(reading, float)
     if len(x) < 3 or np.ptp(x) == 0:
         raise InputError(
-            f"{len(x)} steps with inputs from {x.min():g} to {x.max():g} do not determine bias and scale "
+            f"{len(x)} steps with inputs from {x.min():g} to {x.max():g} do not determine bias "
+            "and scale "
             "factor; use at least three steps with different inputs."
         )
     design = np.column_stack([np.ones_like(x), x])

@@ -23,7 +23,9 @@ AXES = ("x", "y", "z")
 
 
 def interval(value: float, sd: float, dof: float) -> Estimate:
-    """`value` with its 95 % interval from a standard deviation that has `dof` degrees of freedom."""
+    """`value` with its 95 % interval from a standard deviation that has `dof` degrees of
+    freedom.
+    """
     half = stats.t.ppf(0.975, dof) * sd if dof > 0 else np.inf
     return Estimate(float(value), float(value - half), float(value + half))
 

@@ -103,7 +103,8 @@ def calibrate(
         return _known(accel, gyro, fs, sections, gravity, accel_nominal or 1.0, gyro_nominal or 1.0)
     if accel is None:
         raise InputError(
-            "Poses at rest calibrate nothing without three accelerometers; give them, or the true rates of a rate table (--poses)."
+            "Poses at rest calibrate nothing without three accelerometers; give them, or the true "
+            "rates of a rate table (--poses)."
         )
     rests = rest_windows(accel, fs, gyro=gyro, window=window)
     means = rests.means(accel)
@@ -139,7 +140,8 @@ def _check(accel, gyro) -> None:
         if x is not None and not np.isfinite(x).all():
             row = int(np.flatnonzero(~np.isfinite(x).all(axis=1))[0])
             raise InputError(
-                f"The {name} have a missing or infinite sample at row {row}; cut the record around it (--start, --stop)."
+                f"The {name} have a missing or infinite sample at row {row}; cut the record "
+                "around it (--start, --stop)."
             )
 
 
@@ -149,7 +151,8 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
     for k, s in enumerate(sections):
         if not 0 <= s.start < s.stop <= n / fs + 1e-9:
             raise InputError(
-                f"Section {k + 1} of the poses runs from {s.start:g} to {s.stop:g} s, outside the record of "
+                f"Section {k + 1} of the poses runs from {s.start:g} to {s.stop:g} s, outside the "
+                "record of "
                 f"{n / fs:g} s or backwards; correct its start and stop."
             )
 
@@ -178,7 +181,8 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
         gyroscopes = from_reference(reading, truth, nominal=gyro_nominal)
     if accelerometers is None and gyroscopes is None:
         raise InputError(
-            "The poses give no input that this record can be compared with; state x, y, z in g or rate_x, "
+            "The poses give no input that this record can be compared with; state x, y, z in g or "
+            "rate_x, "
             "rate_y, rate_z in deg/s for every row."
         )
     return Calibration(
@@ -189,7 +193,8 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
         gravity,
         magnitude,
         notes=(
-            "The intervals take the listed poses and turns as exact; what the hand or the table is off by adds to them.",
+            "The intervals take the listed poses and turns as exact; what the hand or the table "
+            "is off by adds to them.",
         ),
     )
 
@@ -221,7 +226,8 @@ def calibrate_record(
             signals[kind] = np.column_stack(columns)
     if signals["accel"] is None and sections is None:
         raise InputError(
-            f"{record.name or record.source or 'The record'} has no {', '.join('accel_' + a for a in absent['accel'])}; poses "
+            f"{record.name or record.source or 'The record'} has no "
+            f"{', '.join('accel_' + a for a in absent['accel'])}; poses "
             "at rest need three accelerometers, a rate table needs --poses."
         )
     found = calibrate(

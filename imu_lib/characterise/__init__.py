@@ -103,7 +103,8 @@ def characterise(
     names = tuple(name for name in asked if name not in flat)
     if not names:
         raise InputError(
-            f"{record.source or 'The record'}: no channel ever changes, so there is no noise to describe; check the logger."
+            f"{record.source or 'The record'}: no channel ever changes, so there is no noise to "
+            "describe; check the logger."
         )
     notes = tuple(note for note in gap_free.notes if note not in record.notes)
     filled = record.uniform() if notes else gap_free
@@ -127,7 +128,8 @@ def _of_long(record, channels, candidates, workers, progress):
     names = tuple(n for n in channels or record.channel_names if n not in record.flat)
     if not names:
         raise InputError(
-            f"{record.source}: no channel ever changes, so there is no noise to describe; check the logger."
+            f"{record.source}: no channel ever changes, so there is no noise to describe; check "
+            "the logger."
         )
     tasks = [(record, name, candidates) for name in names]
     cores = workers or min(len(tasks), scheduler.cores())
@@ -182,7 +184,8 @@ def _of_record(record, flat):
         )
     if record.duration < 600:
         notes.append(
-            f"The record is {units.duration(record.duration)} long: bias instability, walks and correlation times "
+            f"The record is {units.duration(record.duration)} long: bias instability, walks and "
+            "correlation times "
             "take hours; their limits say little."
         )
     return tuple(notes)

@@ -1,5 +1,6 @@
 """What stands behind a slow error, or behind the lack of one: warming, an output that re-zeroes
-itself, steps of a converter in the place of noise. Said beside the coefficients, which describe both as if they were the sensor's noise.
+itself, steps of a converter in the place of noise. Said beside the coefficients, which describe
+both as if they were the sensor's noise.
 """
 
 from __future__ import annotations
@@ -42,7 +43,9 @@ def notes(record: Record, names) -> tuple[str, ...]:
 
 
 def coarse(record: Record, names):
-    """Channels whose output steps are coarser than their scatter: rounding takes the place of noise."""
+    """Channels whose output steps are coarser than their scatter: rounding takes the place of
+    noise.
+    """
     found = []
     for name in names:
         x = record[name]
@@ -52,7 +55,8 @@ def coarse(record: Record, names):
             found.append(f"{name} {step / factor:.3g} against {scatter / factor:.3g} {unit}")
     if found:
         yield (
-            f"The output steps are coarser than the scatter ({'; '.join(found)}): the coefficients of these channels describe the rounding, not the noise "
+            f"The output steps are coarser than the scatter ({'; '.join(found)}): the "
+            "coefficients of these channels describe the rounding, not the noise "
             "of the sensor, which may be far smaller or nearly as large."
         )
 
@@ -77,14 +81,18 @@ def warming(record: Record, names):
             follow.append(f"{name} {100 * r:.0f} %")
     if follow:
         yield (
-            f"The temperature moved by {np.ptp(record.temperature):.3g} degC and the slow variation follows it (share it accounts for: {', '.join(follow)}): "
-            "K, R and slow Gauss-Markov processes of these channels describe that warming, not noise of the sensor; "
+            f"The temperature moved by {np.ptp(record.temperature):.3g} degC and the slow "
+            f"variation follows it (share it accounts for: {', '.join(follow)}): "
+            "K, R and slow Gauss-Markov processes of these channels describe that warming, not "
+            "noise of the sensor; "
             "let it settle, or fit a temperature term (imu-lib gap)."
         )
 
 
 def empty_low_end(record: Record, names):
-    """Channels whose spectrum falls towards zero frequency: high-passed, or re-zeroed while at rest."""
+    """Channels whose spectrum falls towards zero frequency: high-passed, or re-zeroed while at
+    rest.
+    """
     empty = []
     for name in names:
         found = _empty(record[name] - np.mean(record[name]), record.rate)
@@ -92,14 +100,16 @@ def empty_low_end(record: Record, names):
             empty.append(f"{name} below {found[0]:.2g} Hz by {found[1]:.0f} dB")
     if empty:
         yield (
-            f"The spectrum falls towards zero frequency ({'; '.join(empty)}): the output is high-passed, or re-zeroes itself at rest. N holds above that "
-            "frequency; of the bias and what drives it the record shows nothing, and a model of white noise promises too much of a moving sensor."
+            f"The spectrum falls towards zero frequency ({'; '.join(empty)}): the output is "
+            "high-passed, or re-zeroes itself at rest. N holds above that "
+            "frequency; of the bias and what drives it the record shows nothing, and a model of "
+            "white noise promises too much of a moving sensor."
         )
 
 
 def _empty(x: np.ndarray, rate: float) -> tuple[float, float] | None:
-    """Frequency (Hz) below which the periodogram of `x` (n,) is empty, and by how much (dB), against
-    the band above it; None where it is not.
+    """Frequency (Hz) below which the periodogram of `x` (n,) is empty, and by how much (dB),
+    against the band above it; None where it is not.
 
     Of white noise the mean of m ordinates over that of many others is Gamma(m) / m.
     """

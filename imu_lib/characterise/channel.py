@@ -242,8 +242,10 @@ def fitted(stats, variance, fs, candidates, notes):
     if stats.lines:
         share = sum(line[1] ** 2 for line in stats.lines) / variance
         notes.append(
-            f"{len(stats.lines)} ordinate{'s' * (len(stats.lines) > 1)} of the spectrum stand out as lines and "
-            f"are left out of the fit; the strongest is at {stats.lines[0][0]:.4g} Hz, together they have "
+            f"{len(stats.lines)} ordinate{'s' * (len(stats.lines) > 1)} of the spectrum stand out "
+            "as lines and "
+            f"are left out of the fit; the strongest is at {stats.lines[0][0]:.4g} Hz, together "
+            "they have "
             f"{share:.2g} of the variance."
         )
     end = likelihood.fast_end(stats, None)
@@ -256,8 +258,10 @@ def fitted(stats, variance, fs, candidates, notes):
     if choice.p_value < UNLIKELY:
         scores = np.abs(likelihood.residuals(used, choice.fit.model))
         notes.append(
-            f"No candidate explains the whole spectrum (p = {choice.p_value:.1g}; the largest misfit is near "
-            f"{used.frequency[int(np.argmax(scores))]:.3g} Hz): the intervals hold for the model, not for what "
+            f"No candidate explains the whole spectrum (p = {choice.p_value:.1g}; the largest "
+            "misfit is near "
+            f"{used.frequency[int(np.argmax(scores))]:.3g} Hz): the intervals hold for the model, "
+            "not for what "
             "it leaves out; `imu-lib gap` looks for what is missing."
         )
     parameters = dict(choice.fit.parameters)
@@ -265,7 +269,8 @@ def fitted(stats, variance, fs, candidates, notes):
     long = [p.correlation_time for p in choice.fit.model.terms if p.name == "gauss_markov"]
     if long and max(long) > stats.duration / 20:
         notes.append(
-            f"The record holds only {stats.duration / max(long):.2g} correlation times of {max(long):.3g} s."
+            f"The record holds only {stats.duration / max(long):.2g} correlation times of "
+            f"{max(long):.3g} s."
         )
     order = np.argsort(stats.frequency, kind="stable")  # stretches come one after the other
     measured, expected = (

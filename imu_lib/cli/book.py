@@ -41,7 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out",
         metavar="DIR",
-        help="where the book goes, a new or empty folder or an earlier book (default: NAME_book here)",
+        help="where the book goes, a new or empty folder or an earlier book (default: NAME_book "
+        "here)",
     )
     parser.add_argument("--title", help="title of the book (default: the file's name)")
 

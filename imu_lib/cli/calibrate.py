@@ -13,7 +13,8 @@ NAME = "calibrate"
 #: Names of the files in --out DIR.
 WRITES = ("calibration.json", "*.png")
 HELP = (
-    "Bias, scale factor and cross-coupling of accelerometers and gyroscopes: from poses put down by hand (24 or more, each "
+    "Bias, scale factor and cross-coupling of accelerometers and gyroscopes: from poses put down "
+    "by hand (24 or more, each "
     "axis up, down and level; the rests are found), or from poses or rates that --poses lists."
 )
 
@@ -23,7 +24,8 @@ def add_arguments(parser):
     parser.add_argument(
         "--poses",
         metavar="FILE",
-        help="what was done when: CSV with start, stop (s) and x, y, z (g) or rate_x, rate_y, rate_z (deg/s) or angle_x, "
+        help="what was done when: CSV with start, stop (s) and x, y, z (g) or rate_x, rate_y, "
+        "rate_z (deg/s) or angle_x, "
         "angle_y, angle_z (deg); or JSON sections x_p x_a x_rot ... in samples",
     )
     parser.add_argument(
@@ -116,7 +118,10 @@ def report(record, found) -> str:
             f"residual {triad.residual_sd / what[1]:.3g} {what[0]}, {triad.dof} degrees of freedom"
         )
         if not math.isnan(triad.consistency):
-            fit += f"; mean square of the residuals over what the noise explains: {triad.consistency:.3g}"
+            fit += (
+                "; mean square of the residuals over what the noise explains: "
+                f"{triad.consistency:.3g}"
+            )
         lines.append(fit)
     lines += ["", "Values with 95 % intervals; - where the record does not determine the quantity."]
     return "\n".join(lines + [f"note: {n}" for n in found.notes])

@@ -9,7 +9,8 @@ NAME = "characterise"
 #: Names of the files in --out DIR.
 WRITES = ("model.json", "result.json", "report.html", "*.png")
 HELP = (
-    "Allan variance, spectrum, autocorrelation, autoregressive model and likelihood on every channel of a record at "
+    "Allan variance, spectrum, autocorrelation, autoregressive model and likelihood on every "
+    "channel of a record at "
     "rest: coefficients with 95 % intervals, an error model, figures, exports."
 )
 
@@ -27,7 +28,8 @@ def add_arguments(parser):
         metavar="FORMAT",
         action="append",
         default=[],
-        help="kalibr, ros or gnss-ins-sim: the model for another program, in DIR (or here); may be repeated",
+        help="kalibr, ros or gnss-ins-sim: the model for another program, in DIR (or here); may "
+        "be repeated",
     )
     parser.add_argument(
         "--workers", type=int, metavar="N", help="processes at a time; default one per core"
@@ -66,7 +68,8 @@ def run(args):
     common.write_json(result, args.json)
     if args.json != "-":
         print(
-            f"{result.name or 'record'}: {units.duration(result.duration)} at {result.rate:.6g} Hz\n"
+            f"{result.name or 'record'}: {units.duration(result.duration)} at {result.rate:.6g} "
+            "Hz\n"
         )
         _print(result, report, out, formats)
     return 0
@@ -130,5 +133,6 @@ def _print(result, report, out, formats):
         print(f"written: {', '.join(export.FORMATS[form][0] for form in formats)}")
     else:
         print(
-            "--out DIR writes the error model, figures and a report; --export kalibr a file for Kalibr"
+            "--out DIR writes the error model, figures and a report; --export kalibr a file for "
+            "Kalibr"
         )

@@ -8,9 +8,13 @@ from imu_lib.cli import common, drives
 from imu_lib.errors import InputError
 
 NAME = "check"
-#: Samples above which a record is looked at part by part: faults are looked for in many copies of it.
+#: Samples above which a record is looked at part by part: faults are looked for in many copies of
+#: it.
 LONG = 1 << 19
-HELP = "Health of a record or drive: rate, duration, gaps, jitter, duplicates, NaN, saturation, frozen samples, units, rest, temperature."
+HELP = (
+    "Health of a record or drive: rate, duration, gaps, jitter, duplicates, NaN, saturation, "
+    "frozen samples, units, rest, temperature."
+)
 
 
 def add_arguments(parser):
@@ -32,8 +36,8 @@ def run(args):
 
 
 def look(args):
-    """The health of what the flags name (a drive where the file has GNSS, else a record), and what its
-    columns were read as.
+    """The health of what the flags name (a drive where the file has GNSS, else a record), and what
+    its columns were read as.
     """
     from imu_lib import health, readers
 

@@ -65,7 +65,8 @@ def add_record_arguments(
             "file",
             nargs="?",
             metavar=positional,
-            help="the record: .npz .csv .txt .tsv .parquet .mat .ulg .rda or a ROS bag, also in gzip or zip",
+            help="the record: .npz .csv .txt .tsv .parquet .mat .ulg .rda or a ROS bag, also in "
+            "gzip or zip",
         )
     group = parser.add_argument_group("what is in the file")
     group.add_argument(
@@ -99,7 +100,8 @@ def add_reading_arguments(group) -> None:
     group.add_argument(
         "--time-unit",
         metavar="UNIT",
-        help="of the time stamps: s, ms, us, ns, min or ticks:HZ (HZ ticks per second); none leaves them out, with --rate",
+        help="of the time stamps: s, ms, us, ns, min or ticks:HZ (HZ ticks per second); none "
+        "leaves them out, with --rate",
     )
     group.add_argument(
         "--gyro-unit",
@@ -117,7 +119,8 @@ def add_reading_arguments(group) -> None:
     group.add_argument(
         "--topic",
         metavar="NAME",
-        help="the IMU topic of a ROS bag that has several; COLUMN=VALUE, as in I=0, of a table with rows of several sensors",
+        help="the IMU topic of a ROS bag that has several; COLUMN=VALUE, as in I=0, of a table "
+        "with rows of several sensors",
     )
     group.add_argument(
         "--trust-units", action="store_true", help="do not refuse units that look impossible"

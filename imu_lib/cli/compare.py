@@ -10,7 +10,10 @@ from imu_lib.cli.opening import READING
 from imu_lib.errors import InputError
 
 NAME = "compare"
-HELP = "Two error models, two records of one sensor, or a record and a model side by side: Allan deviation and coefficients."
+HELP = (
+    "Two error models, two records of one sensor, or a record and a model side by side: Allan "
+    "deviation and coefficients."
+)
 
 
 def add_arguments(parser):

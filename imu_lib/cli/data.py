@@ -48,7 +48,8 @@ def run(args):
             print(f"{'name'.ljust(width)}  {'kind'.ljust(11)}  here   MB    sensor; licence")
             for name, kind, here, size, sensor in rows:
                 print(
-                    f"{name.ljust(width)}  {kind.ljust(11)}  {here.ljust(4)}  {size.rjust(4)}  {sensor}; {result[name]['licence']}"
+                    f"{name.ljust(width)}  {kind.ljust(11)}  {here.ljust(4)}  {size.rjust(4)}  "
+                    f"{sensor}; {result[name]['licence']}"
                 )
         return
     at_hand = datasets.available(args.name)

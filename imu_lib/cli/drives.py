@@ -13,7 +13,9 @@ BOTH = "a drive needs gyro and accelerometer; leave it out."
 
 
 def opened(path: str | os.PathLike[str], args: argparse.Namespace):
-    """The `Drive` at `path` by the parsed flags; what reading did to it is told on standard error."""
+    """The `Drive` at `path` by the parsed flags; what reading did to it is told on standard
+    error.
+    """
     from imu_lib.readers import read_drive
 
     drive = read_drive(

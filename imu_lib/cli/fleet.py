@@ -13,8 +13,10 @@ NAME = "fleet"
 #: Names of the files in --out DIR.
 WRITES = ("fleet.parquet", "fleet.json", "model.json")
 HELP = (
-    "Characterise every record of a folder or of a manifest (.csv with the columns file, sensor, date) into one "
-    "Parquet table; started again, it goes on where it was. Prints the spread of each coefficient over the sensors, "
+    "Characterise every record of a folder or of a manifest (.csv with the columns file, sensor, "
+    "date) into one "
+    "Parquet table; started again, it goes on where it was. Prints the spread of each coefficient "
+    "over the sensors, "
     "outliers and drift, and writes a fleet model with typical values and the worst of 95 %."
 )
 
@@ -82,7 +84,8 @@ def _some_there(entries):
     if not any(Path(e.path).exists() for e in entries):
         first = entries[0]
         raise InputError(
-            f"{first.where + ': ' if first.where else ''}{first.path} does not exist{_nor(entries)}; "
+            f"{first.where + ': ' if first.where else ''}{first.path} does not "
+            f"exist{_nor(entries)}; "
             "correct the path (it counts from the manifest's folder)."
         )
 
@@ -94,7 +97,8 @@ def _some_read(entries, table):
         return
     first = entries[0]
     raise InputError(
-        f"No record of the fleet could be used; {first.where + ': ' if first.where else ''}{wrong[first.file]}"
+        "No record of the fleet could be used; "
+        f"{first.where + ': ' if first.where else ''}{wrong[first.file]}"
     )
 
 

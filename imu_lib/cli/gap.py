@@ -1,5 +1,5 @@
-"""`imu-lib gap FILE [--model MODEL]`, FILE a record or a drive: where simulation and measurement disagree, and what is
-missing.
+"""`imu-lib gap FILE [--model MODEL]`, FILE a record or a drive: where simulation and measurement
+disagree, and what is missing.
 """
 
 from __future__ import annotations
@@ -11,7 +11,10 @@ import time
 NAME = "gap"
 #: Names of the files in --out DIR.
 WRITES = ("model.json", "report.html")
-HELP = "Where simulation and measurement disagree, of a record or of a drive, what is missing, and how far the gap shrinks when it is added."
+HELP = (
+    "Where simulation and measurement disagree, of a record or of a drive, what is missing, "
+    "and how far the gap shrinks when it is added."
+)
 
 
 def add_arguments(parser):

@@ -124,8 +124,10 @@ def text(found) -> str:
                 "    this drive cannot tell it from " + ", ".join(step["indistinguishable"])
             )
     lines.append(
-        f"innovations: mean square {found.before.nis:.2f} before, {found.after.nis:.2f} after (1 in a right filter); "
-        f"largest correlation between fixes {found.before.whiteness:.2f} and {found.after.whiteness:.2f}"
+        f"innovations: mean square {found.before.nis:.2f} before, {found.after.nis:.2f} after (1 "
+        "in a right filter); "
+        f"largest correlation between fixes {found.before.whiteness:.2f} and "
+        f"{found.after.whiteness:.2f}"
     )
     if found.outages is not None:
         lines.append(_outages(found.outages))
@@ -168,12 +170,18 @@ def sentence(step) -> str | None:
             f"{_when('fixes', p['offset'])} against the IMU: what is stamped t was taken {taken} t"
         )
     if step["effect"] == "imu_clock":
-        return f"the IMU's clock runs {'fast' if p['scale'] > 0 else 'slow'} against GNSS time, by {abs(p['scale']) * 1e6:.3g} parts in a million"
+        return (
+            f"the IMU's clock runs {'fast' if p['scale'] > 0 else 'slow'} against GNSS time, "
+            f"by {abs(p['scale']) * 1e6:.3g} parts in a million"
+        )
     if step["effect"] == "gnss_noise":
         than = "larger" if p["ratio"] > 1.0 else "smaller"
         return f"errors of the {p['of']} are {than} than stated, {p['ratio']:.3g} times"
     if step["effect"] == "heading":
-        return f"the heading given points {abs(p['error']) / DEG:.3g} deg to the {'right' if p['error'] > 0 else 'left'} of the true one"
+        return (
+            f"the heading given points {abs(p['error']) / DEG:.3g} deg to the "
+            f"{'right' if p['error'] > 0 else 'left'} of the true one"
+        )
     return None
 
 

@@ -92,7 +92,8 @@ def _outages(found):
     if ratio:
         parts.append(
             report.paragraph(
-                f"After over before: {ratio['value']:.2g} [{ratio['low']:.2g}, {ratio['high']:.2g}], "
+                f"After over before: {ratio['value']:.2g} [{ratio['low']:.2g}, "
+                f"{ratio['high']:.2g}], "
                 f"{len(found.outages.windows)} windows of {found.outages.duration:.0f} s, paired."
             )
         )
@@ -102,7 +103,8 @@ def _outages(found):
                 report.png(
                     plots.outage_fan(found.outages.study, name=name, against=found.outages.against)
                 ),
-                f"Errors in all outages, {name}, with the radius that the filter expects to hold 95 % of them.",
+                f"Errors in all outages, {name}, with the radius that the filter expects to hold "
+                "95 % of them.",
             )
         )
     return parts

@@ -99,7 +99,8 @@ def _steps(steps, name):
         lines = [
             f"Where: {s.where}.",
             f"Physical cause: {s.cause}",
-            f"Confidence {s.confidence:.3g}; runner-up: {s.runner_up['effect']} ({s.runner_up['confidence']:.2g}).",
+            f"Confidence {s.confidence:.3g}; runner-up: {s.runner_up['effect']} "
+            f"({s.runner_up['confidence']:.2g}).",
         ]
         for key, (low, high) in _intervals(s):
             lines.append(f"95 % interval of {key}: {low:.4g} to {high:.4g} (SI).")

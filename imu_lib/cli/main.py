@@ -41,7 +41,9 @@ COMMANDS = {
 
 
 class Parser(argparse.ArgumentParser):
-    """argparse with one sentence instead of a usage page, and no guessing of abbreviated options."""
+    """argparse with one sentence instead of a usage page, and no guessing of abbreviated
+    options.
+    """
 
     def __init__(self, *args, **kwargs):
         super().__init__(*args, allow_abbrev=False, **kwargs)
@@ -49,7 +51,8 @@ class Parser(argparse.ArgumentParser):
     def error(self, message):
         self.exit(
             2,
-            f"{self.prog}: {message[:1].upper()}{message[1:]}; `{self.prog} --help` shows the call.\n",
+            f"{self.prog}: {message[:1].upper()}{message[1:]}; `{self.prog} --help` shows the "
+            "call.\n",
         )
 
 
@@ -63,7 +66,8 @@ def parser(command: str | None = None) -> Parser:
     out = Parser(
         prog="imu-lib",
         description="Errors of low-cost inertial sensors: measure, model, simulate, compare.",
-        epilog="`imu-lib COMMAND --help` shows the options of a command. A model is a file or a preset (preset:3dm-gx3-25).",
+        epilog="`imu-lib COMMAND --help` shows the options of a command. A model is a file or a "
+        "preset (preset:3dm-gx3-25).",
     )
     out.add_argument("--version", action="version", version=f"imu-lib {_version()}")
     commands = out.add_subparsers(

@@ -51,7 +51,8 @@ def refuse_overwriting(args: argparse.Namespace, read) -> None:
 
 def _refuse(flag, path, name):
     raise InputError(
-        f"{flag} would overwrite {path}, which this call reads{'' if str(path) == str(name) else f' ({name})'}; "
+        f"{flag} would overwrite {path}, which this call "
+        f"reads{'' if str(path) == str(name) else f' ({name})'}; "
         "give it another name."
     )
 

@@ -53,7 +53,8 @@ def open_record(args: argparse.Namespace, *, tell: bool = True, one_rate: bool =
             print(f"note: {note}", file=sys.stderr)
     if one_rate and slow_kind(record):
         raise InputError(
-            f"{record.source}: gyro and accelerometer come at rates of their own; take one with --only gyro or --only accel."
+            f"{record.source}: gyro and accelerometer come at rates of their own; take one with "
+            "--only gyro or --only accel."
         )
     return record
 

@@ -11,10 +11,13 @@ NAME = "outages"
 #: Names of the files in --out DIR.
 WRITES = ("result.json", "*.png")
 HELP = (
-    "GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error model is followed. "
-    "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, or from the paper's own tables, "
+    "GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error "
+    "model is followed. "
+    "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, "
+    "or from the paper's own tables, "
     "the bias left at switch-on in a state of its own where none of theirs keeps it; "
-    "each with additions, as in 18AV+scale+road: scale, misalignment, g, time, lever, clock, mounting (estimated along), road, speed, robust."
+    "each with additions, as in 18AV+scale+road: scale, misalignment, g, time, lever, clock, "
+    "mounting (estimated along), road, speed, robust."
 )
 
 
@@ -53,12 +56,14 @@ def _model_arguments(group):
     group.add_argument(
         "--static",
         metavar="FILE",
-        help="the same sensor at rest: the models are made from it, and the likelihood's own is added",
+        help="the same sensor at rest: the models are made from it, and the likelihood's own is "
+        "added",
     )
     group.add_argument(
         "--model",
         metavar="MODEL",
-        help="an error-model file or preset:NAME: the models are made from it, and it is added itself; its key `drive` is held by all",
+        help="an error-model file or preset:NAME: the models are made from it, and it is added "
+        "itself; its key `drive` is held by all",
     )
     group.add_argument(
         "--models",
@@ -75,13 +80,15 @@ def _model_arguments(group):
         "--gyro-bias",
         type=common.positive,
         metavar="DEG/S",
-        help=f"gyro bias left at switch-on, sd (default {outages_models.TURN_ON[0]:g}, or the model's turn_on)",
+        help=f"gyro bias left at switch-on, sd (default {outages_models.TURN_ON[0]:g}, or the "
+        "model's turn_on)",
     )
     group.add_argument(
         "--accel-bias",
         type=common.positive,
         metavar="MG",
-        help=f"accelerometer bias left at switch-on, sd (default {outages_models.TURN_ON[1]:g}, or the model's turn_on)",
+        help=f"accelerometer bias left at switch-on, sd (default {outages_models.TURN_ON[1]:g}, "
+        "or the model's turn_on)",
     )
 
 
@@ -127,7 +134,8 @@ def _known_arguments(group):
     group.add_argument(
         "--lever-arm",
         metavar="X,Y,Z",
-        help="from the IMU to the antenna, m forward, right, down (write --lever-arm=-1,0,2 where it begins with a minus)",
+        help="from the IMU to the antenna, m forward, right, down (write --lever-arm=-1,0,2 where "
+        "it begins with a minus)",
     )
     group.add_argument(
         "--road",
@@ -151,7 +159,8 @@ def _known_arguments(group):
     group.add_argument(
         "--as-stated",
         action="store_true",
-        help="believe the fixes' standard deviations as they are stated, and do not look for a time error",
+        help="believe the fixes' standard deviations as they are stated, and do not look for a "
+        "time error",
     )
 
 

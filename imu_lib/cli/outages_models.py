@@ -70,7 +70,8 @@ def models(args, names, drive, arm):
         base = base or models.read_off(static, drive.rate)
     if base is None:
         print(
-            "note: no --static and no --model: the models are those of the 2013 paper's 3DM-GX3-25, not of this sensor.",
+            "note: no --static and no --model: the models are those of the 2013 paper's "
+            "3DM-GX3-25, not of this sensor.",
             file=sys.stderr,
         )
     bases = tuple(dict.fromkeys(variants.split(n)[0] for n in names))

@@ -15,7 +15,8 @@ def text(study, drive) -> str:
     truth = "the drive's reference" if against == "reference" else "the full-GNSS solution"
     errors = {name: study.errors(name, against=against) for name in study.models}
     parts = [
-        f"{drive.name or 'drive'}: {len(study.windows)} outages; maximum horizontal error in m against {truth}"
+        f"{drive.name or 'drive'}: {len(study.windows)} outages; maximum horizontal error in m "
+        f"against {truth}"
     ]
     if len(study.windows) <= FEW:
         rows = [

@@ -7,8 +7,8 @@ import time
 
 
 class Lines:
-    """Progress where standard error is no terminal: a line at the start, one now and then, one at the
-    end. It has what is used of tqdm: iteration, `update`, `close`.
+    """Progress where standard error is no terminal: a line at the start, one now and then, one at
+    the end. It has what is used of tqdm: iteration, `update`, `close`.
     """
 
     EVERY = 10.0  # s between lines

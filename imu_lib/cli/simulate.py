@@ -10,7 +10,10 @@ from imu_lib.cli import common
 from imu_lib.errors import InputError
 
 NAME = "simulate"
-HELP = "A record drawn from an error model (a file or preset:NAME), written as .npz, .csv, .tsv or .parquet."
+HELP = (
+    "A record drawn from an error model (a file or preset:NAME), written as .npz, .csv, .tsv "
+    "or .parquet."
+)
 FORMATS = (".npz", ".csv", ".tsv", ".txt", ".parquet")
 #: Samples: a hundred days at 200 Hz.
 MOST = 2_000_000_000
@@ -55,7 +58,8 @@ def run(args):
     common.check_writable(args.json)
     if Path(args.out).suffix.lower() not in FORMATS:
         raise InputError(
-            f"--out {args.out}: the format is told by the name, which must end in {', '.join(FORMATS)}."
+            f"--out {args.out}: the format is told by the name, which must end in "
+            f"{', '.join(FORMATS)}."
         )
     if args.seed < 0:
         raise InputError(f"--seed {args.seed} must be 0 or above.")
@@ -113,8 +117,10 @@ def _check_room(args, n, rate, model):
     in_memory = n * len(model.channel_names) if not by_pieces(model) else 0
     if n > MOST or need > free or in_memory > IN_MEMORY:
         raise InputError(
-            f"--hours {args.hours:g} at {rate:g} Hz are {n:,} samples of {len(model.channel_names)} "
-            f"channels, more than memory and disk take ({need / 1e9:.3g} GB; {free / 1e9:.3g} GB are "
+            f"--hours {args.hours:g} at {rate:g} Hz are {n:,} samples of "
+            f"{len(model.channel_names)} "
+            f"channels, more than memory and disk take ({need / 1e9:.3g} GB; {free / 1e9:.3g} GB "
+            "are "
             f"free beside {args.out}); draw shorter records."
         )
 
@@ -164,10 +170,12 @@ def _temperature(path, time):
         t, temperature = readers.read_temperature(path)
     except readers.NoTemperature:
         raise InputError(
-            f"{path} has no temperature; a column or array called temperature (degC) with time (s) is expected."
+            f"{path} has no temperature; a column or array called temperature (degC) with time "
+            "(s) is expected."
         ) from None
     if t[-1] < time[-1] - 1.5 * (time[1] - time[0]):
         raise InputError(
-            f"{path} ends at {t[-1]:.6g} s, before the record's {time[-1]:.6g} s; give a longer temperature record or fewer --hours."
+            f"{path} ends at {t[-1]:.6g} s, before the record's {time[-1]:.6g} s; give a longer "
+            "temperature record or fewer --hours."
         )
     return np.interp(time, t, temperature)

@@ -1,4 +1,6 @@
-"""From the originals of the public records to the files the readers open: SI, the contract's keys."""
+"""From the originals of the public records to the files the readers open: SI, the contract's
+keys.
+"""
 
 from __future__ import annotations
 

@@ -25,7 +25,8 @@ def example(name: str = EXAMPLE) -> Path:
     path = shipped() / name
     if not path.is_file():
         raise InputError(
-            f"{name} is no committed file; there are {', '.join(sorted(p.name for p in shipped().glob('*.csv'))) or 'none'}."
+            f"{name} is no committed file; there are "
+            f"{', '.join(sorted(p.name for p in shipped().glob('*.csv'))) or 'none'}."
         )
     return path
 

@@ -32,7 +32,8 @@ def entry(name: str) -> dict:
     found = registry().get(Path(name).stem if name not in registry() else name)
     if found is None:
         raise InputError(
-            f"{name!r} is not in the registry; `imu-lib data list` shows the names: {', '.join(registry())}."
+            f"{name!r} is not in the registry; `imu-lib data list` shows the names: "
+            f"{', '.join(registry())}."
         )
     return found
 
@@ -99,19 +100,22 @@ def fetch(name: str, *, progress: bool = False) -> list[Path]:
             )
         except ValueError as error:
             raise InputError(
-                f"{source['url']} is not what the registry describes ({str(error).splitlines()[0][:80]}); it changed at its source."
+                f"{source['url']} is not what the registry describes "
+                f"({str(error).splitlines()[0][:80]}); it changed at its source."
             ) from None
         except (
             Exception
         ) as error:  # requests, urllib3, ssl and the operating system all have their own
             raise InputError(
-                f"{name} is not at hand and {source['url']} cannot be fetched ({type(error).__name__}); set IMU_LIB_DATA to a "
+                f"{name} is not at hand and {source['url']} cannot be fetched "
+                f"({type(error).__name__}); set IMU_LIB_DATA to a "
                 f"folder that holds "
                 f"{about['files'][0]}, or try again with a network."
             ) from None
     if about["convert"] is None:
         raise InputError(
-            f"{name}: the original was fetched to {originals[0].parent} but needs conversion. {about['how']} Put the result at "
+            f"{name}: the original was fetched to {originals[0].parent} but needs conversion. "
+            f"{about['how']} Put the result at "
             f"{folder / about['files'][0]}."
         )
     targets = [folder / f for f in about["files"]]

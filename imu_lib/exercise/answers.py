@@ -36,8 +36,8 @@ SYNONYMS = {
     "antenna": "lever_arm",
     "scale_factor": "accel_scale",
 }
-#: A number with a comma for its point (1,180 may be of thousands, and is asked about), or with the SI
-#: unit that was asked for.
+#: A number with a comma for its point (1,180 may be of thousands, and is asked about), or with the
+#: SI unit that was asked for.
 COMMA = re.compile(r"[+-]?(0*,\d+|\d+,(?!\d{3}(e|$))\d+)(e[+-]?\d+)?", re.IGNORECASE)
 SI = re.compile(r"(.*\d\.?)\s*(s|Hz|1/s|m|rad|rad/s|m/s\^?2|m/s²)")
 
@@ -64,7 +64,8 @@ def _once(pairs, path):
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise InputError(
-            f'{path}: "{twice}" stands twice in one place; write it once, with all that belongs to it.'
+            f'{path}: "{twice}" stands twice in one place; write it once, with all that belongs '
+            "to it."
         )
     return dict(pairs)
 
@@ -159,7 +160,8 @@ def _value(value, name: str, place: str):
             if not any(letter.isdigit() for letter in value):
                 return value  # a channel
             raise InputError(
-                f'{place}: {name} is "{value}"; a number in SI units is asked for, without its unit and '
+                f'{place}: {name} is "{value}"; a number in SI units is asked for, without its '
+                "unit and "
                 "with a point for the decimals."
             ) from None
     if isinstance(value, float) and not math.isfinite(value):

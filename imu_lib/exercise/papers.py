@@ -144,8 +144,8 @@ def mark_all(answers, key, *, faulty: dict | None = None) -> dict:
     """Student -> Mark of a file of answers, or of every `answers*.json` in a folder.
 
     With `faulty` a file that cannot be marked does not stop the others: it becomes path -> sentence
-    there, and where none can be marked InputError says all of them. Without `faulty` the first raises
-    it.
+    there, and where none can be marked InputError says all of them. Without `faulty` the first
+    raises it.
     """
     answers = Path(answers)
     if not answers.exists():

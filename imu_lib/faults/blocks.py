@@ -1,4 +1,6 @@
-"""Means over short blocks and their changes: what shifts of level, tilts and restarts are seen in."""
+"""Means over short blocks and their changes: what shifts of level, tilts and restarts are seen
+in.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +63,8 @@ def sudden(change: np.ndarray, apart: int) -> tuple[np.ndarray, np.ndarray]:
     up = np.minimum(change - before, change - after)
     down = np.minimum(before - change, after - change)
     off = np.where(up > 0, up, np.where(down > 0, -down, 0.0))
-    # with one neighbour a step there would show here as its mirror image: only what changes here counts
+    # with one neighbour a step there would show here as its mirror image: only what changes here
+    # counts
     here = np.where(change * off > 0, np.minimum(np.abs(off), np.abs(change)), 0.0)
     off = np.where(one_sided, np.sign(off) * here, off)
     usual = np.abs(change - 0.5 * (before + after))
@@ -73,7 +76,9 @@ def sudden(change: np.ndarray, apart: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def peaks(score: np.ndarray, least: float, apart: int) -> list[int]:
-    """Positions of local maxima of `score` (k,) above `least`, none within `apart` of a higher one."""
+    """Positions of local maxima of `score` (k,) above `least`, none within `apart` of a higher
+    one.
+    """
     order = [int(i) for i in np.flatnonzero(score > least)]
     order.sort(key=lambda i: -score[i])
     taken: list[int] = []

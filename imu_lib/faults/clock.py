@@ -1,4 +1,6 @@
-"""What the time stamps tell: holes, bursts, the clock's own grain, jitter, a rate off its nominal."""
+"""What the time stamps tell: holes, bursts, the clock's own grain, jitter, a rate off its
+nominal.
+"""
 
 from __future__ import annotations
 

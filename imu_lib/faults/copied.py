@@ -8,7 +8,8 @@ import numpy as np
 
 from imu_lib.faults.finding import Finding
 
-#: Share of the changes from sample to sample that are alike, and samples of them that are looked at.
+#: Share of the changes from sample to sample that are alike, and samples of them that are looked
+#: at.
 ALIKE, SAMPLES = 0.98, 50_000
 #: Deviation over the size of the changes up to which two are alike: digits that were cut off.
 DIGITS = 1e-6

@@ -104,7 +104,9 @@ def _no_steps(hit: Hit, channels, names, rate: float) -> Hit | None:
 
 
 def _energy(fast: np.ndarray, length: int) -> list[Hit]:
-    """Windows of `length` samples whose energy stands out, on a grid and on one half a window off."""
+    """Windows of `length` samples whose energy stands out, on a grid and on one half a window
+    off.
+    """
     hits = []
     for offset in (0, length // 2) if length > 1 else (0,):
         power, rest, peak, rare = [], [], [], []

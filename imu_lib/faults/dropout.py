@@ -73,8 +73,8 @@ def _with_others(members, rows, same) -> list[int]:
 
 
 def _atoms(x: np.ndarray, levels: Levels) -> dict:
-    """Levels at which a channel stands suspiciously often (`standing`), and 0 where it is not one of
-    them (`zero`); their probabilities by chance; those suspicious on this channel `alone`.
+    """Levels at which a channel stands suspiciously often (`standing`), and 0 where it is not one
+    of them (`zero`); their probabilities by chance; those suspicious on this channel `alone`.
     """
     values, runs = levels.values, levels.runs
     total = runs.sum()
@@ -194,7 +194,8 @@ def _finding(names, rows, expected, channels, time) -> Finding:
         float(time[min(rows[-1] + 1, n - 1)]),
         {"fraction": fraction, "value": value, "period": period, "channels": list(names)},
         {"rows": len(rows), "runs": len(starts), "expected_by_chance": expected},
-        f"{count} ({100 * fraction:.2g} %{how}) stand{'s' * (len(rows) == 1)} at {said} on {named(tuple(names))}, {place}: "
+        f"{count} ({100 * fraction:.2g} %{how}) stand{'s' * (len(rows) == 1)} at {said} on "
+        f"{named(tuple(names))}, {place}: "
         "drop-outs of the transport or the driver.",
         MEANS,
         rows,

@@ -160,7 +160,9 @@ def _held(group, rows, time, rate, *, whole: bool, rare: bool) -> Finding | None
 
 
 def _copies(names, rows, expected, time) -> Finding | None:
-    """Rows that repeat the one before: on several channels a lost sample, on one a frozen output."""
+    """Rows that repeat the one before: on several channels a lost sample, on one a frozen
+    output.
+    """
     n = len(time)
     starts = run_starts(rows)
     longest = int(np.diff(np.r_[np.flatnonzero(np.r_[True, np.diff(rows) > 1]), len(rows)]).max())

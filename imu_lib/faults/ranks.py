@@ -1,5 +1,5 @@
-"""Windows that are among the loudest of several channels at once: by ranks alone, whatever the tails
-of the noise are.
+"""Windows that are among the loudest of several channels at once: by ranks alone, whatever the
+tails of the noise are.
 """
 
 from __future__ import annotations

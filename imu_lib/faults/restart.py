@@ -32,8 +32,8 @@ def find(
     turns: list[tuple[float, float]],
     handled: Sequence[tuple[float, float]] = (),
 ) -> list[Finding]:
-    """Restarts within one stretch. `turns` are spans (s) known as tilts, `handled` those of handling,
-    which leaves the gyros' levels as they were.
+    """Restarts within one stretch. `turns` are spans (s) known as tilts, `handled` those of
+    handling, which leaves the gyros' levels as they were.
     """
     names = list(x)
     blocks = Blocks(np.stack([x[c] for c in names]), rate)
@@ -90,7 +90,9 @@ def _stays(
     members: np.ndarray,
     begin: float,
 ) -> bool:
-    """Whether the levels of two gyros are others after being handled than before, and go on being so."""
+    """Whether the levels of two gyros are others after being handled than before, and go on
+    being so.
+    """
     low = int((min(s[0] for s in spans) - begin) / dt) - GUARD
     high = int((max(s[1] for s in spans) - begin) / dt) + 1 + GUARD
     if low < WIDTH or high + 2 * WIDTH > gyros.shape[1]:

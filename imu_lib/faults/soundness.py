@@ -55,8 +55,8 @@ class Sound:
     """A record made ready by `sound`.
 
     record : Record, NaN where a sample is no measurement. start, stop : the stretch of the record
-    given that it is, s. cut : whether it is a part. masked : samples that were made NaN, of all channels. left_out : channels
-    without a measurement. notes : sentences on what was done.
+    given that it is, s. cut : whether it is a part. masked : samples that were made NaN, of all
+    channels. left_out : channels without a measurement. notes : sentences on what was done.
     """
 
     record: Record
@@ -119,7 +119,8 @@ def sound(
     first, last = _measured(out)
     if first > 0 or last < record.duration:
         notes.append(
-            f"Something is measured from {seconds(first)} to {seconds(last)} s; the rest is cut off."
+            f"Something is measured from {seconds(first)} to {seconds(last)} s; the rest is cut "
+            "off."
         )
         start, stop = first, last
         out = out.slice(start, stop)

@@ -27,8 +27,8 @@ def stands(finding: Finding) -> bool:
 
 
 def masked(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """The record with NaN where an output stands still for long, and sentences on it; a channel that
-    does for most of the record is left out.
+    """The record with NaN where an output stands still for long, and sentences on it; a channel
+    that does for most of the record is left out.
     """
     channels, time = dict(record.channels), record.times()
     told: dict[str, list[str]] = {}

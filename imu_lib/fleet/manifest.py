@@ -52,9 +52,9 @@ def entries(path, **options) -> list[Entry]:
     lines.
 
     In a folder a sensor is a subfolder, or a file's name without its date
-    (`unit012_2024-05-01.npz` is `unit012`). A manifest is a `.csv` with the column `file` and, where
-    known, `sensor`, `date` and the reading options as columns. `options` hold for all records.
-    InputError where there is none, or a line is wrong.
+    (`unit012_2024-05-01.npz` is `unit012`). A manifest is a `.csv` with the column `file` and,
+    where known, `sensor`, `date` and the reading options as columns. `options` hold for all
+    records. InputError where there is none, or a line is wrong.
     """
     path = Path(path)
     if path.is_dir():
@@ -104,7 +104,8 @@ def _of_table(path, options):
             known = list(rows[0]) if rows else []
     except (UnicodeDecodeError, csv.Error):
         raise InputError(
-            f"{path} is no table of records: give a folder of them, or a .csv with one record a line (file, sensor, date); "
+            f"{path} is no table of records: give a folder of them, or a .csv with one record a "
+            "line (file, sensor, date); "
             "`imu-lib characterise` takes a single record."
         ) from None
     if "file" not in known:
@@ -114,7 +115,8 @@ def _of_table(path, options):
     unknown = [k for k in known if k not in ("file", "sensor", "date", *OPTIONS)]
     if unknown:
         raise InputError(
-            f"{path} has the column `{unknown[0]}`; known are file, sensor, date, {', '.join(OPTIONS)}."
+            f"{path} has the column `{unknown[0]}`; known are file, sensor, date, "
+            f"{', '.join(OPTIONS)}."
         )
     out, seen = [], {}
     for line, row in enumerate(rows, start=2):

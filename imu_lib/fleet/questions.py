@@ -1,4 +1,6 @@
-"""What a fleet's table answers: outliers, drift over dates, sensor against day, shares of effects."""
+"""What a fleet's table answers: outliers, drift over dates, sensor against day, shares of
+effects.
+"""
 
 from __future__ import annotations
 
@@ -141,7 +143,9 @@ def drift(table, channel, method, coefficient) -> Estimate | None:
 
 
 def _series(rows):
-    """(dates in years, logarithms, their standard errors) of each sensor with three dates or more."""
+    """(dates in years, logarithms, their standard errors) of each sensor with three dates or
+    more.
+    """
     rows = rows[rows.date.notna()]
     if not len(rows):
         return []

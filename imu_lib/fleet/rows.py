@@ -9,8 +9,8 @@ from imu_lib.estimate import Estimate
 from imu_lib.fleet.manifest import Entry
 
 #: Columns of the table and their types. A coefficient that the record does not show has no value,
-#: and `high` is its 95 % upper limit; `effect` names what the gap workflow found or the sum that the
-#: likelihood chose; `error` is the sentence on a record that could not be used.
+#: and `high` is its 95 % upper limit; `effect` names what the gap workflow found or the sum that
+#: the likelihood chose; `error` is the sentence on a record that could not be used.
 COLUMNS = {
     "sensor": "string",
     "file": "string",

@@ -81,7 +81,8 @@ class Summary:
             ]
             lines += [
                 "",
-                "typical [95 % interval]; scatter: standard deviation from unit to unit, the error of "
+                "typical [95 % interval]; scatter: standard deviation from unit to unit, the "
+                "error of "
                 f"each estimate taken off; worst: {share} % of all units stay below, with {sure} % "
                 "confidence",
             ]
@@ -157,8 +158,9 @@ def summary(table) -> Summary:
 
 
 def fleet_model(table, shares, spreads) -> Model | None:
-    """The error model of the fleet: on each channel the sum that most sensors have, its coefficients
-    typical of the sensors; the key `spread` has `scatter` (of the logarithm) and `worst` of each.
+    """The error model of the fleet: on each channel the sum that most sensors have, its
+    coefficients typical of the sensors; the key `spread` has `scatter` (of the logarithm) and
+    `worst` of each.
     """
     channels, told, rates = {}, {}, table.rate.dropna()
     for channel in spreads:

@@ -1,4 +1,6 @@
-"""What a free base may have swallowed: effects that it imitates, so that nothing of them is missing."""
+"""What a free base may have swallowed: effects that it imitates, so that nothing of them is
+missing.
+"""
 
 from __future__ import annotations
 

@@ -21,9 +21,9 @@ LEAST = 2
 
 
 def agreed(results: dict[str, ChannelResult]) -> dict[str, ChannelResult]:
-    """Results by channel in which the names of what is of the sensor's design (its grid, its filter)
-    are as sure as all axes that agree on it make them; what was weighed among rivals only where
-    nothing is left unexplained.
+    """Results by channel in which the names of what is of the sensor's design (its grid, its
+    filter) are as sure as all axes that agree on it make them; what was weighed among rivals only
+    where nothing is left unexplained.
 
     An axis tells two names apart by its own noise; that the axes have one converter and one filter
     adds up what each of them says. Names that were counted are as sure as the surest.

@@ -20,9 +20,9 @@ from imu_lib.processes import Flicker, GaussMarkov, RandomWalk, WhiteNoise
 #: What a filter in the sensor has to add to the evidence of a free base.
 MIN_FILTER_EVIDENCE = 6.0
 #: Log evidence that a noise more in the base has to bring: one that the record does not show costs
-#: nothing else, its parameters being as open as before. Of 80 records of white noise, or white noise
-#: and a walk, 54 took one that was not there where it cost nothing, 2 where it cost one half or one,
-#: none where it cost 3 (benchmarks/gap_constants.py).
+#: nothing else, its parameters being as open as before. Of 80 records of white noise, or white
+#: noise and a walk, 54 took one that was not there where it cost nothing, 2 where it cost one half
+#: or one, none where it cost 3 (benchmarks/gap_constants.py).
 PER_NOISE = 1.0
 #: How many drifts are named beside a free base.
 MAX_DRIFTS = 2

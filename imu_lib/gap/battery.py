@@ -135,7 +135,9 @@ def battery(x: Array, fs: float, temperature: Array | None = None) -> dict[str, 
 
 
 def _spectrum(x: Array) -> dict[str, Array]:
-    """Logarithms of the mean power in bands, and of the largest ordinate over it in the wide ones."""
+    """Logarithms of the mean power in bands, and of the largest ordinate over it in the wide
+    ones.
+    """
     taper, edge = _window(len(x))
     z = rfft(x.astype(np.float32) * taper)
     p = z.real**2 + z.imag**2

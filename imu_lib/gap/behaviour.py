@@ -135,8 +135,8 @@ def coherent(bands: Sequence[Array]) -> bool:
 
 
 def half_in(x: Array, fs: float, low: float, high: float) -> float:
-    """Share of the time in which half of the power of the band `low` to `high` Hz of `x` (n,) comes,
-    in blocks of a second; of stationary noise some 0.4.
+    """Share of the time in which half of the power of the band `low` to `high` Hz of `x` (n,)
+    comes, in blocks of a second; of stationary noise some 0.4.
     """
     f = np.fft.rfftfreq(len(x), 1.0 / fs)
     band = np.fft.irfft(np.where((f >= low) & (f <= high), np.fft.rfft(x), 0.0), len(x))

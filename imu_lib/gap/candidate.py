@@ -63,8 +63,8 @@ class Candidate:
 
     @property
     def form(self) -> tuple[str, ...]:
-        """Its key, and which optional parameters it has: a temperature with a curvature is of another
-        form than one without.
+        """Its key, and which optional parameters it has: a temperature with a curvature is of
+        another form than one without.
         """
         parameters = () if self.process is None else self.process.parameters
         given = (

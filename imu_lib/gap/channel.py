@@ -52,10 +52,10 @@ class ChannelResult:
     `evidence` its log evidence for
     the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may
     have swallowed, `unexplained`
-    None or a sentence, `small` departures beyond chance that are too small to matter, `refit` models fitted to the first part of the record, one a simulation,
-    empty where that part does not
-    show every effect, `filled` the number of samples that were filled in,
-    `likely` grown models that stand for what the fit leaves uncertain.
+    None or a sentence, `small` departures beyond chance that are too small to matter, `refit`
+    models fitted to the first part of the record, one a simulation, empty where that part does not
+    show every effect, `filled` the number of samples that were filled in, `likely` grown models
+    that stand for what the fit leaves uncertain.
     """
 
     name: str

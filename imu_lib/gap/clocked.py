@@ -13,8 +13,8 @@ MOST = 0.05
 
 
 def at_rate(model: Model | None, fs: float) -> Model | None:
-    """The model with what steps at the rate of the samples (filters, autoregressive noises) stepping
-    at `fs` Hz, where that is the same rate by another clock.
+    """The model with what steps at the rate of the samples (filters, autoregressive noises)
+    stepping at `fs` Hz, where that is the same rate by another clock.
 
     The stamps of two logs of one sensor never tell quite the same rate: 99.97 Hz on one day, 100.02
     on another.

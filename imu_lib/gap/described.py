@@ -84,12 +84,17 @@ def describe(step: Step, channel: str) -> str:
         kinds = {c.split("_")[0] for c in p["channels"]}
         unit = p["channels"][0] if len(kinds) == 1 else ""
         return (
-            f"{step.effect}  N {value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels {', '.join(p['channels'])}"
+            f"{step.effect}  N "
+            f"{value('N', p['N'], unit) if unit else format(p['N'], '.4g') + ' SI'}, channels "
+            f"{', '.join(p['channels'])}"
             + (f", {100 * p['share']:.2g} % of their noise" if p.get("share") else "")
             + (", before their filters" if p.get("filtered") else "")
         )
     if step.effect == "parameter_change":
-        return f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> {value(p['name'], p['to'], channel)}"
+        return (
+            f"{p['process']} {p['name']}: {value(p['name'], p['from'], channel)} -> "
+            f"{value(p['name'], p['to'], channel)}"
+        )
     shown = [
         KINDS.get(k) or f"{k} {_shown(step.effect, k, v, channel)}"
         for k, v in p.items()

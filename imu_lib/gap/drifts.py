@@ -1,5 +1,5 @@
-"""Deterministic drifts beside one another: scanned by generalised least squares, their time constants
-and instants found anew.
+"""Deterministic drifts beside one another: scanned by generalised least squares, their time
+constants and instants found anew.
 """
 
 from __future__ import annotations

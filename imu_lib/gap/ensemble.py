@@ -163,7 +163,9 @@ def simulate(
 
 
 def filled(x: Array) -> np.ndarray:
-    """Missing samples replaced by straight lines, on the measurement and on the simulations alike."""
+    """Missing samples replaced by straight lines, on the measurement and on the simulations
+    alike.
+    """
     bad = np.isnan(x)
     if not bad.any():
         return x

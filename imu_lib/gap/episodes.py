@@ -1,4 +1,6 @@
-"""From when to when a place in the spectrum is louder than its surroundings: once, or on and off."""
+"""From when to when a place in the spectrum is louder than its surroundings: once, or on and
+off.
+"""
 
 from __future__ import annotations
 

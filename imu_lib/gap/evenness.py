@@ -13,9 +13,9 @@ from imu_lib.gap.check import Check
 #: Domain of the test of skewness.
 SKEW = "skewness"
 #: Relative error of the innovations' quantiles at three standard deviations from which on it
-#: matters. A gate there lets 1 - erf(2.85 / sqrt(2)), 0.44 % of the samples, pass for outliers where
-#: 0.27 % are expected; a standard deviation that is 5 % off does the same, which is no more than the
-#: half of a unit in the second digit of a datasheet's 0.010 deg/sqrt(h).
+#: matters. A gate there lets 1 - erf(2.85 / sqrt(2)), 0.44 % of the samples, pass for outliers
+#: where 0.27 % are expected; a standard deviation that is 5 % off does the same, which is no more
+#: than the half of a unit in the second digit of a datasheet's 0.010 deg/sqrt(h).
 TAIL = 0.05
 #: Share of normal samples below minus three standard deviations.
 BEYOND = float(norm.cdf(-3.0))

@@ -24,7 +24,8 @@ def sentence(domain: str, measured: Any, rows: Sequence[Any], n: int, fs: float)
     if domain in ("psd", "allan"):
         off, scatter = (10 / np.log(10) * v for v in (own[i] - np.median(many[:, i]), scatters[i]))
         return (
-            f"{_place(domain, i, n, fs)} is {off:+.2g} dB off that of simulations, which scatter by "
+            f"{_place(domain, i, n, fs)} is {off:+.2g} dB off that of simulations, which scatter "
+            "by "
             f"{scatter:.2g} dB"
         )
     what, to = _told(domain, i, len(own) - 1)

@@ -29,13 +29,13 @@ from imu_lib.record import Record
 #: over), and a record is cut to its longest stretch: there is no noise left to compare, or a filled
 #: hole would be taken for what the sensor does.
 MOST_LOST, LONGEST_STUCK, MOST_ALIKE, LONGEST_HOLES = 0.5, 0.1, 0.95, 0.2
-#: Samples that the workflow needs; means of bursts that it needs (24 of 830 normal samples raised no
-#: alarm, with a model and without).
+#: Samples that the workflow needs; means of bursts that it needs (24 of 830 normal samples raised
+#: no alarm, with a model and without).
 LEAST, LEAST_BURSTS = 2000, 800
 #: Evidence of samples that are missing because the sensor sends them in bursts.
 BURSTS = "bursts of the sensor's own"
-#: Findings of each kind in the records of benchmarks/fault_score.py, and those of them that were put
-#: in; tests/test_faults.py counts again.
+#: Findings of each kind in the records of benchmarks/fault_score.py, and those of them that were
+#: put in; tests/test_faults.py counts again.
 DETECTED = {"dropout": (54, 54), "disturbance": (32, 28), "tilt": (30, 28)}
 
 
@@ -76,7 +76,8 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     """
     if record.n < LEAST_BURSTS:
         raise InputError(
-            f"{_name(record)}: {record.n:,} samples are too few; the gap workflow needs {LEAST} or more."
+            f"{_name(record)}: {record.n:,} samples are too few; the gap workflow needs {LEAST} "
+            "or more."
         )
     findings = faults.find(record)
     still = {c for f in findings if stands(f) for c in f.channels}
@@ -88,7 +89,8 @@ def ready(record: Record, model: Model | None = None) -> Ready:
         if f.kind == "copied"
     }
     left_out |= {
-        c: f"stands at {f.parameters['value']:.4g} in {np.mean(record.channels[c] == f.parameters['value']):.0%} "
+        c: f"stands at {f.parameters['value']:.4g} in "
+        f"{np.mean(record.channels[c] == f.parameters['value']):.0%} "
         "of its samples between values on both sides, a dead zone that hides its noise"
         for f in findings
         if f.kind == "dead_zone"
@@ -136,7 +138,8 @@ def _enough(n: int, record: Record, findings: tuple[Finding, ...]) -> None:
     if n < (LEAST_BURSTS if bursts else LEAST):
         of = "" if n == record.n else f" of {record.n:,} are left without faults and"
         raise InputError(
-            f"{_name(record)}: {n:,} samples{of} are too few; the gap workflow needs {LEAST} or more."
+            f"{_name(record)}: {n:,} samples{of} are too few; the gap workflow needs {LEAST} or "
+            "more."
         )
 
 

@@ -19,8 +19,8 @@ SIDES = 12
 def beside(
     spans: Sequence[tuple[float, float]], a: int, b: int, transforms: Transforms
 ) -> dict[str, float]:
-    """How much louder than usual the surroundings of the ordinates `a` to `b` are in the `spans`, by
-    channel: where all of the noise is louder for a time, no line begins and ends.
+    """How much louder than usual the surroundings of the ordinates `a` to `b` are in the `spans`,
+    by channel: where all of the noise is louder for a time, no line begins and ends.
     """
     if not spans:
         return {}

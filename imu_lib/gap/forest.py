@@ -129,7 +129,9 @@ def _level(power: Array, free: Array) -> np.ndarray:
 
 
 def _lines(total: Array, count: int, first: int, rare: float) -> np.ndarray:
-    """Ordinates that stand out of noise and of their neighbours, of the power of `count` channels."""
+    """Ordinates that stand out of noise and of their neighbours, of the power of `count`
+    channels.
+    """
     limit = 0.5 * chi2.isf(rare, 2 * count)
     peak = (total[1:-1] > limit) & (total[1:-1] >= total[:-2]) & (total[1:-1] > total[2:])
     at = np.flatnonzero(peak) + 1

@@ -76,7 +76,9 @@ def steady(lines: list[Line], cleaned: Data, data: Data) -> tuple[list[Line], Da
 
 
 def _foretells(process: Any, x: Array, fs: float) -> bool:
-    """Whether the line as fitted to the first part lessens the power at its frequency in the rest."""
+    """Whether the line as fitted to the first part lessens the power at its frequency in the
+    rest.
+    """
     t = np.arange(len(x)) / fs
     cut = int(FITTED * len(x))
     turn = np.exp(-2j * np.pi * process.frequency * t)

@@ -57,8 +57,8 @@ def impute(
     """Bad samples drawn from their distribution given the good ones under the spectrum
     (conditional simulation).
 
-    `above` and `below` are (mask, limit): samples known only to lie beyond a limit; `before` (n,) is
-    what was drawn for them under another spectrum.
+    `above` and `below` are (mask, limit): samples known only to lie beyond a limit; `before` (n,)
+    is what was drawn for them under another spectrum.
     """
     sides = [
         clipped.Side(*side, sign)

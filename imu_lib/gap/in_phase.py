@@ -1,5 +1,5 @@
-"""Lines of a given model in the phase that they have in the record at hand: a phase is of the day on
-which it was fitted, amplitude and frequency are the sensor's or its surroundings'.
+"""Lines of a given model in the phase that they have in the record at hand: a phase is of the day
+on which it was fitted, amplitude and frequency are the sensor's or its surroundings'.
 """
 
 from __future__ import annotations

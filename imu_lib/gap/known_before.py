@@ -43,7 +43,12 @@ def _takes_back(step: Step, term: Any, duration: float) -> bool:
     change = p.get("amplitude", 0.0) / amplitude
     if "frequency" in p:  # its phase says that it is the opposite
         turn = np.cos(p.get("phase", 0.0) - (getattr(term, "phase", None) or 0.0))
-        return turn < 0 and abs(change - 1) < ALIKE and abs(p["frequency"] - term.frequency) * duration < 2  # fmt: skip
+        # fmt: skip
+        return (
+            turn < 0
+            and abs(change - 1) < ALIKE
+            and abs(p["frequency"] - term.frequency) * duration < 2
+        )
     apart = abs(p["time"] - term.time) if "time" in p else 0.0
     return abs(change + 1) < ALIKE and apart < NEAR * duration
 

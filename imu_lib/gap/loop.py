@@ -1,4 +1,6 @@
-"""The workflow on a record: what is on all of it, then every channel, then the gap before and after."""
+"""The workflow on a record: what is on all of it, then every channel, then the gap before and
+after.
+"""
 
 from __future__ import annotations
 

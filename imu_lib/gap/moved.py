@@ -1,5 +1,5 @@
-"""Jumps of several accelerometers at one time: the unit was tilted by less than the search for tilts
-needs, or by less than the gyros can show. One cause, not a step a channel.
+"""Jumps of several accelerometers at one time: the unit was tilted by less than the search for
+tilts needs, or by less than the gyros can show. One cause, not a step a channel.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ APART = 2.0
 ALONG = 0.3
 #: Seconds on each side of the jump in which the gyros turn, and that tell their level.
 TURN, LEVEL = 2.0, 20.0
-#: Standard deviations of the gyros' noise from which on a turn would be seen, and by which it may be
-#: off.
+#: Standard deviations of the gyros' noise from which on a turn would be seen, and by which it may
+#: be off.
 SEEN, OFF = 6.0, 4.0
 #: Confidence where the gyros show the turn, and where they are too noisy to show any.
 SHOWN, HIDDEN = 0.95, 0.8

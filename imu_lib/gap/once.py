@@ -21,17 +21,17 @@ PROCESSES = ("gauss_markov", "gauss_markov_2", "random_walk", "flicker", "autore
 #: Means of the record in which the change is looked for, and of them at the least on each level.
 BLOCKS, LEVEL = 100, 15
 #: Share of the variance of the means that the change explains, and its size in standard deviations
-#: of what it leaves. Of 300 paths each, no random walk and no Gauss-Markov process does as much, and
-#: of second order 1 % of those with a correlation time of a fifth of the record, 6 % of a third,
-#: 21 % of the whole: such a record cannot tell.
+#: of what it leaves. Of 300 paths each, no random walk and no Gauss-Markov process does as much,
+#: and of second order 1 % of those with a correlation time of a fifth of the record, 6 % of a
+#: third, 21 % of the whole: such a record cannot tell.
 SHARE, SIZE = 0.985, 12.0
 #: Confidence of the process where a single change explains it as well.
 DOUBTED = 0.5
 
 
 def change(x: Array, fs: float) -> tuple[float, float, float] | None:
-    """(from s, to s, size) of the one change of `x` (n,) from a level to another, by a straight line
-    between them; None where that does not explain it.
+    """(from s, to s, size) of the one change of `x` (n,) from a level to another, by a straight
+    line between them; None where that does not explain it.
     """
     size = len(x) // BLOCKS
     if size < 2:

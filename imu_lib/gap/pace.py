@@ -1,5 +1,5 @@
-"""Is the clock right? Only a line of known frequency tells: one that the given model has, or the mains
-with its multiples. Every frequency and time of a record is off by as much as its clock.
+"""Is the clock right? Only a line of known frequency tells: one that the given model has, or the
+mains with its multiples. Every frequency and time of a record is off by as much as its clock.
 """
 
 from __future__ import annotations
@@ -195,7 +195,8 @@ def _step(ratio: float, resolution: float, count: int, of: str) -> Step:
         {"effect": "vibration", "confidence": round(1 - SURE, 4)},
         [],
         gain=None,
-        cause="The sampling clock is not what the file says: an oscillator off its nominal, a rate taken from the data sheet.",
+        cause="The sampling clock is not what the file says: an oscillator off its nominal, a "
+        "rate taken from the data sheet.",
         detected=True,
         evidence=f"{count} lines {of}",
     )

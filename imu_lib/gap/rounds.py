@@ -19,8 +19,8 @@ from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, TEMPER, State
 #: eight beside it, exp(-3 / TEMPER).
 INDISTINCT = 3.0
 #: A fit gains at the most so many times what its screening promises (one of 246 candidates gained
-#: more, half of them as much as promised: benchmarks/gap_constants.py), and a rival further behind in
-#: log evidence has no weight, exp(-6 / TEMPER) = 2 %, less than what a report lists.
+#: more, half of them as much as promised: benchmarks/gap_constants.py), and a rival further behind
+#: in log evidence has no weight, exp(-6 / TEMPER) = 2 %, less than what a report lists.
 MOST_OF_SCREENED, NO_WEIGHT = 2.0, 6.0
 #: So many rivals of an item, no further behind in log evidence, are tried together with a second
 #: effect.
@@ -150,8 +150,8 @@ def _by_two(
     """The best two other effects in the place of `item`: (log evidence relative to it, second of
     the two, key of the first), or None.
 
-    A sum of two noises looks like a third: a slow and a fast one like flicker. A drift is two drifts
-    sooner than noises, however well these follow it.
+    A sum of two noises looks like a third: a slow and a fast one like flicker. A drift is two
+    drifts sooner than noises, however well these follow it.
     """
     best = None
     drifts = [w for w in weighed[MOST_REPLACED:] if w.item.column is not None]

@@ -16,7 +16,9 @@ STRENGTHS = np.geomspace(0.5, 3e5, 34)
 
 
 class Screening:
-    """The spectrum of a fitted state against the record's, and what its free parameters may move."""
+    """The spectrum of a fitted state against the record's, and what its free parameters may
+    move.
+    """
 
     def __init__(self, state: State) -> None:
         fit, problem = state.fit, state.problem

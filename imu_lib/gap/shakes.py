@@ -1,5 +1,5 @@
-"""What shakes the sensor as an entry of the model: a family of lines, a band, a forest of lines; each
-with its gain, its bands and a sentence of where it shows.
+"""What shakes the sensor as an entry of the model: a family of lines, a band, a forest of lines;
+each with its gain, its bands and a sentence of where it shows.
 """
 
 from __future__ import annotations
@@ -121,7 +121,8 @@ def of_band(band: Band) -> Shake:
     return Shake(
         process,
         band.gain,
-        f"coherence between {_names(process.channels)} from {band.low:.3g} to {band.high:.3g} Hz: {band.coherence:.2g} there and none elsewhere",
+        f"coherence between {_names(process.channels)} from {band.low:.3g} to {band.high:.3g} Hz: "
+        f"{band.coherence:.2g} there and none elsewhere",
         {"frequency": [band.low, band.high]},
         [band.reach],
     )
@@ -134,7 +135,8 @@ def of_tone(source: Source, transforms: Transforms) -> Shake:
     (name,) = source.channels
     when = loudest(transforms, name, shake.bands[0])
     shake.doubt = (
-        f"a tone at {source.frequency:.4g} Hz, {10 * np.log10(1 + source.strength):.0f} dB above the "
+        f"a tone at {source.frequency:.4g} Hz, {10 * np.log10(1 + source.strength):.0f} dB above "
+        "the "
         f"noise: {source.strange}, most of it is there from {when[0]:.0f} to {when[1]:.0f} s; no "
         "effect of the catalogue does that"
     )
@@ -188,7 +190,10 @@ def where(process: Process, strength: float, duration: float) -> str:
     if process.harmonics == 1:
         what = f"power spectral density at {process.frequency:.5g} Hz{decibel}"
     elif process.lines is not None:
-        what = f"power spectral density: {process.harmonics} lines between {lines.min():.4g} and {lines.max():.4g} Hz{decibel}"
+        what = (
+            f"power spectral density: {process.harmonics} lines between {lines.min():.4g} and "
+            f"{lines.max():.4g} Hz{decibel}"
+        )
     else:
         count = np.count_nonzero(process.shape)
         what = f"power spectral density at {count} multiples of {process.frequency:.5g} Hz{decibel}"

@@ -40,7 +40,9 @@ class Place:
     handicap: float = 0.0
 
     def gain(self, count: Array, members: list[int], density: float) -> float:
-        """Log-likelihood gained by a density that `members` share, each band with its own levels."""
+        """Log-likelihood gained by a density that `members` share, each band with its own
+        levels.
+        """
         share = np.minimum(density / self.level[:, members], 0.999)
         model = np.sqrt(share[:, :, None] * share[:, None, :])
         model[:, range(len(members)), range(len(members))] = 1.0

@@ -11,7 +11,9 @@ from typing import Any
 
 
 def each(function: Callable[..., Any], work: list[tuple[Any, ...]], jobs: int) -> Iterator[Any]:
-    """Results of `function(*args)` for the tuples of `work`, in the order in which they are done."""
+    """Results of `function(*args)` for the tuples of `work`, in the order in which they are
+    done.
+    """
     if jobs == 1 or len(work) == 1:
         for args in work:
             yield function(*args)

@@ -1,5 +1,5 @@
-"""How far the skirts of a line that wanders reach: a strong one is above its surroundings long after
-its own band has ended.
+"""How far the skirts of a line that wanders reach: a strong one is above its surroundings long
+after its own band has ended.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""A model of a clean channel in the competition: held base terms, candidates that entered, and their
-joint fit.
+"""A model of a clean channel in the competition: held base terms, candidates that entered, and
+their joint fit.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from imu_lib.processes import LowPass
 
 #: What an effect has to add to the evidence and to the log-likelihood: odds of 20 to 1, and a gain
 #: that one parameter reaches by chance once in 45,000 times, for the hundreds that are looked at.
-#: With both 3 of 1,200 channels in which nothing is hidden have a name or are left unexplained, none
-#: of them by the competition (benchmarks/results/gap_null.json).
+#: With both 3 of 1,200 channels in which nothing is hidden have a name or are left unexplained,
+#: none of them by the competition (benchmarks/results/gap_null.json).
 MIN_EVIDENCE, MIN_LIKELIHOOD = 3.0, 9.0
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record
 #: exactly of its model. How sure a name is hangs on it where there are several rivals; beside one,

@@ -99,7 +99,8 @@ def _levels(
                 Check(
                     "stationarity",
                     float(lp + np.log10(2)),
-                    f"spectrum between {bands[0][0] * fs / m:.3g} and {bands[-1][1] * fs / m:.3g} Hz: {span}",
+                    f"spectrum between {bands[0][0] * fs / m:.3g} and {bands[-1][1] * fs / m:.3g} "
+                    f"Hz: {span}",
                 )
             )
     return out

@@ -1,5 +1,5 @@
-"""The result in a few sentences: what the record is good for, what is wrong with it, what the sensor
-is like, what was the environment's, what is left, what to do next.
+"""The result in a few sentences: what the record is good for, what is wrong with it, what the
+sensor is like, what was the environment's, what is left, what to do next.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ if TYPE_CHECKING:
 
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
 REACHED = 0.1
-#: Averaging time below which the least Allan deviation is no bias instability without flicker noise, s.
+#: Averaging time below which the least Allan deviation is no bias instability without flicker
+#: noise, s.
 SHORT = 5.0
 #: Share of the record from which on the stretch that was looked at is all of it.
 WHOLE = 0.99
@@ -114,12 +115,16 @@ def _good_for(found: Report) -> str:
     )
     if _moved(found):
         return (
-            f"The record, {words.seconds(span)} at {record.rate:.5g} Hz, is not of a sensor at rest "
+            f"The record, {words.seconds(span)} at {record.rate:.5g} Hz, is not of a sensor at "
+            "rest "
             "and not good for its noise."
         )
     start, stop = found.stretch or (0.0, span)
     whole = max(found.whole or span, span)
-    text = f"The record, {words.seconds(whole)} at {record.rate:.5g} Hz, is good from {start:.0f} to {stop:.0f} s for {what}, {good}"
+    text = (
+        f"The record, {words.seconds(whole)} at {record.rate:.5g} Hz, is good from {start:.0f} "
+        f"to {stop:.0f} s for {what}, {good}"
+    )
     if stop - start < WHOLE * whole:
         text += f"; the other {words.seconds(whole - (stop - start))} are left out"
         text += " (a tilt, a restart, frozen output or a long hole lies between)"

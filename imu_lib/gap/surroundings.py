@@ -58,9 +58,9 @@ def environment(found: Report, seen: list[tuple[str, Step]], more: str) -> str:
 def _louder(step: Step) -> str:
     """What the noise level does."""
     p = step.parameters
-    if step.effect == "wandering_level" or p.get("duration"):
-        return in_short(step.where)
-    return f"the noise changed its level at {p['time']:.0f} s"
+    if "time" in p and not p.get("duration"):
+        return f"the noise changed its level at {p['time']:.0f} s"
+    return in_short(step.where)
 
 
 def _shook(steps: list[Step]) -> str:
@@ -90,8 +90,8 @@ def _shook(steps: list[Step]) -> str:
 
 
 def coupled(p: dict[str, Any]) -> bool:
-    """Whether a steady line at the frequency of the mains is on gyros alone, or accelerometers alone:
-    what shakes shakes both.
+    """Whether a steady line at the frequency of the mains is on gyros alone, or accelerometers
+    alone: what shakes shakes both.
     """
     if p.get("from") is not None or p.get("lines") or p["bandwidth"] > 0.01 * p["frequency"]:
         return False

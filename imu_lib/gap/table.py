@@ -33,13 +33,15 @@ def table(found: Report) -> str:
         after = "" if c.after is None else f"{c.after.value:.2f}"
         held = "" if not c.held_out else f"{c.held_out['before']:.2f} -> {c.held_out['after']:.2f}"
         lines.append(
-            f"{name:<9}{before:>11}{after:>7}{held:>15}  {'' if r.steps else on_channel(found, name)}"
+            f"{name:<9}{before:>11}{after:>7}{held:>15}  "
+            f"{'' if r.steps else on_channel(found, name)}"
         )
         lines += _steps(r.steps, name)
         if r.absorbed:
             lines += _folded(
                 11,
-                f"fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: {', '.join(r.absorbed)}",
+                f"fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: "
+                f"{', '.join(r.absorbed)}",
             )
         if r.unexplained:
             lines += _folded(11, f"UNEXPLAINED: {r.unexplained}")
@@ -51,7 +53,8 @@ def table(found: Report) -> str:
         if found.record_unexplained:
             lines += _folded(11, f"UNEXPLAINED: {found.record_unexplained}")
     lines.append(
-        f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from simulations as they do among themselves."
+        f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from "
+        "simulations as they do among themselves."
     )
     return "\n".join(lines)
 

@@ -1,6 +1,6 @@
-"""Single samples that are thrown off, between those that are hidden (missing, frozen, clipped): both
-are drawn anew given the others, in turns, since what is drawn under too loud a spectrum makes its
-neighbours surprising.
+"""Single samples that are thrown off, between those that are hidden (missing, frozen, clipped):
+both are drawn anew given the others, in turns, since what is drawn under too loud a spectrum makes
+its neighbours surprising.
 """
 
 from __future__ import annotations
@@ -79,15 +79,17 @@ class Hidden:
         return np.where(self.clipped, rounded, out)
 
     def _moved(self, mask: Array, limit: float) -> tuple[Array, float] | None:
-        """(mask, limit of the rest): the limit of the whole signal moves with what was set aside."""
+        """(mask, limit of the rest): the limit of the whole signal moves with what was set
+        aside.
+        """
         return (mask, limit - float(np.median(self.coarse[mask]))) if mask.any() else None
 
 
 def thrown_off(
     hidden: Hidden, smooth: Smooth, held: Thrown | None, rng: np.random.Generator
 ) -> tuple[Finding | None, Array, Array, Smooth]:
-    """(finding or None, mask of the samples, clean rest, its spectrum); `held` are the spikes of the
-    given model, or None.
+    """(finding or None, mask of the samples, clean rest, its spectrum); `held` are the spikes of
+    the given model, or None.
     """
     clean, spikes, spiked = hidden.rest, None, np.zeros(len(hidden.rest), bool)
     former = None

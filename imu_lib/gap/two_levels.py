@@ -106,7 +106,9 @@ class TwoLevels:
     variance: float
 
     def differs(self, given: Telegraph, duration: float) -> float:
-        """Log-likelihood by which their distance or their flips speak against a `given` telegraph."""
+        """Log-likelihood by which their distance or their flips speak against a `given`
+        telegraph.
+        """
         distance = np.log(self.process.amplitude / given.amplitude) / self.spread()[0]
         expected, flips = given.rate * duration, max(self.flips, 1e-3)
         return float(max(0.5 * distance**2, flips * np.log(flips / expected) - flips + expected))

@@ -81,7 +81,8 @@ def spectrum(state: State) -> Check:
             worst = Check(
                 "psd",
                 float(corrected),
-                f"power spectral density between {f[i]:.3g} and {f[min(i + width, len(f)) - 1]:.3g} Hz, "
+                f"power spectral density between {f[i]:.3g} and "
+                f"{f[min(i + width, len(f)) - 1]:.3g} Hz, "
                 f"{decibel:+.2g} dB from the fitted model",
             )
     return worst
@@ -161,7 +162,8 @@ def _bent(r: Array, known: Array, curves: Array, data: Data) -> Check:
     return Check(
         "temperature",
         float(chi2.logsf(gain, curves.shape[1]) / np.log(10)),
-        f"regression on the temperature between {low:.1f} and {high:.1f} degC: it is no straight line",
+        f"regression on the temperature between {low:.1f} and {high:.1f} degC: it is no straight "
+        "line",
     )
 
 

@@ -18,7 +18,8 @@ FAULTS = ("dropout", "held", "time_gaps", "jitter", "rate_error", "stuck", "spik
 LOST = ("dropout", "time_gaps")
 TOUCHED = ("disturbance", "tilt")
 JUMPS = ("step", "telegraph")
-#: Confidence below which a name is not told at all (the table has it), and how many doubtful ones are.
+#: Confidence below which a name is not told at all (the table has it), and how many doubtful ones
+#: are.
 LEAST, DOUBTS = 0.1, 3
 #: m/s^2.
 GRAVITY = 9.80665

@@ -44,7 +44,8 @@ def of_drive(drive: Drive) -> Health:
     if gnss["gaps"]:
         count = int((step > 1.5 * usual).sum())
         more.append(
-            f"{count} {'gap' if count == 1 else 'gaps'} between fixes, the longest {float(step.max()):.3g} s."
+            f"{count} {'gap' if count == 1 else 'gaps'} between fixes, the longest "
+            f"{float(step.max()):.3g} s."
         )
     if drive.gnss_velocity is None:
         more.append("The fixes have no velocity.")

@@ -35,30 +35,36 @@ def frames(drive: Drive) -> tuple[list[str], Drive | None]:
     """
     if fix_faults.positions_swapped(drive):
         return [
-            "The fixes' positions are longitude, latitude; a drive holds latitude, longitude: swap the first two columns of gnss_position."
+            "The fixes' positions are longitude, latitude; a drive holds latitude, longitude: "
+            "swap the first two columns of gnss_position."
         ], None
     if fix_faults.velocities_swapped(drive):
         return [
-            "The fixes' velocities are east, north, up; a drive holds north, east, down: swap the first two and turn the third's sign."
+            "The fixes' velocities are east, north, up; a drive holds north, east, down: swap the "
+            "first two and turn the third's sign."
         ], None
     out = _speeds(drive) + _jumps(drive) + _held(drive)
     if fix_faults.upside_down(drive):
         out.append(
-            "The heights rise where the fixes' velocities fall: a drive holds north, east, down; turn the sign of the third column of "
+            "The heights rise where the fixes' velocities fall: a drive holds north, east, down; "
+            "turn the sign of the third column of "
             "gnss_velocity, or of the heights if they are depths."
         )
     if axes.forces_reversed(drive):
         drive = drive.with_(accel=-drive.accel)
         out.append(
-            "The accelerometers have all signs turned: they read gravity, and not the specific force, its opposite; multiply `accel` by -1."
+            "The accelerometers have all signs turned: they read gravity, and not the specific "
+            "force, its opposite; multiply `accel` by -1."
         )
     permutation, _, _, gain, _ = axes.of(drive)
     if permutation != axes.IDENTITY:
         c = axes.to_body(permutation)
         drive = drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
         out.append(
-            f"The axes are not forward, right, down: the fixes' accelerations and turns fit when x, y, z of the file point "
-            f"along the body's {', '.join(permutation)} ({gain:.0f} nats); `imu-lib gap` on this drive with --out DIR writes a model file that "
+            "The axes are not forward, right, down: the fixes' accelerations and turns fit when "
+            "x, y, z of the file point "
+            f"along the body's {', '.join(permutation)} ({gain:.0f} nats); `imu-lib gap` on this "
+            "drive with --out DIR writes a model file that "
             "holds it, for --model."
         )
     return out + _turned(drive) + _clocks(drive), drive
@@ -71,8 +77,10 @@ def _turned(drive):
         return []
     roll, pitch, yaw = angles / DEG
     return [
-        f"The sensor's case is turned in the vehicle, by about roll {roll:.0f}, pitch {pitch:.0f}, yaw {yaw:.0f} deg ({gain:.0f} nats): a filter "
-        "that takes its x for forward starts with a wrong heading; `imu-lib gap` on this drive with --out DIR writes a model file that holds "
+        f"The sensor's case is turned in the vehicle, by about roll {roll:.0f}, pitch "
+        f"{pitch:.0f}, yaw {yaw:.0f} deg ({gain:.0f} nats): a filter "
+        "that takes its x for forward starts with a wrong heading; `imu-lib gap` on this drive "
+        "with --out DIR writes a model file that holds "
         "the mounting, for --model."
     ]
 
@@ -82,7 +90,8 @@ def _clocks(drive):
     if halves is None or abs(halves[1] - halves[0]) < STEADY:
         return []
     return [
-        f"The fixes are {_late(halves[0])} in the first half of the drive and {_late(halves[1])} in the second: one of the clocks jumps or "
+        f"The fixes are {_late(halves[0])} in the first half of the drive and {_late(halves[1])} "
+        "in the second: one of the clocks jumps or "
         "drifts; cut the drive where it does (--start, --stop)."
     ]
 
@@ -107,8 +116,10 @@ def _jumps(drive):
     what = f"heights by {-down:+.0f} m" if abs(down) > aside else f"positions by {aside:.0f} m"
     often = "once" if time.size == 1 else f"{time.size} times"
     return [
-        f"The fixes jump {often} and stay there, their {what} at {time[k]:.1f} s, where the fixes about it do not move: another datum (geoid or "
-        "ellipsoid), base station or solution from then on; bring them to one, or cut the drive there (--start, --stop)."
+        f"The fixes jump {often} and stay there, their {what} at {time[k]:.1f} s, where the fixes "
+        "about it do not move: another datum (geoid or "
+        "ellipsoid), base station or solution from then on; bring them to one, or cut the drive "
+        "there (--start, --stop)."
     ]
 
 
@@ -118,7 +129,8 @@ def _held(drive):
         return []
     first = float(np.asarray(drive.gnss_time)[held][0])
     return [
-        f"{held.sum()} of {held.size} fixes repeat the position of the one before while the drive goes on, the first at {first:.1f} s: the receiver "
+        f"{held.sum()} of {held.size} fixes repeat the position of the one before while the drive "
+        f"goes on, the first at {first:.1f} s: the receiver "
         "holds its last solution; `outages` and `gap` do not use them."
     ]
 
@@ -136,7 +148,8 @@ def _time(drive):
             flags = f"--latency {alone:.1f} --velocity-latency {offset:.1f}"
     return [
         f"The fixes are {_late(offset)} against the IMU (turns and accelerations agree best there, "
-        f"correlation {likeness:.2f}): give `imu-lib outages` {flags}, or let `imu-lib gap` find it to the hundredth."
+        f"correlation {likeness:.2f}): give `imu-lib outages` {flags}, or let `imu-lib gap` find "
+        "it to the hundredth."
     ]
 
 
@@ -156,7 +169,8 @@ def _turns(drive):
     for factor, unit in ((1.0 / DEG, "deg/s"), (DEG, "rad/s twice converted")):
         if 0.7 < slope / factor < 1.4:
             return [
-                f"The gyros turn {slope:.3g} times as fast as the fixes' course: they are in {unit}, not rad/s; multiply them by {1 / factor:.4g}."
+                f"The gyros turn {slope:.3g} times as fast as the fixes' course: they are in "
+                f"{unit}, not rad/s; multiply them by {1 / factor:.4g}."
             ]
     return []
 
@@ -183,7 +197,8 @@ def _weight(drive):
     axis = int(np.argmax(np.abs(down)))
     bias = np.sign(down[axis]) * (size - g)  # added to what the file has on that axis
     return [
-        f"Gravity reads {size:.3f} m/s^2 in the quietest seconds, {g:.3f} is true there: a scale factor of "
+        f"Gravity reads {size:.3f} m/s^2 in the quietest seconds, {g:.3f} is true there: a scale "
+        "factor of "
         f"{size / g - 1:+.3f} or a bias of {bias:+.2f} m/s^2 on the accelerometer's {'xyz'[axis]}; "
         "`imu-lib gap` tells which, where the drive can."
     ]
@@ -201,7 +216,8 @@ def _reference(drive):
     if jumps.size:
         k = jumps[np.argmax(moved[jumps])]
         out.append(
-            f"The reference jumps {jumps.size} times, by {moved[k]:.0f} m at {time[k]:.1f} s: errors against it there are its own; "
+            f"The reference jumps {jumps.size} times, by {moved[k]:.0f} m at {time[k]:.1f} s: "
+            "errors against it there are its own; "
             "score against the full-GNSS solution."
         )
     at = np.column_stack(
@@ -213,7 +229,8 @@ def _reference(drive):
         apart = float(np.median(earth.horizontal(drive.gnss_position[inside], at[inside])))
         if apart > FAR:
             out.append(
-                f"The reference lies {apart:.0f} m from the fixes in the median: one of the two is in another frame, or late."
+                f"The reference lies {apart:.0f} m from the fixes in the median: one of the two "
+                "is in another frame, or late."
             )
     return out
 
@@ -246,12 +263,15 @@ def _fixes(drive):
     )
     if scatter > RATIO * np.hypot(stated, extra):
         out.append(
-            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where {stated / np.sqrt(2):.2g} m is stated: "
+            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where "
+            f"{stated / np.sqrt(2):.2g} m is stated: "
             "their standard deviations are too small; `imu-lib gap` says by how much (gnss_noise)."
         )
     elif scatter < stated / (3.0 * RATIO):
         out.append(
-            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where {stated / np.sqrt(2):.2g} m is stated: "
-            "their errors last (gnss_correlated) or the standard deviations are too large; `imu-lib gap` says which."
+            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where "
+            f"{stated / np.sqrt(2):.2g} m is stated: "
+            "their errors last (gnss_correlated) or the standard deviations are too large; "
+            "`imu-lib gap` says which."
         )
     return out

@@ -44,7 +44,8 @@ def sentences(record, clock, channels, motion, temperature, faults):
         )
     if record.n < FEW:
         yield (
-            f"The record has {record.n} samples; at least {FEW} are needed to characterise its noise."
+            f"The record has {record.n} samples; at least {FEW} are needed to characterise its "
+            "noise."
         )
     if clock.duration < 600:
         yield (
@@ -118,7 +119,8 @@ def _units(record, channels, motion):
         if abs(off) > GRAVITY:
             yield (
                 f"The specific force at rest is {motion.gravity:.4g} m/s^2, {100 * abs(off):.2g} % "
-                f"{'above' if off > 0 else 'below'} gravity: a scale factor, a bias, or a unit that "
+                f"{'above' if off > 0 else 'below'} gravity: a scale factor, a bias, or a unit "
+                "that "
                 "is not what it is said to be (`imu-lib calibrate` tells the first two)."
             )
     if gyros and accels and not 0.3 < np.median(accels) / np.median(gyros) < 250:

@@ -188,7 +188,8 @@ def fast_end(x: Any, fs: Any) -> FastEnd:
                 best[2].p_value,
                 best[3]
                 if share == 1.0
-                else f"the spectrum above {top:.3g} Hz is neither flat nor that of a known filter and is left out",
+                else f"the spectrum above {top:.3g} Hz is neither flat nor that of a known filter "
+                "and is left out",
             )
         whole = whole or best
     # nothing is explained perfectly: keep the description of the whole, if it earns its place

@@ -1,4 +1,6 @@
-"""Times and frequencies of drifts, found one drift after the other under the noise that fits best."""
+"""Times and frequencies of drifts, found one drift after the other under the noise that fits
+best.
+"""
 
 from __future__ import annotations
 

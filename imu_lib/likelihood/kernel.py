@@ -6,12 +6,11 @@ weight
 
     |W_p(u)|^2 = 4 a^2 (1 - (-1)^p cos a) / (a^2 - pi^2 p^2)^2,   a = 2 pi u,
 
-so the expected square is the integral of S(u/T) |W_p(u)|^2 du from 0 to infinity. High up this is S at
-f = p/(2T); for the first coefficients of a process whose correlation time is a sizeable part of
-the record it
-is not (a Gauss-Markov process with Tc = T/4 has a third less power in p = 1). A walk and white
-noise give S exactly
-at every p. The weights depend on u alone: one matrix serves every record and every process.
+so the expected square is the integral of S(u/T) |W_p(u)|^2 du from 0 to infinity. High up this is
+S at f = p/(2T); for the first coefficients of a process whose correlation time is a sizeable part
+of the record it is not (a Gauss-Markov process with Tc = T/4 has a third less power in p = 1). A
+walk and white noise give S exactly at every p. The weights depend on u alone: one matrix serves
+every record and every process.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ U_LOW, U_HIGH = 1e-4, 1e5
 
 
 def _window_power(u: Array, p: Array) -> Array:
-    """|W_p(u)|^2 for u (k,) and p (q,) -> (q, k); the removable poles at u = p/2 have the value 1/2."""
+    """|W_p(u)|^2 for u (k,), p (q,) -> (q, k); at the removable poles u = p/2 the value is 1/2."""
     a, pole = 2 * np.pi * u[None, :], np.pi * p[:, None]
     gap = a**2 - pole**2
     near = np.abs(a - pole) < 1e-6

@@ -9,7 +9,8 @@ tridiagonal
 covariances, whose eigenvectors are sines), nearly for flicker and Gauss-Markov. In units of a
 one-sided density,
 
-    I_p = 2 c_p^2 / fs,    E I_p = S(p fs / 2n)  (`kernel` for the first ones),    I_p / E I_p ~ chi-square, 1 dof.
+    I_p = 2 c_p^2 / fs,    E I_p = S(p fs / 2n)  (`kernel` for the first ones),    I_p / E I_p ~
+    chi-square, 1 dof.
 
 The slow end is kept coefficient by coefficient; from `1/WIDTH` on, neighbours are summed over
 bands of relative width

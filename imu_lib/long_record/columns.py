@@ -158,7 +158,10 @@ class Numpy:
         with open(self.path, "rb") as file:
             for key, (offset, shape, dtype) in members.items():
                 whole = not shape or shape[0] != total
-                first, count = (0, shape[0] if shape else 1) if whole else (start, min(stop, total) - start)  # fmt: skip
+                # fmt: skip
+                first, count = (
+                    (0, shape[0] if shape else 1) if whole else (start, min(stop, total) - start)
+                )
                 more = int(np.prod(shape[1:])) if shape else 1
                 file.seek(offset + first * more * dtype.itemsize)
                 x = np.fromfile(file, dtype, count * more)

@@ -33,11 +33,15 @@ def cut(record: LongRecord, start: float | None, stop: float | None) -> LongReco
     if high - low < 2 or not len(runs):
         end = "its end" if stop is None else f"{stop:g} s"
         raise InputError(
-            f"{record.source}: from {start or 0:g} s to {end} there are fewer than two samples of a "
+            f"{record.source}: from {start or 0:g} s to {end} there are fewer than two samples of "
+            "a "
             f"record of {record.duration:.6g} s; choose a part inside it."
         )
     runs[0, 2] += max(low - runs[0, 0], 0)
     runs[0, 0] = max(runs[0, 0], low)
     runs[-1, 1] = min(runs[-1, 1], high)
-    note = f"The part from {start or 0:g} to {'the end' if stop is None else format(stop, 'g') + ' s'} was used."
+    note = (
+        f"The part from {start or 0:g} to "
+        f"{'the end' if stop is None else format(stop, 'g') + ' s'} was used."
+    )
     return replace(record, runs=runs, begin=low, rows=high, notes=(*record.notes, note))

@@ -79,14 +79,17 @@ def open_folder(path, *, rate=None, progress=None, **options):
     found = record_of(log.state(), path, lambda name: (sink, name))
     if not beside:
         return found
-    note = f"Beside the logs stand {', '.join(beside[:3])}{' ...' * (len(beside) > 3)}, which were left out."
+    note = (
+        f"Beside the logs stand {', '.join(beside[:3])}{' ...' * (len(beside) > 3)}, which "
+        "were left out."
+    )
     return replace(found, notes=(*found.notes, note))
 
 
 def _logs(path):
-    """(the logs of a folder in the order of their numbers, names of other files that might be read);
-    no logs where none are a row: two files or more whose names differ in their numbers alone, and
-    no other such row or other record beside them.
+    """(the logs of a folder in the order of their numbers, names of other files that might be
+    read); no logs where none are a row: two files or more whose names differ in their numbers
+    alone, and no other such row or other record beside them.
     """
     kinds: dict = {}
     for file in path.iterdir():
@@ -95,7 +98,8 @@ def _logs(path):
             continue
         if file.is_symlink() and not file.exists():
             raise InputError(
-                f"{file} is a link to a file that is not there; bring that file back or remove the link."
+                f"{file} is a link to a file that is not there; bring that file back or remove "
+                "the link."
             )
         if file.is_file():
             kinds.setdefault(re.sub(r"\d+", "#", name), []).append(file)

@@ -121,7 +121,8 @@ def _missing(source, columns, rows):
                 infinite = np.flatnonzero(np.isinf(x))
                 if infinite.size:
                     raise InputError(
-                        f"{source.path}, `{column.name}`, row {at + int(infinite[0]) + 1}: the value "
+                        f"{source.path}, `{column.name}`, row {at + int(infinite[0]) + 1}: the "
+                        "value "
                         "is infinite; leave the field empty (NaN) where a sample is missing."
                     )
                 gone = np.flatnonzero(np.isnan(x))

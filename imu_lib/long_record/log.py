@@ -33,8 +33,8 @@ class Log:
         self.span, self.warm, self.began, self.begin, self.tick = {}, None, None, None, 0.0
 
     def append(self, file, record, start, tick=0.0):
-        """The next record; `start` is its first stamp, s, or None; `tick`, s, is how well the clock tells
-        it.
+        """The next record; `start` is its first stamp, s, or None; `tick`, s, is how well the
+        clock tells it.
         """
         names = record.channel_names
         if self.names is None:
@@ -42,7 +42,8 @@ class Log:
             self.warm, self.began = record.temperature is not None, start
         if names != self.names:
             raise InputError(
-                f"{file} has the channels {', '.join(names)}, {self.first} {', '.join(self.names)}; "
+                f"{file} has the channels {', '.join(names)}, {self.first} "
+                f"{', '.join(self.names)}; "
                 "logs of one record have the same."
             )
         if abs(record.rate / self.rate - 1) > 0.01:
@@ -53,7 +54,8 @@ class Log:
         begin = start, *(float(x[k]) for x in record.channels.values() for k in (0, -1))
         if begin == self.begin and not np.isnan(begin[1:]).any():
             raise InputError(
-                f"{file} holds what the log before it holds, from its first stamp to its last value; "
+                f"{file} holds what the log before it holds, from its first stamp to its last "
+                "value; "
                 "remove one of the two."
             )
         self.begin = begin
@@ -80,8 +82,8 @@ class Log:
         self.clock = None if start is None else start + float(slots[-1] + 1) / record.rate
 
     def _between(self, file, start, tick):
-        """Samples missing between what was read before and this: none where the clock's tick may hide
-        them.
+        """Samples missing between what was read before and this: none where the clock's tick may
+        hide them.
         """
         if self.rows == 0:
             return 0
@@ -139,7 +141,9 @@ class Log:
 
 
 def _of_reading(record):
-    """Notes of a part but for those that count, which are told of the whole, or once without a count."""
+    """Notes of a part but for those that count, which are told of the whole, or once without a
+    count.
+    """
     told = [n for n in record.notes if "samples missing" not in n and "no number in" not in n]
     return [re.sub(r"^[\d,]+ of [\d,]+ (time stamps)", r"Many \1", n) for n in told]
 

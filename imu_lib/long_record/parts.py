@@ -121,7 +121,12 @@ def _members(path, place):
         files = {key: archive.open(f"{key}.npy") for key in shapes}
         for file in files.values():
             columns.shape_of(file)
-        whole = {k: _taken(files[k], shapes[k], None) for k, (s, _) in shapes.items() if not s or s[0] != total}  # fmt: skip
+        # fmt: skip
+        whole = {
+            k: _taken(files[k], shapes[k], None)
+            for k, (s, _) in shapes.items()
+            if not s or s[0] != total
+        }
         for low in range(0, total, ROWS):
             high = min(low + ROWS, total)
             if total - high < ROWS // 8:

@@ -77,7 +77,8 @@ class Model:
         unknown = sorted(set(self.channels) - set(CHANNELS))
         if unknown:
             raise InputError(
-                f"unknown channel {unknown[0]!r} in the error model; channels are {', '.join(CHANNELS)}"
+                f"unknown channel {unknown[0]!r} in the error model; channels are "
+                f"{', '.join(CHANNELS)}"
             )
         if not ordered:
             raise InputError("the error model has no channel; channels are " + ", ".join(CHANNELS))
@@ -207,14 +208,15 @@ class Model:
             ) from None
         except json.JSONDecodeError as error:
             raise InputError(
-                f"{path}, line {error.lineno}, column {error.colno}: not valid JSON ({error.msg}); the file is damaged or cut off: "
+                f"{path}, line {error.lineno}, column {error.colno}: not valid JSON "
+                f"({error.msg}); the file is damaged or cut off: "
                 "write it anew, or give preset:NAME"
             ) from None
         return cls.from_json(content, where=str(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the error-model file; it appears whole or not at all. A symbolic link is followed, and
-        a device or pipe is written through.
+        """Write the error-model file; it appears whole or not at all. A symbolic link is followed,
+        and a device or pipe is written through.
         """
         path = Path(path)
         if path.exists() and not (path.is_file() or path.is_dir()):

@@ -24,7 +24,8 @@ def turn_on(value: Any, where: str) -> tuple[float, float] | None:
     pair = [value.get(k, v) for k, v in TURN_ON.items()] if known else []
     if not known or any(isinstance(v, bool) or not isinstance(v, (int, float)) for v in pair):
         raise InputError(
-            f"{where}: `turn_on` is an object of two numbers, `gyro` rad/s and `accel` m/s^2, not {value!r}"
+            f"{where}: `turn_on` is an object of two numbers, `gyro` rad/s and `accel` m/s^2, not "
+            f"{value!r}"
         )
     if not all(0.0 <= v < np.inf for v in pair):
         raise InputError(f"{where}: `turn_on` holds standard deviations, 0 or above, not {value!r}")

@@ -119,12 +119,14 @@ def align(
     index = np.flatnonzero(inside)
     if not index.size:
         raise InputError(
-            f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to start the filter from"
+            f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to "
+            "start the filter from"
         )
     seen = _seen(stretch, fixes, index)
     if heading is None and not seen.straight:
         raise InputError(
-            f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s moves faster than "
+            f"the heading cannot be found: no fix between {stretch.time[0]:.1f} and "
+            f"{stretch.time[-1]:.1f} s moves faster than "
             f"{MOVING:g} m/s on a straight; give the initial heading (--heading DEG)"
         )
     if seen.standstill >= 2.0:
@@ -134,8 +136,9 @@ def align(
 
 @dataclass(frozen=True)
 class _Seen:
-    """Of the fixes `index` (k,) in a stretch: time, velocity (k, 3) and epoch; straight: those in quick
-    straight motion; begin, leaves: epochs of the standstill, s long; first: fix with a velocity.
+    """Of the fixes `index` (k,) in a stretch: time, velocity (k, 3) and epoch; straight: those in
+    quick straight motion; begin, leaves: epochs of the standstill, s long; first: fix with a
+    velocity.
     """
 
     index: np.ndarray

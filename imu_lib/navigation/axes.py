@@ -49,8 +49,8 @@ def of(drive: Drive):
 
 
 def forces_reversed(drive: Drive) -> bool:
-    """Whether the accelerometers, all their signs turned, fit the gyros and the fixes clearly better
-    than under any order and sign of the axes.
+    """Whether the accelerometers, all their signs turned, fit the gyros and the fixes clearly
+    better than under any order and sign of the axes.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 50:
@@ -100,8 +100,8 @@ def _temper(m, least):
 
 
 def turn(drive: Drive):
-    """How the case is turned in the vehicle, by the fixes' own motion: (roll, pitch, yaw rad, gain in nats
-    over a case that is not turned); zeros where the drive does not say.
+    """How the case is turned in the vehicle, by the fixes' own motion: (roll, pitch, yaw rad, gain
+    in nats over a case that is not turned); zeros where the drive does not say.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 50:

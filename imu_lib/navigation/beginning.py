@@ -10,9 +10,9 @@ from .structures import State
 def initial_state(start, arm, turn, x, p_sensor):
     """State of the sensor's point.
 
-    start : `alignment.Alignment`, in the vehicle's axes; arm (3,) m, vehicle axes: from the sensor to
-    the point whose position it has; turn (3, 3): the case's axes into the vehicle's, or None; x (m,),
-    p_sensor (m, m): sensor states and their covariance
+    start : `alignment.Alignment`, in the vehicle's axes; arm (3,) m, vehicle axes: from the sensor
+    to the point whose position it has; turn (3, 3): the case's axes into the vehicle's, or None; x
+    (m,), p_sensor (m, m): sensor states and their covariance
     """
     nav = np.zeros(16)
     away = attitude.matrix(start.attitude) @ arm

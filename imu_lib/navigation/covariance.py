@@ -225,7 +225,9 @@ def propagate(pieces, room, a, d, h, sensors):
 
 @njit(cache=True)
 def project(pieces, h, tail, ph):
-    """P h' into ph (n,), for h (n,) that is zero on the channels' states: on columns 9 to 9 + tail."""
+    """P h' into ph (n,), for h (n,) that is zero on the channels' states: on columns 9 to 9 +
+    tail.
+    """
     nn, ns, ss = pieces.nn, pieces.ns, pieces.ss
     m = ns.shape[1]
     for j in range(9 + m):

@@ -143,7 +143,8 @@ class LooselyCoupled:
                 if last is None and number + 1 == len(self.prepared.stretches):
                     raise
                 notes.append(
-                    f"Stretch from {stretch.time[0]:.1f} to {stretch.time[-1]:.1f} s left out: {error}."
+                    f"Stretch from {stretch.time[0]:.1f} to {stretch.time[-1]:.1f} s left out: "
+                    f"{error}."
                 )
                 continue
             if last is not None:
@@ -236,7 +237,8 @@ class LooselyCoupled:
         )
         if not np.isfinite(logs.nav[-1:]).all() or not np.isfinite(logs.sd[-1:]).all():
             raise InputError(
-                f"the filter {self.model.name} diverged before {stretch.time[end]:.1f} s: check the units of the drive "
+                f"the filter {self.model.name} diverged before {stretch.time[end]:.1f} s: check "
+                "the units of the drive "
                 "and the error model (an unstable process grows without bound)"
             )
         innovations = None

@@ -1,5 +1,5 @@
-"""What the fixes say against themselves: positions far off between their neighbours, or that jump for
-good, or that only repeat the last; velocities in another frame or unit than the positions.
+"""What the fixes say against themselves: positions far off between their neighbours, or that jump
+for good, or that only repeat the last; velocities in another frame or unit than the positions.
 """
 
 import numpy as np
@@ -56,8 +56,8 @@ def upside_down(drive: Drive) -> bool:
 
 
 def _motion(drive):
-    """Horizontal velocities (k, 2) at which positions move over about 2 s, and those that the fixes state,
-    where they are quick.
+    """Horizontal velocities (k, 2) at which positions move over about 2 s, and those that the
+    fixes state, where they are quick.
     """
     time = np.asarray(drive.gnss_time)
     position, velocity = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
@@ -76,7 +76,9 @@ def _apart(moved, went):
 
 
 def velocities_swapped(drive: Drive) -> bool:
-    """Whether the fixes' velocities fit their own positions as east, north and not as north, east."""
+    """Whether the fixes' velocities fit their own positions as east, north and not as north,
+    east.
+    """
     if drive.gnss_velocity is None:
         return False
     moved, went = _motion(drive)
@@ -87,7 +89,9 @@ def velocities_swapped(drive: Drive) -> bool:
 
 
 def positions_swapped(drive: Drive) -> bool:
-    """Whether the fixes' velocities fit their positions with latitude and longitude exchanged only."""
+    """Whether the fixes' velocities fit their positions with latitude and longitude exchanged
+    only.
+    """
     position = np.asarray(drive.gnss_position, float)
     if drive.gnss_velocity is None or np.nanmax(np.abs(position[:, 1])) > np.pi / 2:
         return False
@@ -100,8 +104,8 @@ def positions_swapped(drive: Drive) -> bool:
 
 
 def speed_ratio(drive: Drive) -> float:
-    """Stated speeds over those at which the positions move; 1 where both agree within a fifth, or too
-    little is known.
+    """Stated speeds over those at which the positions move; 1 where both agree within a fifth, or
+    too little is known.
     """
     if drive.gnss_velocity is None:
         return 1.0
@@ -119,8 +123,8 @@ def unit_of(ratio) -> str | None:
 
 
 def held(drive: Drive):
-    """Which fixes (m,) only repeat the position of the one before while the drive goes on: of a receiver
-    that gives its last solution until it has another.
+    """Which fixes (m,) only repeat the position of the one before while the drive goes on: of a
+    receiver that gives its last solution until it has another.
     """
     position, time = np.asarray(drive.gnss_position, float), np.asarray(drive.gnss_time)
     out = np.zeros(len(position), bool)
@@ -138,8 +142,8 @@ def held(drive: Drive):
 
 
 def jumps(drive: Drive):
-    """Times (k,) s and sizes (k, 3) m, NED, of jumps of the positions that stay and that the fixes before
-    and after, or their velocities, do not explain.
+    """Times (k,) s and sizes (k, 3) m, NED, of jumps of the positions that stay and that the fixes
+    before and after, or their velocities, do not explain.
     """
     time, position = np.asarray(drive.gnss_time), np.asarray(drive.gnss_position, float)
     good = np.isfinite(position).all(axis=1) & ~held(drive)

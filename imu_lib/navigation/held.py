@@ -169,7 +169,8 @@ class Held:
         if heading is None:
             if drive.reference_attitude is None:
                 raise InputError(
-                    "the effect heading is the error of a given heading: give one, or a drive with reference_attitude"
+                    "the effect heading is the error of a given heading: give one, or a drive "
+                    "with reference_attitude"
                 )
             heading = float(drive.reference_attitude[0, 2])
         return heading - effect["error"]

@@ -100,7 +100,8 @@ class Innovations:
         recovered = (self.bits & measurement.RECOVERED) > 0
         if recovered.any():
             out.append(
-                f"The covariance was widened {int(recovered.sum())} times because the fixes kept disagreeing with the filter, "
+                f"The covariance was widened {int(recovered.sum())} times because the fixes kept "
+                "disagreeing with the filter, "
                 f"first at {self.time[np.argmax(recovered)]:.1f} s."
             )
         return out

@@ -20,9 +20,9 @@ AVERAGE = 0.2  # s over which motion is averaged for the rows of the measurement
 
 
 class Body(NamedTuple):
-    """Motion over an interval: before (3,) velocity at its begin, middle (3, 3) mean attitude, force (3,)
-    specific force NED, spin (3,) turn rate, motion (3, 3) acceleration of the interval, its average and
-    the turn rate's over the last tenths of a second.
+    """Motion over an interval: before (3,) velocity at its begin, middle (3, 3) mean attitude,
+    force (3,) specific force NED, spin (3,) turn rate, motion (3, 3) acceleration of the interval,
+    its average and the turn rate's over the last tenths of a second.
     """
 
     before: np.ndarray
@@ -33,8 +33,8 @@ class Body(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Of an interval: f, a, f2 (9, 9), d (9, 6) of `covariance.fill_transition`, weight (m,) of the sensor
-    states, white (6,) densities, x_new (m,); room to propagate in.
+    """Of an interval: f, a, f2 (9, 9), d (9, 6) of `covariance.fill_transition`, weight (m,) of
+    the sensor states, white (6,) densities, x_new (m,); room to propagate in.
     """
 
     f: np.ndarray

@@ -1,5 +1,5 @@
-"""By how much the stamps of the fixes are late, from turns and accelerations that the fixes show and the
-readings feel (`fix_motion`).
+"""By how much the stamps of the fixes are late, from turns and accelerations that the fixes show
+and the readings feel (`fix_motion`).
 """
 
 import numpy as np
@@ -25,8 +25,8 @@ def late(drive: Drive) -> tuple[float, float]:
 
 def best_match(drive: Drive) -> tuple[float, float, float]:
     """Time by which the fixes are late where their turns and accelerations match those felt best,
-    s, the correlation there, and as the stamps stand; 0 where nothing matches. A few hundredths of a second
-    are what smoothing does differently to the two.
+    s, the correlation there, and as the stamps stand; 0 where nothing matches. A few hundredths of
+    a second are what smoothing does differently to the two.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 200:
@@ -65,7 +65,9 @@ def _alike(m, column, shift):
 
 
 def of_halves(drive: Drive):
-    """`late` of the first and of the second half of a drive, s; None where one of them does not say."""
+    """`late` of the first and of the second half of a drive, s; None where one of them does
+    not say.
+    """
     middle = 0.5 * (drive.time[0] + drive.time[-1])
     out = []
     for before in (True, False):

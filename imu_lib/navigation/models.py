@@ -129,7 +129,8 @@ def five(
     rate : float, Hz, of the drive
     names : the models wanted
     causal : whether the de-noising of 18AVWD may use the future (False: it may, as in the paper)
-    turn_on_sd, constant : as in `FilterModel`: a bias left at switch-on goes to the slowest state of a
+    turn_on_sd, constant : as in `FilterModel`: a bias left at switch-on goes to the slowest state
+    of a
         channel, which a Gauss-Markov or autoregressive process forgets, or to one that keeps it
 
     Raises
@@ -161,7 +162,8 @@ def five(
         else:
             if abs(static.rate / rate - 1.0) > 0.02:
                 raise InputError(
-                    f"the static record is at {static.rate:g} Hz, the drive at {rate:g} Hz; the autoregressive models need one rate"
+                    f"the static record is at {static.rate:g} Hz, the drive at {rate:g} Hz; the "
+                    "autoregressive models need one rate"
                 )
             still = static.continuous()
             record = {c: still[c] for c in CHANNELS}

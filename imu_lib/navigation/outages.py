@@ -55,7 +55,8 @@ def compare(
     gnss, heading, options : passed to `LooselyCoupled`
     strict : refuse a window that a model cannot start; False leaves it out for all models, and
     says so
-    progress : wraps the names of the models to show how far it is, as tqdm does; notes : said before the study's own
+    progress : wraps the names of the models to show how far it is, as tqdm does; notes : said
+    before the study's own
 
     Raises
     ------
@@ -92,28 +93,32 @@ def _fit_for_drive(drive, windows):
     for w in windows:
         if w.start + w.duration > drive.time[-1] + 1e-6:
             raise InputError(
-                f"the outage from {w.start:g} s for {w.duration:g} s ends after the drive, which lasts {drive.time[-1]:.1f} s"
+                f"the outage from {w.start:g} s for {w.duration:g} s ends after the drive, which "
+                f"lasts {drive.time[-1]:.1f} s"
             )
         if broken(drive, w):
             raise InputError(
-                f"the outage from {w.start:g} s for {w.duration:g} s has a hole in the IMU data, or no fix before it; choose another"
+                f"the outage from {w.start:g} s for {w.duration:g} s has a hole in the IMU data, "
+                "or no fix before it; choose another"
             )
     return windows
 
 
 def _not_ready(windows, ready, strict):
-    """What is said, in a list, of windows that begin before a filter has started; InputError where none
-    is left, or where each is wanted.
+    """What is said, in a list, of windows that begin before a filter has started; InputError where
+    none is left, or where each is wanted.
     """
     if len(ready) == len(windows):
         return []
     first = next(w for w in windows if w not in ready)
     if strict or not ready:
         raise InputError(
-            f"the filter has not started at {first.start:g} s, where an outage begins; choose a later one"
+            f"the filter has not started at {first.start:g} s, where an outage begins; choose a "
+            "later one"
         )
     return [
-        f"{len(windows) - len(ready)} windows left out: the filter had not started, the first at {first.start:g} s."
+        f"{len(windows) - len(ready)} windows left out: the filter had not started, the first at "
+        f"{first.start:g} s."
     ]
 
 
@@ -127,7 +132,8 @@ def _warnings(study, trust):
         bad = ~np.isfinite(study.errors(next(iter(study.models)), against="reference"))
         if bad.any():
             notes.append(
-                f"{int(bad.sum())} of {bad.size} outages are not scored against the reference, which is not fit there"
+                f"{int(bad.sum())} of {bad.size} outages are not scored against the reference, "
+                "which is not fit there"
                 + (
                     "."
                     if against == "reference"
@@ -138,7 +144,8 @@ def _warnings(study, trust):
         if model.lost:
             part, share = max(model.rejected.items(), key=lambda x: x[1])
             notes.append(
-                f"{name} rejects {100 * share:.0f} % of the {part} fixes: it has lost the drive and is not ranked."
+                f"{name} rejects {100 * share:.0f} % of the {part} fixes: it has lost the drive "
+                "and is not ranked."
             )
             continue
         ratio, n = model.over_predicted(against), 2 * len(study.windows)
@@ -147,7 +154,8 @@ def _warnings(study, trust):
         )  # what an honest filter's few windows give
         if not 0.5 <= ratio <= 2.0 and not low <= ratio**2 <= high:
             notes.append(
-                f"{name}: errors are {ratio:.2g} times what the filter predicts; its sigma is not to be believed."
+                f"{name}: errors are {ratio:.2g} times what the filter predicts; its sigma is not "
+                "to be believed."
             )
     if not study.ranked:
         notes.append("No model follows the fixes, so none is ahead: look at their time and units.")

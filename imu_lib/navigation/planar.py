@@ -3,13 +3,14 @@ gyroscope, positions.
 
 On flat ground, with heading p from north and specific force u forward, v right,
 
-    n' = vn,  e' = ve,  vn' = cos(p) u - sin(p) v,  ve' = sin(p) u + cos(p) v,  p' = w             (1)
+    n' = vn,  e' = ve,  vn' = cos(p) u - sin(p) v,  ve' = sin(p) u + cos(p) v,  p' = w
+    (1)
 
 (its Eqs. 8, 9 and 11; the row of ve' in Eq. 8 is printed with a minus before cos(p) v, which Eqs.
 9 and 11 do not
 have). The errors, estimate minus truth, obey its Eq. 12; what the sensors add is whatever the
-processes say: random constants give its 8-state filter (Eq. 15), fourth-order AR models of u and v its 14-state
-filter (Eq. 16).
+processes say: random constants give its 8-state filter (Eq. 15), fourth-order AR models of u and v
+its 14-state filter (Eq. 16).
 
 What Eqs. 14 and 16 leave out, and `order=2` keeps: the half dt^2 that an acceleration error puts
 into position within

@@ -7,9 +7,10 @@ from numba import njit
 
 
 class Setup(NamedTuple):
-    """What runs share: p0 (n, n) covariance at the start, gnss (2,) variances of a fix every `every` steps,
-    dt s, half: dt^2 / 2, or 0 at first order; output and block: sensor states to errors and over a
-    step, as (rows, columns, values) of what is not zero; noise (k, k), direct (3,) of the sensors.
+    """What runs share: p0 (n, n) covariance at the start, gnss (2,) variances of a fix every
+    `every` steps, dt s, half: dt^2 / 2, or 0 at first order; output and block: sensor states to
+    errors and over a step, as (rows, columns, values) of what is not zero; noise (k, k), direct
+    (3,) of the sensors.
     """
 
     p0: np.ndarray
@@ -51,8 +52,8 @@ def mechanize(state, forward, right, rate, dt):
 
 @njit(cache=True, fastmath=True)
 def _apply(p, way, how, sensor, work):
-    """work = Phi p with what is zero in Phi left out; way: cosine and sine of the heading and specific
-    force north and east; `sensor` (3, n) scratch.
+    """work = Phi p with what is zero in Phi left out; way: cosine and sine of the heading and
+    specific force north and east; `sensor` (3, n) scratch.
     """
     n = p.shape[0]
     c, s, an, ae = way

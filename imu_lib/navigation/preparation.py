@@ -64,9 +64,9 @@ class Gnss:
     position_ratio, velocity_ratio : true standard deviation over the stated one; position_extra,
     velocity_extra : m and m/s, standard deviation of what the receiver does not count, on each of
     north, east, down (see `fix_noise`)
-    gate : probability with which a true fix passes the innovation test, None for no test; patience : s of rejected
-    fixes before the filter widens its covariance
-    velocity : use the velocity where there is one; accept : fix codes to take (None: all)
+    gate : probability with which a true fix passes the innovation test, None for no test; patience
+    : s of rejected fixes before the filter widens its covariance velocity : use the velocity where
+    there is one; accept : fix codes to take (None: all)
     """
 
     position_sd: tuple = (2.5, 2.5, 5.0)
@@ -115,7 +115,8 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
         has_position &= ~held
         has_velocity &= ~(held & np.append(False, (velocity[1:] == velocity[:-1]).all(axis=1)))
         notes.append(
-            f"{held.sum()} of {time.size} fixes repeat the position of the one before while the drive goes on, and are not used."
+            f"{held.sum()} of {time.size} fixes repeat the position of the one before while the "
+            "drive goes on, and are not used."
         )
     keep = np.isfinite(time) & (has_position | has_velocity)
     if gnss.accept is not None and drive.gnss_fix is not None:
@@ -126,11 +127,13 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     lost = time.size - index.size - int((held & ~has_velocity).sum())
     if lost > 0:
         notes.append(
-            f"{lost} of {time.size} fixes left out: without a number, repeated, or of a code not accepted."
+            f"{lost} of {time.size} fixes left out: without a number, repeated, or of a code not "
+            "accepted."
         )
     if index.size < 2:
         raise InputError(
-            f"{drive.name or 'the drive'} has {index.size} usable GNSS fixes; the filter needs at least two "
+            f"{drive.name or 'the drive'} has {index.size} usable GNSS fixes; the filter needs at "
+            "least two "
             "(look at gnss_position for NaN and at the accepted fix codes)"
         )
     use = has_position[index] * measurement.POSITION + has_velocity[index] * measurement.VELOCITY
@@ -143,7 +146,8 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
         if apart > VELOCITY_TRUST:
             use[codes == code] &= ~measurement.VELOCITY
             notes.append(
-                f"The velocities of fix code {code:g} disagree with their own positions by {apart:.1f} m/s and are not used."
+                f"The velocities of fix code {code:g} disagree with their own positions by "
+                f"{apart:.1f} m/s and are not used."
             )
     variance = sd[index] ** 2
     if gnss.correlation_time > 0.0:
@@ -226,12 +230,14 @@ def prepare(
     ]
     if not parts:
         raise InputError(
-            f"{drive.name or 'the drive'} has no stretch of {SHORTEST_STRETCH:g} s of IMU data without a hole of {LONGEST_BRIDGE:g} s"
+            f"{drive.name or 'the drive'} has no stretch of {SHORTEST_STRETCH:g} s of IMU data "
+            f"without a hole of {LONGEST_BRIDGE:g} s"
         )
     if edges.size > 2:
         holes = step[step > LONGEST_BRIDGE]
         notes.append(
-            f"The IMU data have {holes.size} holes of {holes.min():.1f} to {holes.max():.1f} s: the filter starts anew after each, "
+            f"The IMU data have {holes.size} holes of {holes.min():.1f} to {holes.max():.1f} s: "
+            "the filter starts anew after each, "
             "sensor states kept."
         )
     levels = (
@@ -253,7 +259,8 @@ def prepare(
         stretches.append(stretch.of_readings(t, readings, noise, sampling))
     if bridged:
         notes.append(
-            f"{bridged} missing IMU samples bridged by straight lines, with {stretch.BRIDGE_NOISE:g} times the noise density."
+            f"{bridged} missing IMU samples bridged by straight lines, with "
+            f"{stretch.BRIDGE_NOISE:g} times the noise density."
         )
     fixes, more = fixes_of(drive, gnss)
     return Prepared(tuple(stretches), fixes, rate, tuple(notes + more))

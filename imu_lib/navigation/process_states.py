@@ -37,8 +37,8 @@ class Part:
 
 
 def of_channel(entry, channel, how, turn_on_sd, constant):
-    """(white density, states that move, states that keep their value, processes without a state) of a
-    channel; how: rate and what becomes of flicker noise.
+    """(white density, states that move, states that keep their value, processes without a state)
+    of a channel; how: rate and what becomes of flicker noise.
     """
     density, parts, left = _parts(entry, channel, *how)
     _turned_on(parts, turn_on_sd, constant)
@@ -69,7 +69,8 @@ def _parts(entry, channel, rate, flicker):
                 continue
             if space.rate is not None and abs(space.rate / rate - 1.0) > 5e-3:
                 raise InputError(
-                    f"the {each.name} process of {channel} steps at {space.rate:g} Hz, the drive at {rate:g} Hz; "
+                    f"the {each.name} process of {channel} steps at {space.rate:g} Hz, the drive "
+                    f"at {rate:g} Hz; "
                     "fit it at the drive's rate"
                 )
             step = space.discrete(1.0 / space.rate if space.rate is not None else 1.0 / rate)
@@ -97,7 +98,8 @@ def _states_of(process, channel, flicker):
         return [process]
     if flicker == "refuse":
         raise UndefinedFormError(
-            f"the flicker noise of {channel} has no finite state space: fit a gauss_markov process in its place, "
+            f"the flicker noise of {channel} has no finite state space: fit a gauss_markov "
+            "process in its place, "
             "or ask for flicker='markov', one Gauss-Markov process per decade"
         )
     sigma = process.B * np.sqrt(np.log(10.0) / np.pi)

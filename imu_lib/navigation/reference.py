@@ -1,5 +1,5 @@
-"""Is the reference of a drive fit to be scored against? Where it jumps, has holes or does not reach,
-it is not.
+"""Is the reference of a drive fit to be scored against? Where it jumps, has holes or does not
+reach, it is not.
 """
 
 from __future__ import annotations
@@ -48,13 +48,15 @@ def look(drive: Drive) -> Reference | None:
     if jump.any():
         first = int(np.flatnonzero(jump)[0])
         notes.append(
-            f"The reference jumps {int(jump.sum())} times by up to {size[jump].max():.0f} m, first at {time[first]:.1f} s: "
+            f"The reference jumps {int(jump.sum())} times by up to {size[jump].max():.0f} m, "
+            f"first at {time[first]:.1f} s: "
             "outages there are not scored against it."
         )
         spans += _displaced(drive, time, position, np.flatnonzero(jump | hole), size[jump].max())
     if hole.any():
         notes.append(
-            f"The reference has {int(hole.sum())} holes of up to {step[hole].max():.1f} s: outages over them are not scored against it."
+            f"The reference has {int(hole.sum())} holes of up to {step[hole].max():.1f} s: "
+            "outages over them are not scored against it."
         )
     return Reference(np.array(spans), tuple(notes))
 

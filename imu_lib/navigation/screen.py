@@ -2,8 +2,8 @@
 
 The posterior of the parameters, divided by their prior, is their likelihood: information Lambda =
 P^-1 - P0^-1 and score b = P^-1 x at the held values, with navigation and biases integrated out. A
-subset A alone, the others at their held values, then gains b_A' Lambda_AA^-1 b_A / 2 (the score test
-of Rao 1948, written for a filter).
+subset A alone, the others at their held values, then gains b_A' Lambda_AA^-1 b_A / 2 (the score
+test of Rao 1948, written for a filter).
 """
 
 from __future__ import annotations

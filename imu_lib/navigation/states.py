@@ -121,7 +121,8 @@ def sensor_states(
     missing = [c for c in CHANNELS if c not in model]
     if missing:
         raise InputError(
-            f"the error model {model.name or ''} has no channel {missing[0]}; the filter needs all six"
+            f"the error model {model.name or ''} has no channel {missing[0]}; the filter needs "
+            "all six"
         )
     if flicker not in ("refuse", "markov"):
         raise ValueError(f"`flicker` must be 'refuse' or 'markov', not {flicker!r}")

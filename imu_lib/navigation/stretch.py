@@ -22,8 +22,8 @@ class Stretch:
 
 
 def bridged(t, readings, rate):
-    """Times, readings (n, 6) and factors of the noise with straight lines over missing samples, and how
-    many these are.
+    """Times, readings (n, 6) and factors of the noise with straight lines over missing samples,
+    and how many these are.
     """
     noise = np.ones(t.size)
     missing = np.maximum(np.rint(np.diff(t) * rate).astype(int) - 1, 0)
@@ -43,8 +43,8 @@ def bridged(t, readings, rate):
 
 
 def _lost(t, rate):
-    """How many samples are lost after each (n-1,), by the stamps of several on either side: jitter of
-    single stamps is no loss.
+    """How many samples are lost after each (n-1,), by the stamps of several on either side: jitter
+    of single stamps is no loss.
     """
     ahead = t * rate - np.arange(t.size)
     padded = np.pad(ahead, NEAR - 1, mode="reflect" if t.size > NEAR else "edge")

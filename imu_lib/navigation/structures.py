@@ -163,9 +163,9 @@ class Logs(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Epochs at which what the filter knows is kept: epoch (k,), x (k, m), p (k, n, n), road (k, 4);
-    prior, phi (k, n, n), dx (k, n) for the smoother (covariance before the update, transition since
-    the last node, correction made), else empty.
+    """Epochs at which what the filter knows is kept: epoch (k,), x (k, m), p (k, n, n), road (k,
+    4); prior, phi (k, n, n), dx (k, n) for the smoother (covariance before the update, transition
+    since the last node, correction made), else empty.
     """
 
     epoch: np.ndarray

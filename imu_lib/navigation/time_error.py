@@ -29,8 +29,8 @@ ROUNDS = 4
 class TimeError:
     """Offset of the stamps of the fixes, s (positive: late), of positions and of velocities (None
     without them), their standard deviations, the nats that the innovations gain by it, divided by
-    the number of fixes that the correlation left in them makes worth one, and how fixes are taken without and
-    with it, their standard deviations as large as the innovations ask.
+    the number of fixes that the correlation left in them makes worth one, and how fixes are taken
+    without and with it, their standard deviations as large as the innovations ask.
     """
 
     offset: float
@@ -76,11 +76,13 @@ class TimeError:
             extra = getattr(self.gnss, f"{part}_extra")
             if extra > 0.01:
                 out.append(
-                    f"{extra:.2g} {unit} are added to the stated standard deviations of the fixes' {what}, as their innovations ask (--as-stated leaves them)."
+                    f"{extra:.2g} {unit} are added to the stated standard deviations of the "
+                    f"fixes' {what}, as their innovations ask (--as-stated leaves them)."
                 )
             if abs(ratio - 1.0) > 0.05:
                 out.append(
-                    f"The file states no standard deviations of the fixes' {what}; the usual ones are taken {ratio:.2g} times (--as-stated leaves them)."
+                    f"The file states no standard deviations of the fixes' {what}; the usual ones "
+                    f"are taken {ratio:.2g} times (--as-stated leaves them)."
                 )
         return (*out, str(self)) if self.found else tuple(out)
 
@@ -90,8 +92,8 @@ def _late(offset):
 
 
 def from_turns(drive: Drive):
-    """Offset of the stamps, s (positive: late), to about a tenth of a second, at which the course of
-    the fixes turns as the gyros do; None where the drive does not turn enough to tell.
+    """Offset of the stamps, s (positive: late), to about a tenth of a second, at which the course
+    of the fixes turns as the gyros do; None where the drive does not turn enough to tell.
     """
     grid = np.arange(drive.time[0], drive.time[-1], STEP)
     if grid.size < 60.0 / STEP:

@@ -140,7 +140,9 @@ def drive(number) -> trajectory.Trajectory:
 
 
 def _town(rng, duration):
-    """Speeds (s, m/s) of town traffic: at rest for half a minute, then between stops and 55 km/h."""
+    """Speeds (s, m/s) of town traffic: at rest for half a minute, then between stops and 55
+    km/h.
+    """
     points, at = [(0.0, 0.0), (32.0, 0.0)], 42.0
     while at < duration - 25.0:
         if rng.random() < 0.25:

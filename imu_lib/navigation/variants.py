@@ -61,18 +61,20 @@ def varied(model: FilterModel, extras, drive: Drive, *, name=None, road_sd=ROAD_
 
 
 def wheel_speed(drive: Drive) -> Speed:
-    """The wheels' speed that a drive's file holds: `speed` m/s with `speed_time` s, or one value per
-    IMU sample. InputError where there is none.
+    """The wheels' speed that a drive's file holds: `speed` m/s with `speed_time` s, or one value
+    per IMU sample. InputError where there is none.
     """
     value = np.asarray(drive.extra.get("speed", ()), float).ravel()
     if not value.size:
         raise InputError(
-            f"{drive.name or 'the drive'} has no wheel speed: it needs the arrays `speed` (m/s) and `speed_time` (s)"
+            f"{drive.name or 'the drive'} has no wheel speed: it needs the arrays `speed` (m/s) "
+            "and `speed_time` (s)"
         )
     time = np.asarray(drive.extra.get("speed_time", drive.time), float).ravel()
     if time.size != value.size:
         raise InputError(
-            f"{drive.name or 'the drive'}: `speed` has {value.size} values and its times are {time.size}"
+            f"{drive.name or 'the drive'}: `speed` has {value.size} values and its times are "
+            f"{time.size}"
         )
     order = np.argsort(time, kind="stable")
     good = order[np.isfinite(time[order]) & np.isfinite(value[order])]

@@ -33,7 +33,8 @@ def windows_from(text):
             start, duration = (float(p) for p in pieces)
         except ValueError:
             raise InputError(
-                f"--windows: {part.strip()!r} is not START:DURATION in seconds (as in 180:30,420:60)"
+                f"--windows: {part.strip()!r} is not START:DURATION in seconds (as in "
+                "180:30,420:60)"
             ) from None
         if not (np.isfinite(start) and np.isfinite(duration) and duration > 0.0 and start >= 0.0):
             raise InputError(
@@ -51,8 +52,10 @@ def overlapping(drive: Drive):
         return
     apart = max(fixes[0] - last, first - fixes[-1])
     raise InputError(
-        f"{drive.source or drive.name or 'the drive'}: the fixes ({fixes[0]:.6g} to {fixes[-1]:.6g} s) and the IMU ({first:.6g} to {last:.6g} s) "
-        f"do not overlap: they lie {apart:.4g} s apart; bring both to one clock (--gnss-offset S for two files)."
+        f"{drive.source or drive.name or 'the drive'}: the fixes ({fixes[0]:.6g} to "
+        f"{fixes[-1]:.6g} s) and the IMU ({first:.6g} to {last:.6g} s) "
+        f"do not overlap: they lie {apart:.4g} s apart; bring both to one clock (--gnss-offset S "
+        "for two files)."
     )
 
 
@@ -67,7 +70,8 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
     moved = np.flatnonzero(speed > 3.0)
     if not moved.size:
         raise InputError(
-            f"{drive.name or 'the drive'} never moves faster than 3 m/s: there is nothing to compare in an outage"
+            f"{drive.name or 'the drive'} never moves faster than 3 m/s: there is nothing to "
+            "compare in an outage"
         )
     starts = np.arange(
         np.ceil(speed_time[moved[0]] + settle),
@@ -79,18 +83,20 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
     kept = tuple(w for w in windows if not w.mean_speed < moving and not broken(drive, w))
     if windows and not kept and all(broken(drive, w) for w in windows):
         raise InputError(
-            f"no window of {duration:g} s fits: none has whole IMU data and a fix in the {BEFORE:g} s before it; give a shorter --duration"
+            f"no window of {duration:g} s fits: none has whole IMU data and a fix in the "
+            f"{BEFORE:g} s before it; give a shorter --duration"
         )
     if not kept:
         raise InputError(
-            f"no window of {duration:g} s fits: the drive must last {settle:g} s after its first motion and go on moving"
+            f"no window of {duration:g} s fits: the drive must last {settle:g} s after its first "
+            "motion and go on moving"
         )
     return kept
 
 
 def _from_fixes(drive, starts, duration):
-    """The starts, those without a fix in the seconds before them at the last fix, if that is after the
-    window before: fixes may come in bursts.
+    """The starts, those without a fix in the seconds before them at the last fix, if that is after
+    the window before: fixes may come in bursts.
     """
     fixes, out = np.asarray(drive.gnss_time), []
     for start in starts:

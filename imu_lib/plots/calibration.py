@@ -35,7 +35,9 @@ def rest_windows(accel, fs, rests, *, ax=None):
 
 @style.styled
 def pose_magnitudes(before, after, gravity, *, ax=None):
-    """Length of the specific force of each pose before and after calibration, as a departure from gravity in mg; (k,) m/s^2 each."""
+    """Length of the specific force of each pose before and after calibration, as a departure
+    from gravity in mg; (k,) m/s^2 each.
+    """
     ax = style.axes(ax, x="pose", y="|specific force| - g, mg")
     number = np.arange(1, len(after) + 1)
     if before is not None:

@@ -129,7 +129,9 @@ def _limits(ax, which):
 
 
 def _rounded(values, log_and_span):
-    """Four digits where the axis is logarithmic, a ten-thousandth of the axis where it is linear."""
+    """Four digits where the axis is logarithmic, a ten-thousandth of the axis where it is
+    linear.
+    """
     log, span = log_and_span
     values = np.asarray(values, float)
     if log:

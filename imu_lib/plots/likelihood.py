@@ -75,7 +75,9 @@ def fit_residuals(fit, *, ax=None):
 
 @style.styled
 def candidates(choice, *, ax=None):
-    """Candidate sums by the distance of their BIC from the best, with each one's goodness of fit."""
+    """Candidate sums by the distance of their BIC from the best, with each one's goodness of
+    fit.
+    """
     rows = choice.rows()[::-1]
     ax = style.axes(
         ax, x="BIC above the best (logarithmic from 10 on)", size=(7.0, 0.4 * len(rows) + 1.0)

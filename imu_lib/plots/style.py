@@ -79,7 +79,9 @@ def styled(function):
 
 
 def axes(ax=None, *, x="", y="", title="", log=False, size=SIZE):
-    """The axes given, or those of a new figure, with labels; `log` makes both scales logarithmic."""
+    """The axes given, or those of a new figure, with labels; `log` makes both scales
+    logarithmic.
+    """
     if ax is None:
         _, ax = plt.subplots(figsize=size)
     ax.set(xlabel=x, ylabel=y, title=title)

@@ -85,7 +85,8 @@ def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
     known = OF_RECORD if on_record else OF_CHANNEL
     if not isinstance(entry, dict) or "process" not in entry:
         raise InputError(
-            f"an entry of an error model must be an object with the key 'process', not {entry!r:.80}"
+            "an entry of an error model must be an object with the key 'process', not "
+            f"{entry!r:.80}"
         )
     name = entry["process"]
     cls = (known.get(name) or _of_an_effect(name)) if isinstance(name, str) else None
@@ -107,7 +108,8 @@ def from_json(entry: dict[str, Any], *, on_record: bool = False) -> Process:
             p.name for p in cls.parameters if getattr(process, p.name) is None and not p.optional
         ]
         raise InputError(
-            f"process {name}: parameter {' or '.join(missing) or 'taps, order or smoothing'} is missing"
+            f"process {name}: parameter {' or '.join(missing) or 'taps, order or smoothing'} is "
+            "missing"
         )
     return process
 

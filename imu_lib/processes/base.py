@@ -244,7 +244,9 @@ class StateSpace:
         return len(self.H)
 
     def discrete(self, dt: float) -> tuple[Array, Array]:
-        """Transition matrix and step covariance over `dt` s, exact (Van Loan 1978, Eqs. 1.1-1.4)."""
+        """Transition matrix and step covariance over `dt` s, exact (Van Loan 1978, Eqs.
+        1.1-1.4).
+        """
         if self.rate is not None:
             if abs(dt * self.rate - 1.0) > 1e-6:
                 raise ValueError(

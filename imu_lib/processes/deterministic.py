@@ -192,8 +192,8 @@ class WarmUp(Deterministic):
 
 @dataclass(frozen=True)
 class Step(Deterministic):
-    """A jump of the bias by `amplitude` at `time` (the first sample at or after it has it whole), or
-    a straight change from there on that lasts for a `duration`.
+    """A jump of the bias by `amplitude` at `time` (the first sample at or after it has it whole),
+    or a straight change from there on that lasts for a `duration`.
 
     Parameters
     ----------

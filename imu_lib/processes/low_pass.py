@@ -1,4 +1,6 @@
-"""The low-pass filter of a sensor: a moving average, a Butterworth filter or exponential smoothing."""
+"""The low-pass filter of a sensor: a moving average, a Butterworth filter or exponential
+smoothing.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ from .stage import Stage
 
 @lru_cache(maxsize=256)
 def _half_power(taps: int) -> float:
-    """Frequency, as a share of the rate, at which the power gain of a moving average is one half."""
+    """Frequency, as a share of the rate, at which the power gain of a moving average is one
+    half.
+    """
     if taps < 2:
         return 0.5
     return float(
@@ -96,10 +100,13 @@ class LowPass(Stage):
         return round(ratio)
 
     def gain(self, f: ArrayLike, fs: float) -> Array:
-        """Power gain (amplitude gain squared) at frequencies `f` Hz up to half the filter's rate, same shape."""
+        """Power gain (amplitude gain squared) at frequencies `f` Hz up to half the filter's
+        rate, same shape.
+        """
         if not self.complete:
             raise ValueError(
-                "`low_pass` is a template: give `taps`, or `cutoff` and `order` or `smoothing`, first"
+                "`low_pass` is a template: give `taps`, or `cutoff` and `order` or `smoothing`, "
+                "first"
             )
         f = np.asarray(f, dtype=float)
         rate = fs if self.rate is None else self.rate
@@ -138,7 +145,8 @@ class LowPass(Stage):
     def _check(self, rate: float) -> None:
         if not 0.0 < self.cutoff < rate / 2.0:
             raise ValueError(
-                f"`cutoff` of the low-pass filter must lie below {rate / 2:g} Hz, not at {self.cutoff:g}"
+                f"`cutoff` of the low-pass filter must lie below {rate / 2:g} Hz, not at "
+                f"{self.cutoff:g}"
             )
 
     def _memory(self, rate: float) -> float:

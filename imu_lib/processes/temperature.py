@@ -72,7 +72,8 @@ class Temperature(Deterministic):
         temperature = np.asarray(temperature, dtype=float)
         if temperature.shape != np.shape(t):
             raise ValueError(
-                f"`temperature` must have the shape of the time, {np.shape(t)}, not {temperature.shape}"
+                f"`temperature` must have the shape of the time, {np.shape(t)}, not "
+                f"{temperature.shape}"
             )
         if self.lag is not None:
             temperature = delayed(temperature, np.asarray(t, dtype=float), self.lag)

@@ -1,4 +1,6 @@
-"""Arrays by name into raw columns: the contract's keys in SI, everything else by what it is called."""
+"""Arrays by name into raw columns: the contract's keys in SI, everything else by what it is
+called.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,8 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
             hint = _hint(flat)
             hint += "" if raw.rate or "time" in hint else ", and the rate with --rate HZ"
             raise InputError(
-                f"{source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or name the {len(flat)} columns"
+                f"{source} has no array called gyro, accel or one of their axes (found: {found}); "
+                f"rename them, or name the {len(flat)} columns"
                 f" by position with --columns{hint}."
             )
     decide(
@@ -96,7 +99,9 @@ def _hint(flat) -> str:
         step = float(np.median(np.diff(last)))
         size = np.linalg.norm([np.median(np.asarray(x, dtype=float)) for _, x in flat[3:6]])
         if 0.7 < size / (9.81 * step) < 1.3:
-            return ", as in 'dtheta_x[rad],dtheta_y[rad],dtheta_z[rad],dv_x[m/s],dv_y[m/s],dv_z[m/s],time[s]'"
+            increments = [f"{of}_{a}" for of in ("dtheta", "dv") for a in "xyz"]
+            headings = [f"{c}[{'rad' if c[1] == 't' else 'm/s'}]" for c in increments]
+            return f", as in '{','.join(headings)},time[s]'"
         return f", as in {six},time"
     return f", as in time,{six}"
 
@@ -185,7 +190,8 @@ def _contract(raw: Raw, arrays, exact, signal) -> Raw:
         if key in exact:
             if value.dtype.kind not in "fiub":
                 raise InputError(
-                    f"{raw.source}, `{key}`: holds {value.dtype} instead of numbers; save it as real numbers."
+                    f"{raw.source}, `{key}`: holds {value.dtype} instead of numbers; save it as "
+                    "real numbers."
                 )
             unit = {"g": "rad/s", "a": "m/s^2"}.get(key[0])
             raw.add(key, value, unit, key, f"the key {key} is SI")
@@ -221,7 +227,8 @@ def _contract(raw: Raw, arrays, exact, signal) -> Raw:
     if not raw.kinds() and not (signal == "temperature" and "temperature" in raw.columns):
         found = ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
         raise InputError(
-            f"{raw.source} has no array called gyro, accel or one of their axes (found: {found}); rename them, or give --columns for the columns of one matrix."
+            f"{raw.source} has no array called gyro, accel or one of their axes (found: {found}); "
+            "rename them, or give --columns for the columns of one matrix."
         )
     return _checked(raw)
 
@@ -242,11 +249,14 @@ def _checked(raw: Raw) -> Raw:
     lengths = {h: len(raw.columns[c]) for c, h in raw.headings.items() if c in raw.columns}
     if len(set(lengths.values())) > 1:
         raise InputError(
-            f"{raw.source}: its arrays differ in length ({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); every one needs a value per sample."
+            f"{raw.source}: its arrays differ in length "
+            f"({', '.join(f'{h} {n:,}' for h, n in list(lengths.items())[:6])}); every one needs "
+            "a value per sample."
         )
     if next(iter(lengths.values())) < 2:
         raise InputError(
-            f"{raw.source} has {'only 1 sample' if 1 in lengths.values() else 'no samples'}; at least two are needed."
+            f"{raw.source} has {'only 1 sample' if 1 in lengths.values() else 'no samples'}; at "
+            "least two are needed."
         )
     return raw
 

@@ -12,7 +12,9 @@ from imu_lib.readers.raw import Raw
 
 
 def read_parquet(path, *, columns=None, signal=None) -> Raw:
-    """The columns of a Parquet file. InputError where it is damaged, or its columns are no numbers."""
+    """The columns of a Parquet file. InputError where it is damaged, or its columns are no
+    numbers.
+    """
 
     def load():
         import pyarrow.parquet as pq
@@ -53,7 +55,8 @@ def _whole(path, load, kind: str):
         if isinstance(error, PermissionError | FileNotFoundError | IsADirectoryError):
             raise
         raise InputError(
-            f"{path} is not a whole {kind} file ({str(error).splitlines()[0][:90]}); write it again."
+            f"{path} is not a whole {kind} file ({str(error).splitlines()[0][:90]}); write it "
+            "again."
         ) from None
 
 
@@ -76,7 +79,8 @@ def _arrays(path, table, columns, signal) -> dict[str, np.ndarray]:
             rows = column.to_pylist()
             if len({len(r) for r in rows if r is not None}) != 1 or None in rows:
                 raise InputError(
-                    f"{path}, column `{name}`: holds lists of different lengths; write a column for each axis."
+                    f"{path}, column `{name}`: holds lists of different lengths; write a column "
+                    "for each axis."
                 )
             out[name] = np.array(rows)
             continue
@@ -90,7 +94,8 @@ def _arrays(path, table, columns, signal) -> dict[str, np.ndarray]:
             continue
         else:
             raise InputError(
-                f"{path}, column `{name}`: holds {column.type} instead of numbers; write it as float."
+                f"{path}, column `{name}`: holds {column.type} instead of numbers; write it as "
+                "float."
             )
         out[name] = (
             column.to_numpy()

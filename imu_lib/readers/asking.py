@@ -35,7 +35,8 @@ class Heading:
 
 def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
     """Names by position for columns that say nothing: clocks and text as they are, then the numbers
-    as they most often stand; the accelerometer first where the first three have the steadier length.
+    as they most often stand; the accelerometer first where the first three have the steadier
+    length.
     """
     out = []
     numbers = [
@@ -94,7 +95,9 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
 
 
 def _increment(name: str, heading: str, headings) -> str:
-    """The name of an increment where the columns are called theta and vel and a dt stands beside them."""
+    """The name of an increment where the columns are called theta and vel and a dt stands
+    beside them.
+    """
     if "dt" not in {h.name.strip().lower() for h in headings}:
         return name
     if re.match(r"theta\b|theta_", heading.lower()) and name.startswith("gyro"):
@@ -181,7 +184,10 @@ def suggestion(told, headings, skip: Sequence[int] = ()) -> str:
 def units_too(told, skip: Sequence[int] = ()) -> str:
     """A word on the units and the rate that the columns of `suggestion` leave open."""
     left = [m for i, m in enumerate(told) if i not in skip]
-    kinds = [k for k in ("gyro", "accel") if any(m.quantity == k and m.axis and not m.unit for m in left)]  # fmt: skip
+    # fmt: skip
+    kinds = [
+        k for k in ("gyro", "accel") if any(m.quantity == k and m.axis and not m.unit for m in left)
+    ]
     out = " with " + " and ".join(f"--{k}-unit" for k in kinds) if kinds else ""
     timed = any(m.quantity in ("time", "date", "clock", "part") for m in left)
     return out + ("" if timed else " and the rate with --rate HZ")
@@ -200,7 +206,8 @@ def by_position(
     )
     if len(given) != found:
         raise InputError(
-            f"{source} has {found} columns but --columns names {len(given)}; name every one by position, - skips."
+            f"{source} has {found} columns but --columns names {len(given)}; name every one by "
+            "position, - skips."
         )
     out = []
     for name in given:
@@ -219,12 +226,14 @@ def by_position(
             or told.quantity == "part"
         ):
             raise InputError(
-                f"--columns: {name!r} is no column name{_nearest(name)}; use time, date, clock, temperature, counter, gyro_x .. gyro_z, accel_x .. accel_z, "
+                f"--columns: {name!r} is no column name{_nearest(name)}; use time, date, clock, "
+                "temperature, counter, gyro_x .. gyro_z, accel_x .. accel_z, "
                 "dtheta_x .. dtheta_z, dv_x .. dv_z or -."
             )
         if _is_slip(name, told):
             raise InputError(
-                f"--columns: {name!r} looks like a slip for {told.canonical}; write {told.canonical}, or - to skip it."
+                f"--columns: {name!r} looks like a slip for {told.canonical}; write "
+                f"{told.canonical}, or - to skip it."
             )
         out.append(replace(told, why=f"--columns names it {name}"))
     by_rows = {m.axis for m in out if m.quantity is None} >= {"x", "y", "z"}
@@ -251,7 +260,9 @@ def _is_slip(name: str, told: Meaning) -> bool:
 
 
 def _nearest(name: str) -> str:
-    """The name that was likely meant, ready to be put into the sentence; empty where none is near."""
+    """The name that was likely meant, ready to be put into the sentence; empty where none is
+    near.
+    """
     word, axis = _word(name), re.search(r"[xyz]$", re.sub(r"[\[(].*$", "", name).strip().lower())
     near = difflib.get_close_matches(word, _WORDS, 1, 0.6)
     if not near:

@@ -61,7 +61,8 @@ def assemble(
             raw.told(f"{source}_{axis}", unit)
         if source != kind:
             raw.notes += (
-                f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the sampling interval, 1/{rate:.6g} s.",
+                f"{'Delta angles' if kind == 'gyro' else 'Delta velocities'} were divided by the "
+                f"sampling interval, 1/{rate:.6g} s.",
             )
     record = _record(raw, channels, rate, time, degrees.celsius(raw, keep))
     if not (trust or raw.simulated):
@@ -79,7 +80,8 @@ def assemble(
     gaps = record.gaps()
     if gaps:
         record = record.with_note(
-            f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''} in the time stamps, {sum(g.missing for g in gaps):,} samples missing; "
+            f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''} in the time stamps, "
+            f"{sum(g.missing for g in gaps):,} samples missing; "
             "the longest lasts "
             f"{max(g.duration for g in gaps):.4g} s."
         )
@@ -151,7 +153,8 @@ def ask_of_two(gyro: Raw, gyro_unit, accel: Raw, accel_unit) -> None:
             return
     whose = "its" if accel is gyro else f"{accel.source}'s"
     raise InputError(
-        f"{gyro.source} does not state the unit of its gyro columns; give --gyro-unit {_OTHER['gyro']}; nor that of {whose} accelerometer columns;"
+        f"{gyro.source} does not state the unit of its gyro columns; give --gyro-unit "
+        f"{_OTHER['gyro']}; nor that of {whose} accelerometer columns;"
         f" give --accel-unit {_OTHER['accel']}."
     )
 
@@ -170,18 +173,23 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
         said = {_RATE_OF.get(u, u) if increments else u for u in said} - {"counts", stated}
         if said and not stated.startswith("counts") or (said and raw.contract):
             raw.notes += (
-                f"The file states {' and '.join(sorted(said))} for its {'gyro' if kind == 'gyro' else 'accelerometer'}; --{kind}-unit {flag} was taken.",
+                f"The file states {' and '.join(sorted(said))} for its "
+                f"{'gyro' if kind == 'gyro' else 'accelerometer'}; --{kind}-unit {flag} was taken.",
             )
         return factor, zero, stated
     unit = raw.unit(family)
     if unit == "counts":
         raise InputError(
-            f"{raw.source} states counts for its {kind} columns; give their scale with --{kind}-unit counts:C "
-            f"(C counts per {'deg/s' if kind == 'gyro' else 'g'}, counts:C:ZERO where zero is not 0)."
+            f"{raw.source} states counts for its {kind} columns; give their scale with "
+            f"--{kind}-unit counts:C "
+            f"(C counts per {'deg/s' if kind == 'gyro' else 'g'}, counts:C:ZERO where zero is not "
+            "0)."
         )
     if unit is None:
         raise InputError(
-            f"{raw.source} does not state the unit of its {'gyro' if kind == 'gyro' else 'accelerometer'} columns; give --{kind}-unit {_OTHER[kind]}."
+            f"{raw.source} does not state the unit of its "
+            f"{'gyro' if kind == 'gyro' else 'accelerometer'} columns; give --{kind}-unit "
+            f"{_OTHER[kind]}."
         )
     if unit not in names.UNITS[family]:  # the size of a count
         flag = spelling.scaled(unit, kind)

@@ -9,8 +9,8 @@ from imu_lib.readers.raw import Raw
 
 
 def with_time(error: InputError, raw: Raw, options) -> InputError:
-    """The question for a unit, with that for the rate or the unit of the time where one is due: both at
-    once.
+    """The question for a unit, with that for the rate or the unit of the time where one is due:
+    both at once.
     """
     timed = {"time", "date", "clock"} & set(raw.columns)
     if timed and (streams.separate(raw) or "time" not in timed):
@@ -25,7 +25,9 @@ def with_time(error: InputError, raw: Raw, options) -> InputError:
 
 
 def with_units(error: InputError, raw: Raw, units) -> InputError:
-    """The question which of several sensors is meant, with that for their units where they state none."""
+    """The question which of several sensors is meant, with that for their units where they
+    state none.
+    """
     try:
         scales(raw, units.get("gyro"), units.get("accel"))
     except InputError as other:

@@ -12,9 +12,9 @@ from imu_lib.readers.streams import PAIR
 
 
 def one_each(raw: Raw, flags: Mapping[str, str | None]) -> None:
-    """Bring axes that state different units, all of them known, to one, with a word, where their noise
-    is more alike in these units than in one: otherwise the headings contradict each other, which is
-    refused. What the call says of a sensor's unit goes for all of its axes.
+    """Bring axes that state different units, all of them known, to one, with a word, where their
+    noise is more alike in these units than in one: otherwise the headings contradict each other,
+    which is refused. What the call says of a sensor's unit goes for all of its axes.
     """
     for kind, families in PAIR.items():
         for family in families:
@@ -38,7 +38,10 @@ def one_each(raw: Raw, flags: Mapping[str, str | None]) -> None:
                 raw.units[c] = first
             each = ", ".join(f"`{raw.headings[c]}` {said[c]}" for c in there)
             word = "gyro" if kind == "gyro" else "accelerometer"
-            raw.notes += (f"The axes of the {word} state different units ({each}); each was read in its own.",)  # fmt: skip
+            # fmt: skip
+            raw.notes += (
+                f"The axes of the {word} state different units ({each}); each was read in its own.",
+            )
 
 
 def _noise(x) -> float:

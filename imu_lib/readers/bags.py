@@ -54,14 +54,16 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
         raise
     except AnyReaderError as error:
         raise InputError(
-            f"{path} is not a readable ROS bag ({str(error).splitlines()[0][:90]}); record or copy it again."
+            f"{path} is not a readable ROS bag ({str(error).splitlines()[0][:90]}); record or "
+            "copy it again."
         ) from None
     # a damaged bag fails deep inside sqlite, mcap, lz4 or the message parser, each in its own way
     except Exception as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise InputError(
-            f"{path} is damaged ({type(error).__name__}: {(str(error).splitlines() or [''])[0][:70]}); record or copy it again."
+            f"{path} is damaged ({type(error).__name__}: "
+            f"{(str(error).splitlines() or [''])[0][:70]}); record or copy it again."
         ) from None
     if len(rows) < 2:
         raise InputError(
@@ -71,7 +73,9 @@ def read_bag(path, *, topic: str | None = None) -> Raw:
 
 
 def _chosen(connections, path, topic):
-    """The connections of the one IMU topic. InputError where there is none, or several and no choice."""
+    """The connections of the one IMU topic. InputError where there is none, or several and no
+    choice.
+    """
     found = [c for c in connections if c.msgtype in IMU]
     chosen = [c for c in found if topic is None or c.topic == topic]
     if chosen and len({c.topic for c in chosen}) == 1:
@@ -82,7 +86,8 @@ def _chosen(connections, path, topic):
         + (
             f"has several IMU topics ({topics}); choose one with --topic."
             if chosen
-            else f"has no sensor_msgs/Imu topic{f' {topic}' if topic else ''} (IMU topics: {topics})."
+            else f"has no sensor_msgs/Imu topic{f' {topic}' if topic else ''} (IMU topics: "
+            f"{topics})."
         )
     )
 

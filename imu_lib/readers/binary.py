@@ -60,7 +60,9 @@ def _matlab5(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
         if isinstance(error, PermissionError | FileNotFoundError | IsADirectoryError):
             raise
         raise InputError(
-            f"{path} is not a whole MATLAB file ({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); save it again with save -v7."
+            f"{path} is not a whole MATLAB file "
+            f"({str(error).splitlines()[0][:90] if str(error) else type(error).__name__}); save "
+            "it again with save -v7."
         ) from None
     flat: dict[str, np.ndarray] = {}
     texts: dict[str, str] = {}
@@ -69,7 +71,8 @@ def _matlab5(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
             _flatten(key, value, flat, texts, 0)
     if not flat and "__function_workspace__" in arrays:
         raise InputError(
-            f"{path} holds a MATLAB timetable or another object, which MATLAB alone opens; write it there with writetimetable(NAME, 'file.csv')."
+            f"{path} holds a MATLAB timetable or another object, which MATLAB alone opens; write "
+            "it there with writetimetable(NAME, 'file.csv')."
         )
     return flat, texts
 

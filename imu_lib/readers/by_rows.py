@@ -19,8 +19,8 @@ from imu_lib.readers.raw import Raw
 
 @dataclass(frozen=True)
 class Sensors:
-    """label: the column that names the sensor. xyz: those of the readings. words: what the numbers of
-    the label stand for, where the lines above the table say it.
+    """label: the column that names the sensor. xyz: those of the readings. words: what the numbers
+    of the label stand for, where the lines above the table say it.
     """
 
     label: int
@@ -29,7 +29,9 @@ class Sensors:
 
 
 def by_call(told: Sequence[Meaning]) -> Sensors | None:
-    """The same of a table whose columns the call names (sensor, x, y, z); None where it does not."""
+    """The same of a table whose columns the call names (sensor, x, y, z); None where it does
+    not.
+    """
     label = [i for i, m in enumerate(told) if m.group == LABEL]
     xyz = [i for a in "xyz" for i, m in enumerate(told) if m.quantity is None and m.axis == a]
     return Sensors(label[0], (xyz[0], xyz[1], xyz[2])) if label and len(xyz) == 3 else None
@@ -38,8 +40,8 @@ def by_call(told: Sequence[Meaning]) -> Sensors | None:
 def sensors(
     raw: Raw, told: Sequence[Meaning], headings: Sequence[Heading], load: Callable
 ) -> Sensors | None:
-    """The columns of a table by rows, None where it is none: one column of text, or of numbers that the
-    lines above explain, and x, y, z that name no sensor.
+    """The columns of a table by rows, None where it is none: one column of text, or of numbers
+    that the lines above explain, and x, y, z that name no sensor.
     """
     if any(m.quantity in names.SIGNALS for m in told):
         return None
@@ -131,8 +133,8 @@ def pivoted(
 
 
 def _kinds(raw: Raw, labels: np.ndarray, heading: str):
-    """The rows of the gyro and of the accelerometer, and the unit that their labels state. InputError
-    where there is none, or more than one of a kind.
+    """The rows of the gyro and of the accelerometer, and the unit that their labels state.
+    InputError where there is none, or more than one of a kind.
     """
     rows: dict[str, np.ndarray] = {}
     stated: dict[str, str | None] = {}
@@ -147,12 +149,14 @@ def _kinds(raw: Raw, labels: np.ndarray, heading: str):
             continue
         if found.quantity in rows:
             raise InputError(
-                f"{raw.source}, `{heading}`: more than one label names a {found.quantity}; keep the rows of one."
+                f"{raw.source}, `{heading}`: more than one label names a {found.quantity}; keep "
+                "the rows of one."
             )
         rows[found.quantity], stated[found.quantity] = labels == label, found.unit
     if not rows:
         raise Unnamed(
-            f"{raw.source}: `{heading}` names no gyro or accelerometer ({', '.join(np.unique(labels)[:6])}); "
+            f"{raw.source}: `{heading}` names no gyro or accelerometer "
+            f"({', '.join(np.unique(labels)[:6])}); "
             "keep the rows of one sensor and give the file as --gyro FILE or --accel FILE."
         )
     return rows, stated
@@ -172,10 +176,18 @@ def _stamps(raw: Raw, long: Sensors, told, headings, values, use, kinds) -> None
 
 
 def example(headings: Sequence[Heading], load: Callable) -> str | None:
-    """Names by position of a table without a header whose rows begin with the name of a sensor, None
-    where it is none.
+    """Names by position of a table without a header whose rows begin with the name of a sensor,
+    None where it is none.
     """
-    label = next((i for i, h in enumerate(headings) if h.kind == "text" and len(_sensors(load([i])[i])) == 2), None)  # fmt: skip
+    # fmt: skip
+    label = next(
+        (
+            i
+            for i, h in enumerate(headings)
+            if h.kind == "text" and len(_sensors(load([i])[i])) == 2
+        ),
+        None,
+    )
     if label is None:
         return None
     numbers = [i for i, h in enumerate(headings) if h.kind == "number"]
@@ -220,10 +232,13 @@ def refuse_mixture(
         if len(kinds) == 2:
             how = example(headings, load)
             raise InputError(
-                f"{raw.source}, column {i + 1}: its rows are readings of different sensors ({', '.join(labels[:6])}); "
+                f"{raw.source}, column {i + 1}: its rows are readings of different sensors "
+                f"({', '.join(labels[:6])}); "
                 + (
-                    f"name that column {LABEL} and those of the readings x, y, z: --columns '{how}'."
+                    f"name that column {LABEL} and those of the readings x, y, z: --columns "
+                    f"'{how}'."
                     if how
-                    else "give the columns a header (time, sensor, x, y, z) and leave --columns out."
+                    else "give the columns a header (time, sensor, x, y, z) and leave --columns "
+                    "out."
                 )
             )

@@ -14,7 +14,8 @@ from imu_lib.readers.raw import Raw
 
 DAY = 86_400_000_000_000  # ns
 _CLOCK = re.compile(
-    r"(\d{1,3}):(\d{1,2})(?::(\d{1,2}))?(?:([.,:;])(\d+))?\s*([AaPp])?\.?(?:[Mm]\.?)?\s*(Z|UTC|GMT|[+-]\d{2}:?\d{2})?\s*$"
+    r"(\d{1,3}):(\d{1,2})(?::(\d{1,2}))?(?:([.,:;])(\d+))?\s*([AaPp])?\.?(?:[Mm]\.?)?\s*(Z|UTC|"
+    r"GMT|[+-]\d{2}:?\d{2})?\s*$"
 )
 _USUAL = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}:\d{2}(?:\.\d{1,9})?")
 _FRAMES = re.compile(r"\d{1,2}:\d{2}:\d{2}[:;](\d{2})\s*$")
@@ -24,8 +25,10 @@ FRAME_RATES = (24, 25, 30, 48, 50, 60, 100)  # in a second: of film and video; h
 #: Moments in other orders, and how they are written in the usual one.
 ODD = (
     (re.compile(r"^(\d{4})(\d{2})(\d{2})[T_ -]?(\d{2})(\d{2})(\d{2})(?:[.,]?(\d+))?(Z?)$"), r"\1-\2-\3T\4:\5:\6.\g<7>\8"),
-    (re.compile(r"^[A-Z][a-z]{2},? ([A-Z][a-z]{2}) +(\d{1,2}) (\d{2}:\d{2}:\d{2}(?:\.\d+)?) (\d{4})$"), r"\2-\1-\4 \3"),
-    (re.compile(r"^[A-Z][a-z]{2}, (\d{1,2}) ([A-Z][a-z]{2}) (\d{4}) (\d{2}:\d{2}:\d{2}(?:\.\d+)?)(?: (?:GMT|UTC|[+-]\d{4}))?$"), r"\1-\2-\3 \4"),
+    (re.compile(r"^[A-Z][a-z]{2},? ([A-Z][a-z]{2}) +(\d{1,2}) (\d{2}:\d{2}:\d{2}(?:\.\d+)?) "
+                r"(\d{4})$"), r"\2-\1-\4 \3"),
+    (re.compile(r"^[A-Z][a-z]{2}, (\d{1,2}) ([A-Z][a-z]{2}) (\d{4}) "
+                r"(\d{2}:\d{2}:\d{2}(?:\.\d+)?)(?: (?:GMT|UTC|[+-]\d{4}))?$"), r"\1-\2-\3 \4"),
     (re.compile(r"^(\d{1,2})/([A-Z][a-z]{2})/(\d{4}):(\d{2}:\d{2}:\d{2}(?:\.\d+)?)$"), r"\1-\2-\3 \4"),
     (re.compile(r"^(\d{4}-\d{2}-\d{2})[T_ -](\d{2})[.-](\d{2})[.-](\d{2})(?:[._,-](\d+))?$"), r"\1T\2:\3:\4.\g<5>"),
     (re.compile(r"^(?:(\d+) days?,? )(\d{2}:\d{2}:\d{2}(?:\.\d+)?)$"), None),
@@ -78,8 +81,8 @@ def seconds(raw: Raw) -> tuple[np.ndarray, float | None, bool]:
 
 
 def _plain(date: np.ndarray) -> np.ndarray | None:
-    """Nanoseconds since 1970 of moments that are all written alike, year first and without a zone; None
-    where they are not. What a table of millions of rows mostly has, at a tenth of the time.
+    """Nanoseconds since 1970 of moments that are all written alike, year first and without a zone;
+    None where they are not. What a table of millions of rows mostly has, at a tenth of the time.
     """
     if not _USUAL.fullmatch(str(date[0])) or len({len(str(x)) for x in date}) > 1:
         return None
@@ -119,7 +122,8 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
             if not required and days.is_date(str(moment)):
                 continue
             raise InputError(
-                f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is not readable as a clock; write it as 15:10:13.25, "
+                f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is not readable "
+                "as a clock; write it as 15:10:13.25, "
                 "or leave the stamps out with --time-unit none --rate HZ."
             )
         a, b, c, _, fraction, half, zone = found.groups()
@@ -130,7 +134,8 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
             hours = True
         if minute > 59 or second > 60:
             raise InputError(
-                f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is no time of a clock; correct it, "
+                f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is no time of a "
+                "clock; correct it, "
                 "or leave the stamps out with --time-unit none --rate HZ."
             )
         if half:
@@ -152,8 +157,8 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
 
 
 def _unpadded(raw, text, heading) -> bool:
-    """Whether milliseconds stand behind the seconds without their zeros: 9:8:7.5, 9:8:7.15, 9:8:7.105
-    rise as thousandths and fall as decimals.
+    """Whether milliseconds stand behind the seconds without their zeros: 9:8:7.5, 9:8:7.15,
+    9:8:7.105 rise as thousandths and fall as decimals.
     """
     found = [m for t in text[:5000] if (m := _CLOCK.search(str(t))) and m[3] and m[4] in (".", ",")]
     length = {len(m[5]) for m in found}
@@ -182,7 +187,8 @@ def _frames(raw, text, heading) -> int | None:
     most = max(int(m[1]) for m in found if m) + 1
     if most not in FRAME_RATES:
         raise InputError(
-            f"{raw.source}, {heading}: the stamps end in frames, {most} of them at most, which is no usual number in a second; "
+            f"{raw.source}, {heading}: the stamps end in frames, {most} of them at most, which is "
+            "no usual number in a second; "
             "leave the stamps out with --time-unit none --rate HZ."
         )
     raw.notes += (

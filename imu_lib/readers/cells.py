@@ -17,7 +17,11 @@ _FLOAT = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _LIST = re.compile(rf"^\s*[\[({{]\s*({_FLOAT}(?:[\s,;]+{_FLOAT})+)\s*[\])}}]\s*$")
 _HEX = re.compile(r"^0[xX]([0-9A-Fa-f]{2,8})$")
 _UNIT = re.compile(rf"^({_FLOAT})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
-_THOUSANDS = {",": re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+(?:\.\d+)?$"), ".": re.compile(r"^[+-]?\d{1,3}(?:\.\d{3})+(?:,\d+)?$")}  # fmt: skip
+# fmt: skip
+_THOUSANDS = {
+    ",": re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+(?:\.\d+)?$"),
+    ".": re.compile(r"^[+-]?\d{1,3}(?:\.\d{3})+(?:,\d+)?$"),
+}
 _LABELS = ("field", "channel", "signal", "variable", "channelname", "signalname")
 SOME = 60  # rows that are looked at first
 
@@ -106,7 +110,13 @@ def _rewritten(rows, width: int, how: list[str | None]) -> Table | None:
     if len(rows) < 2:
         return None
     first = rows[0][0]
-    size = [len(_LIST.match(c)[1].replace(",", " ").replace(";", " ").split()) if h == "list" and _LIST.match(c) else 1 for c, h in zip(first, how)]  # fmt: skip
+    # fmt: skip
+    size = [
+        len(_LIST.match(c)[1].replace(",", " ").replace(";", " ").split())
+        if h == "list" and _LIST.match(c)
+        else 1
+        for c, h in zip(first, how)
+    ]
     out, places, lost = [], [], 0
     decimal = "," if "." in how else "."
     for fields, line in rows:
@@ -165,8 +175,8 @@ def _cell(cell: str, how: str | None, size: int) -> list[str] | None:
 
 
 def _long(text: str, sample: str) -> Table | None:
-    """A table of (time, channel, value), a row for each reading, with a column for each channel; None
-    where it is none.
+    """A table of (time, channel, value), a row for each reading, with a column for each channel;
+    None where it is none.
     """
     lines = [x for x in sample.splitlines() if x.strip() and not x.startswith(("#", "%"))]
     if len(lines) < 8:
@@ -178,12 +188,29 @@ def _long(text: str, sample: str) -> Table | None:
     body = [[f.strip().strip('"') for f in x.split(delimiter)] for x in lines[1:-1]]
     if not 3 <= len(head) <= 12 or any(len(r) != len(head) for r in body[:SOME]):
         return None
-    label = next((i for i, h in enumerate(head) if _channels({r[i] for r in body[:SOME]}) >= (1 if h.lower() in _LABELS else 3)), None)  # fmt: skip
+    # fmt: skip
+    label = next(
+        (
+            i
+            for i, h in enumerate(head)
+            if _channels({r[i] for r in body[:SOME]}) >= (1 if h.lower() in _LABELS else 3)
+        ),
+        None,
+    )
     value = next(
         (i for i, h in enumerate(head) if re.fullmatch(r"(?i)values?|val|reading|data|wert|y", h)),
         None,
     )
-    stamp = next((i for i, h in enumerate(head) if i not in (label, value) and names.meaning(h).quantity in ("time", "date", "clock", "counter")), None)  # fmt: skip
+    # fmt: skip
+    stamp = next(
+        (
+            i
+            for i, h in enumerate(head)
+            if i not in (label, value)
+            and names.meaning(h).quantity in ("time", "date", "clock", "counter")
+        ),
+        None,
+    )
     if label is None or value is None or stamp is None:
         return None
     import pandas as pd

@@ -81,14 +81,18 @@ def _odd_in_seconds(step: float) -> bool:
 
 
 def _other_date(seconds: float) -> bool:
-    """Whether seconds are of 1998 to 2042, from GPS's zero (1980), a Mac's (1904 or 2001) or a sheet's."""
+    """Whether seconds are of 1998 to 2042, from GPS's zero (1980), a Mac's (1904 or 2001) or a
+    sheet's.
+    """
     return any(
         EPOCH[0] < seconds + zero < EPOCH[1] for zero in (315_964_800, -2_082_844_800, 978_307_200)
     )
 
 
 def tenths(stamp: np.ndarray, first: float) -> str | None:
-    """The clock of a tenth of a microsecond that whole stamps are of, None where they are of none."""
+    """The clock of a tenth of a microsecond that whole stamps are of, None where they are of
+    none.
+    """
     if first < 1e17:
         return None
     return next((n for n, z in TENTHS.items() if EPOCH[0] < first * 1e-7 - z < EPOCH[1]), None)
@@ -97,8 +101,8 @@ def tenths(stamp: np.ndarray, first: float) -> str | None:
 def weights(
     stamp: np.ndarray, first: float, known: dict[str, float] | None = None
 ) -> dict[str, float]:
-    """How likely each unit is for stamps (n,) from 0 on whose first one was `first`; `known` are the
-    units that such a name has, where a maker's field names it.
+    """How likely each unit is for stamps (n,) from 0 on whose first one was `first`; `known` are
+    the units that such a name has, where a maker's field names it.
     """
     step = mean_step(stamp)
     whole = bool((stamp == np.rint(stamp)).all() and first == np.rint(first))
@@ -118,7 +122,8 @@ def weights(
     if known:
         return out
     if "min" in out and regular and _odd_in_seconds(step):
-        # a rate that is round in minutes, and no decimal part of a second: 600 Hz, or 10 Hz in minutes
+        # a rate that is round in minutes, and no decimal part of a second: 600 Hz, or 10 Hz in
+        # minutes
         rate = 1.0 / (60.0 * step)
         if np.abs(USUAL / rate - 1.0).min() < 1e-3:
             out["min"] *= 20.0
@@ -181,7 +186,8 @@ def read(
         )
     if unit == "ticks":
         raise InputError(
-            f"{where} counts ticks; give how many there are in a second with --time-unit ticks:HZ (they step by {step:.6g})."
+            f"{where} counts ticks; give how many there are in a second with --time-unit ticks:HZ "
+            f"(they step by {step:.6g})."
         )
     if unit is not None:
         return _stated(stamp, first, where, unit, hz, insisted)
@@ -233,13 +239,16 @@ def _stated(stamp, first, where, unit, hz, insisted) -> Reading:
 
 
 def _by_rate(stamp, where, likely, rate, hz, step, rate_given) -> Reading | None:
-    """The unit that makes the rate which the call or the file states; None where a file's makes none."""
+    """The unit that makes the rate which the call or the file states; None where a file's
+    makes none.
+    """
     near = [u for u in likely if u not in ("counter", "ticks") and 0.7 < hz(u) / rate < 1.4]
     if near:
         return Reading(
             near[0],
             spelling.stated_time(near[0]),
-            f"no unit stated: read as {near[0]}, which makes {hz(near[0]):.5g} Hz, as the stated rate",
+            f"no unit stated: read as {near[0]}, which makes {hz(near[0]):.5g} Hz, as the stated "
+            "rate",
             False,
         )
     if not rate_given:
@@ -247,7 +256,8 @@ def _by_rate(stamp, where, likely, rate, hz, step, rate_given) -> Reading | None
     if is_count(stamp):
         return Reading("counter", None, f"counts the samples; {rate:g} Hz by --rate", False)
     raise InputError(
-        f"{where} steps by {step:.6g}, which makes {rate:g} Hz in no usual unit; give --time-unit ticks:{step * rate:.6g} if it counts ticks, "
+        f"{where} steps by {step:.6g}, which makes {rate:g} Hz in no usual unit; give --time-unit "
+        f"ticks:{step * rate:.6g} if it counts ticks, "
         "or leave the stamps out with --time-unit none --rate HZ."
     )
 
@@ -262,7 +272,8 @@ def doubt(stamp: np.ndarray, first: float, told: Reading, heading: str) -> tuple
     if usual_rate(better) < 0.9:
         return ()
     return (
-        f"`{heading}` states {told.unit}, which makes {rate:.4g} Hz: unusual for such a sensor (in {other} it would be {better:.4g} Hz; --time-unit {other}).",
+        f"`{heading}` states {told.unit}, which makes {rate:.4g} Hz: unusual for such a sensor "
+        f"(in {other} it would be {better:.4g} Hz; --time-unit {other}).",
     )
 
 
@@ -290,6 +301,7 @@ def _question(where, stamp, order, likely, hz, step) -> str:
     if not readings:
         readings = ["no usual unit gives a rate between 1 and 20000 Hz"]
     return (
-        f"{where} does not state the unit of its time, which steps by {step:.6g}: {'; '.join(readings)}; "
+        f"{where} does not state the unit of its time, which steps by {step:.6g}: "
+        f"{'; '.join(readings)}; "
         "say which with --time-unit s, ms, us, ns, min or ticks:HZ, or give --rate HZ."
     )

@@ -1,4 +1,6 @@
-"""Dates as text into days since 1970: year, day or month first, by name, with years of two digits."""
+"""Dates as text into days since 1970: year, day or month first, by name, with years of two
+digits.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,8 @@ def days(raw: Raw, date: np.ndarray, heading: str) -> tuple[np.ndarray, bool, st
         key = next((m for s in (_ISO, _OTHER, _NAMED, _SHORT) if (m := s.match(text))), None)
         if not key:
             raise InputError(
-                f"{raw.source}, {heading}, {raw.line(row)}: {text[:30]!r} is not readable as a date; write it as 2018-04-25."
+                f"{raw.source}, {heading}, {raw.line(row)}: {text[:30]!r} is not readable as a "
+                "date; write it as 2018-04-25."
             )
         index[row] = which.setdefault(key[0].strip(), len(which))
     parts = [_date(raw, heading, text) for text in which]
@@ -67,7 +70,8 @@ def _date(raw: Raw, heading: str, text: str) -> Date:
     m = _NAMED.match(text)
     if m is None or m[2].lower() not in _MONTHS:
         raise InputError(
-            f"{raw.source}, {heading}: the month {m[2] if m else text!r} is not known; write dates as 2018-04-25."
+            f"{raw.source}, {heading}: the month {m[2] if m else text!r} is not known; write "
+            "dates as 2018-04-25."
         )
     return Date({"": (int(m[3]), _MONTHS.index(m[2].lower()) + 1, int(m[1]))}, None)
 
@@ -95,7 +99,8 @@ def _decided(
         return good[name][index], True, f"dates with the {name}: no month is above 12"
     if all(p.sign in (".", None) for p in parts) and "day first" in good:
         return good["day first"][index], True, "dates with the day first, as points between say"
-    # several orders are possible: days follow each other, and a record within one day needs no order
+    # several orders are possible: days follow each other, and a record within one day needs no
+    # order
     if len(which) == 1:
         return (
             next(iter(good.values()))[index],
@@ -107,7 +112,8 @@ def _decided(
         name = next(iter(rising))
         return good[name][index], True, f"dates with the {name}: so the days follow each other"
     raise InputError(
-        f"{raw.source}, {heading}: {', '.join(list(which)[:2])} may have the day or the month first; write the dates as 2018-04-25, "
+        f"{raw.source}, {heading}: {', '.join(list(which)[:2])} may have the day or the month "
+        "first; write the dates as 2018-04-25, "
         "or leave the stamps out with --time-unit none --rate HZ."
     )
 

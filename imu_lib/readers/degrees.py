@@ -18,7 +18,8 @@ def celsius(raw: Raw, keep) -> np.ndarray | None:
     heading = raw.headings["temperature"]
     if unit is not None and unit not in known:
         raise InputError(
-            f"{raw.source}: the temperature `{heading}` is in [{unit}]; degC, degF and K are known: name it temperature[degC] with --columns, or skip it with -."
+            f"{raw.source}: the temperature `{heading}` is in [{unit}]; degC, degF and K are "
+            "known: name it temperature[degC] with --columns, or skip it with -."
         )
     x = raw.columns["temperature"]
     if x.dtype.kind not in "fiub" or not np.isfinite(x.astype(float)).any():
@@ -40,7 +41,8 @@ def celsius(raw: Raw, keep) -> np.ndarray | None:
     raw.told("temperature", unit or "degC", None if unit else "no unit stated: taken as degC")
     if unit is None and middle > 60:
         raw.notes += (
-            f"The temperature `{heading}` states no unit and was taken as degC; its median of {middle:.4g} would be {(middle - 32) / 1.8:.3g} degC if it were degF "
+            f"The temperature `{heading}` states no unit and was taken as degC; its median of "
+            f"{middle:.4g} would be {(middle - 32) / 1.8:.3g} degC if it were degF "
             "(name it temperature[degF] with --columns).",
         )
     if np.isnan(t).any():

@@ -1,5 +1,5 @@
-"""Axes that are named by their direction in the body: longitudinal and lateral acceleration, yaw rate,
-forward and down; and sensors that are numbered beside their axis.
+"""Axes that are named by their direction in the body: longitudinal and lateral acceleration, yaw
+rate, forward and down; and sensors that are numbered beside their axis.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ _KINDS = "|".join(sorted(lexicon.KIND_OF, key=len, reverse=True))
 
 
 def axis_of(words: list[str]) -> tuple[list[str], str] | None:
-    """The words without the direction and the axis that it is; None where no direction stands beside
-    a word for a sensor.
+    """The words without the direction and the axis that it is; None where no direction stands
+    beside a word for a sensor.
     """
     if len(words) == 1 and words[0] in _WHOLE:
         word, axis = _WHOLE[words[0]]
@@ -68,8 +68,8 @@ def axis_of(words: list[str]) -> tuple[list[str], str] | None:
 
 
 def without_number(tokens: list[str], axis: str | None) -> list[str]:
-    """The words of a heading without the number of the sensor: gyro1_x, gx1, acc_x_2 are the gyro, the
-    gyro and the accelerometer. A number that may be the axis stays.
+    """The words of a heading without the number of the sensor: gyro1_x, gx1, acc_x_2 are the gyro,
+    the gyro and the accelerometer. A number that may be the axis stays.
     """
     out = [re.sub(rf"^((?:{_KINDS})[xyz])\d{{1,2}}$", r"\1", t) for t in tokens]
     out = [re.sub(rf"^({_KINDS})\d{{1,2}}([xyz])$", r"\1\2", t) for t in out]

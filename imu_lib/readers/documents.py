@@ -86,8 +86,8 @@ def _braced(lines: list[str]) -> Iterator[tuple[dict[str, str], int]]:
 def _table(
     messages: Iterator[tuple[dict[str, str], int]], left_out: str | None = None
 ) -> Table | None:
-    """Messages as rows, with the fields that most of them have. One that lacks a field is left out, or
-    has `left_out` there: a protocol buffer does not print what is zero.
+    """Messages as rows, with the fields that most of them have. One that lacks a field is left
+    out, or has `left_out` there: a protocol buffer does not print what is zero.
     """
     rows = list(messages)
     if len(rows) < 2:

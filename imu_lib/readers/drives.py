@@ -22,7 +22,8 @@ def _archive(path, rate, gyro_unit, accel_unit, gnss_offset, columns) -> Drive:
     """A drive from an .npz; units and the first fix's time as the call states them."""
     if columns:
         raise InputError(
-            f"{path} is an .npz, whose arrays have their names and their time in s: --columns, --topic and --time-unit say nothing about it; leave them out."
+            f"{path} is an .npz, whose arrays have their names and their time in s: --columns, "
+            "--topic and --time-unit say nothing about it; leave them out."
         )
     arrays = load_arrays(path)
     if rate is not None and "time" not in arrays and "gyro" in arrays:
@@ -90,7 +91,8 @@ def read_drive(
             drive = drive.slice(start, stop)
         except ValueError as error:
             raise InputError(
-                f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive ({str(error).replace('`', '')})."
+                f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive "
+                f"({str(error).replace('`', '')})."
             ) from None
     return drive
 
@@ -110,7 +112,8 @@ def _refuse_what_is_no_drive(path) -> None:
             f"{path} is a GNSS solution; give the IMU's file first and this one as --gnss."
         )
     raise InputError(
-        f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss FILE (RTKLIB .pos or NMEA)."
+        f"{path} is no drive: without GNSS positions there is nothing to navigate by; add --gnss "
+        "FILE (RTKLIB .pos or NMEA)."
     )
 
 
@@ -119,7 +122,8 @@ def _with_fixes(path, raw, record, gnss, gnss_offset) -> Drive:
     slow = slow_kind(record)
     if slow:
         raise InputError(
-            f"{path}: gyro and accelerometer come at rates of their own; a drive needs both in every row: resample the {slow} to the rate of the other."
+            f"{path}: gyro and accelerometer come at rates of their own; a drive needs both in "
+            f"every row: resample the {slow} to the rate of the other."
         )
     missing = [k for k in ("gyro", "accel") if not all(f"{k}_{a}" in record for a in "xyz")]
     if missing:
@@ -133,12 +137,14 @@ def _with_fixes(path, raw, record, gnss, gnss_offset) -> Drive:
     zero = arrays["gnss_time"][0] - gnss_offset if gnss_offset is not None else raw.epoch
     if zero is None:
         raise InputError(
-            f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give --gnss-offset S, the IMU time of the first fix."
+            f"{path} does not tell its absolute time, so {gnss} cannot be laid over it; give "
+            "--gnss-offset S, the IMU time of the first fix."
         )
     arrays["gnss_time"] = arrays["gnss_time"] - zero
     if arrays["gnss_time"][0] > record.duration or arrays["gnss_time"][-1] < 0:
         raise InputError(
-            f"{gnss} and {path} do not overlap in time (the first fix is {arrays['gnss_time'][0]:.6g} s after the first IMU sample); "
+            f"{gnss} and {path} do not overlap in time (the first fix is "
+            f"{arrays['gnss_time'][0]:.6g} s after the first IMU sample); "
             "check the clocks, or give --gnss-offset S."
         )
     arrays |= {"time": record.times(), "gyro": record["gyro"], "accel": record["accel"]}

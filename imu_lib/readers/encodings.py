@@ -1,4 +1,6 @@
-"""Which encoding a text is in that is no UTF-8: the one in which its words are words of headings."""
+"""Which encoding a text is in that is no UTF-8: the one in which its words are words of
+headings.
+"""
 
 from __future__ import annotations
 
@@ -38,8 +40,8 @@ _FOREIGN = re.compile(
 
 
 def of(data: bytes, head: int) -> str | None:
-    """The encoding of a text that is no UTF-8, one of `CANDIDATES`; None where no words tell, or it is
-    UTF-8 or wider.
+    """The encoding of a text that is no UTF-8, one of `CANDIDATES`; None where no words tell, or
+    it is UTF-8 or wider.
 
     Parameters
     ----------

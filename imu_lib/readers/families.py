@@ -12,8 +12,9 @@ from imu_lib.readers.raw import Raw
 
 
 def families(told: list[Meaning], headings) -> list[Meaning]:
-    """Sensors that are named by their place (left_gx, right_gx; gx_A, gx_B), where several places are
-    named; and directions that no second one stands beside, which are none (vert_acc of a receiver).
+    """Sensors that are named by their place (left_gx, right_gx; gx_A, gx_B), where several places
+    are named; and directions that no second one stands beside, which are none (vert_acc of a
+    receiver).
     """
     out = _compass(_following(told, headings), headings)
     places = [directions.place(h.name) for h in headings]
@@ -62,7 +63,10 @@ _VALUE = re.compile(r"([xyz])[ _.-]?(val(?:ue)?|axis|data|reading)", re.IGNORECA
 
 def values(told: list[Meaning], headings) -> list[Meaning]:
     """X_Value beside Y_Value and Z_Value is an axis, no abscissa."""
-    there = {m[1].lower(): i for i, h in enumerate(headings) if (m := _VALUE.fullmatch(h.name.strip()))}  # fmt: skip
+    # fmt: skip
+    there = {
+        m[1].lower(): i for i, h in enumerate(headings) if (m := _VALUE.fullmatch(h.name.strip()))
+    }
     if set(there) != set("xyz") or told[there["x"]].quantity != "time":
         return told
     out = list(told)
@@ -71,8 +75,8 @@ def values(told: list[Meaning], headings) -> list[Meaning]:
 
 
 def one_triple(told: list[Meaning], headings) -> dict[str, int]:
-    """x, y, z -> column, where three columns of unknown names differ in the axis at their end alone, and
-    no other three do; empty otherwise.
+    """x, y, z -> column, where three columns of unknown names differ in the axis at their end
+    alone, and no other three do; empty otherwise.
     """
     found: dict[str, dict[str, int]] = {}
     for i, (m, h) in enumerate(zip(told, headings)):
@@ -85,8 +89,8 @@ def one_triple(told: list[Meaning], headings) -> dict[str, int]:
 
 
 def _following(told: list[Meaning], headings) -> list[Meaning]:
-    """Bare y and z behind a column that names its sensor and x are of that sensor; so are x, y and z
-    behind one that names the sensor alone and is empty, as a nested message is laid flat.
+    """Bare y and z behind a column that names its sensor and x are of that sensor; so are x, y and
+    z behind one that names the sensor alone and is empty, as a nested message is laid flat.
     """
     out = list(told)
     bare = [h.name.strip().lower() for h in headings]
@@ -94,12 +98,18 @@ def _following(told: list[Meaning], headings) -> list[Meaning]:
         empty = headings[i].kind == "empty" and m.quantity in SIGNALS and not m.axis
         if empty and bare[i + 1 : i + 4] == ["x", "y", "z"]:
             for k, axis in enumerate("xyz", i + 1):
-                out[k] = Meaning(m.quantity, axis, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`")  # fmt: skip
+                # fmt: skip
+                out[k] = Meaning(
+                    m.quantity, axis, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`"
+                )
     for i, m in enumerate(told[:-2]):
         if m.quantity in SIGNALS and m.axis == "x" and bare[i + 1 : i + 3] == ["y", "z"]:
             if all(told[k].quantity is None for k in (i + 1, i + 2)):
                 for k, axis in ((i + 1, "y"), (i + 2, "z")):
-                    out[k] = Meaning(m.quantity, axis, m.unit, m.rank, why=f"behind `{headings[i].name.strip()}`")  # fmt: skip
+                    # fmt: skip
+                    out[k] = Meaning(
+                        m.quantity, axis, m.unit, m.rank, why=f"behind `{headings[i].name.strip()}`"
+                    )
     return out
 
 
@@ -107,8 +117,8 @@ _ORDER = re.compile(r"\(\s*([xyz])\s*,\s*([xyz])\s*,\s*([xyz])\s*\)", re.IGNOREC
 
 
 def behind(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
-    """Columns called 1 and 2, or nothing, behind one that names a sensor and no axis are its others; in
-    which order is said in the name, (z,x,y), or asked.
+    """Columns called 1 and 2, or nothing, behind one that names a sensor and no axis are its
+    others; in which order is said in the name, (z,x,y), or asked.
     """
     out = list(told)
     for i, m in enumerate(told[:-2]):
@@ -119,18 +129,24 @@ def behind(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
             continue
         order = _ORDER.search(headings[i].name)
         axes = [a.lower() for a in order.groups()] if order else ["x", "y", "z"]
-        three = [Meaning(m.quantity, a, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`") for a in axes]  # fmt: skip
+        # fmt: skip
+        three = [
+            Meaning(m.quantity, a, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`")
+            for a in axes
+        ]
         out[i : i + 3] = three
         if sorted(axes) != ["x", "y", "z"] or not order:
             raise Unnamed(
-                f"{raw.source}: `{headings[i].name}` and the two columns behind it are three axes, and nothing says in what order "
+                f"{raw.source}: `{headings[i].name}` and the two columns behind it are three "
+                "axes, and nothing says in what order "
                 f"(a camera's may be z, x, y); {suggestion(out, headings)}{units_too(out)}."
             )
     return out
 
 
 _POINT = re.compile(
-    r"^(.*[A-Za-z\d])(?:[ _.]|(?<=[a-z])(?=[A-Z]))((?i:east|north|up|down|[enud]))(?=[ _.\[(]|$)(.*)$"
+    r"^(.*[A-Za-z\d])(?:[ _.]|(?<=[a-z])(?=[A-Z]))((?i:east|north|up|down|[enud]))(?=[ _.\[(]|"
+    r"$)(.*)$"
 )
 #: Points of the compass as the axes that they are in a right-handed frame.
 _FRAMES = ({"e": "x", "n": "y", "u": "z"}, {"n": "x", "e": "y", "d": "z"})
@@ -168,7 +184,8 @@ def turned(raw: Raw, told: list[Meaning], headings) -> None:
     if turned:
         all_told = [plain[i] if i in turned else m for i, m in enumerate(told)]
         raise InputError(
-            f"{raw.source}: `{heads[turned[0]]}` says that its sign is turned; turn it in the file and rename the column, or have the values "
+            f"{raw.source}: `{heads[turned[0]]}` says that its sign is turned; turn it in the "
+            "file and rename the column, or have the values "
             f"as they stand: {suggestion(all_told, headings)}."
         )
 
@@ -183,7 +200,10 @@ def body_rates(told: list[Meaning], headings) -> list[Meaning]:
     """p, q, r are the body rates of aeronautics where all three stand there, no other column is the
     gyro, and they may not be part of a quaternion.
     """
-    heads = [lexicon.SUFFIX.sub("", re.sub(r"[\[(].*", "", h.name).strip().lower()) for h in headings]  # fmt: skip
+    # fmt: skip
+    heads = [
+        lexicon.SUFFIX.sub("", re.sub(r"[\[(].*", "", h.name).strip().lower()) for h in headings
+    ]
     there = [i for i, m in enumerate(told) if m.quantity is None and m.why == names.UNKNOWN]
     rates = {heads[i]: i for i in there if heads[i] in ("p", "q", "r")}
     whole = {"q0", "q1", "q2", "q3"} <= set(heads) or {"qw", "qx", "qy", "qz"} <= set(heads)

@@ -21,15 +21,22 @@ _NUMBER = re.compile(
 
 #: A date with its clock in digits alone, to a part of a second.
 _DIGITS = re.compile(
-    r"^(?:19|20)\d\d(?:0[1-9]|1[0-2])[0-3]\d(?:[01]\d|2[0-3])[0-5]\d[0-5]\d(?:[.,]\d{1,9}|\d{3}|\d{6})?$"
+    r"^(?:19|20)\d\d(?:0[1-9]|1[0-2])[0-3]\d(?:[01]\d|2[0-3])[0-5]\d[0-5]\d(?:[.,]\d{1,9}|\d{3}|"
+    r"\d{6})?$"
 )
 _COMMA_NUMBER = re.compile(r"^[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?$")
 
 
-_D = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}\.?|\d{1,2}[-/.]\d{1,2}[-/.]\d{4}\.?|\d{4}年\d{1,2}月\d{1,2}日|\d{2}[-/.]\d{2}[-/.]\d{2}|\d{1,2}[-/ ][A-Za-z]{3}[-/ ]\d{4})"
+_D = (
+    r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}\.?|\d{1,2}[-/.]\d{1,2}[-/.]\d{4}\.?|"
+    r"\d{4}年\d{1,2}月\d{1,2}日|\d{2}[-/.]\d{2}[-/.]\d{2}|\d{1,2}[-/ ][A-Za-z]{3}[-/ ]\d{4})"
+)
 
 
-_C = r"(?:\d{1,2}:\d{2}(?::\d{2}(?:[.,:;]\d+)?)?|\d{1,2}:\d{1,2}:\d{1,2}(?:[.,:;]\d+)?|\d{1,3}:\d{2}[.,]\d+)(?:\s*[AaPp]\.?[Mm]\.?)?"
+_C = (
+    r"(?:\d{1,2}:\d{2}(?::\d{2}(?:[.,:;]\d+)?)?|\d{1,2}:\d{1,2}:\d{1,2}(?:[.,:;]\d+)?|"
+    r"\d{1,3}:\d{2}[.,]\d+)(?:\s*[AaPp]\.?[Mm]\.?)?"
+)
 
 
 _DATE = re.compile(rf"^{_D}$")
@@ -98,10 +105,12 @@ def decode(head: bytes, source: str, whole: bool) -> tuple[str, str]:
             and head.count(b"\0") >= 0.45 * len(head)
         ):
             raise InputError(
-                f"{source} is text in an encoding of two or four bytes a character; save it as UTF-8."
+                f"{source} is text in an encoding of two or four bytes a character; save it as "
+                "UTF-8."
             )
         raise InputError(
-            f"{source} is neither text nor a binary format known here; give .npz, .csv, .txt, .tsv, .parquet, .mat or a ROS bag."
+            f"{source} is neither text nor a binary format known here; give .npz, .csv, .txt, "
+            ".tsv, .parquet, .mat or a ROS bag."
         )
     try:
         return head.decode(encoding, errors="strict" if whole else "ignore"), encoding

@@ -1,5 +1,5 @@
-"""Cells in quotes that go over several lines, as a message of ROS prints itself: "x: 0.1<newline>y: 0.2".
-They become columns of their own.
+"""Cells in quotes that go over several lines, as a message of ROS prints itself: "x:
+0.1<newline>y: 0.2". They become columns of their own.
 """
 
 from __future__ import annotations

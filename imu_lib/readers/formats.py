@@ -1,5 +1,5 @@
-"""Units that a format fixes: messages of ROS, exports of Xsens MT Manager, the units beside the arrays of
-a MATLAB file.
+"""Units that a format fixes: messages of ROS, exports of Xsens MT Manager, the units beside the
+arrays of a MATLAB file.
 """
 
 from __future__ import annotations

@@ -55,7 +55,8 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
         "x-ecef" in line or "e-baseline" in line for line in lines[:40] if line.startswith("%")
     ):
         raise InputError(
-            f"{path} holds ECEF or baseline positions; write latitude, longitude and height (out-solformat=llh)."
+            f"{path} holds ECEF or baseline positions; write latitude, longitude and height "
+            "(out-solformat=llh)."
         )
     gpst = "UTC" not in header
     time, values = [], []
@@ -80,17 +81,20 @@ def _pos(path, lines) -> dict[str, np.ndarray]:
                 raise ValueError
         except (ValueError, IndexError, OverflowError):
             raise InputError(
-                f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, longitude, height); correct or remove it."
+                f"{path}, line {number}: {line[:40]!r} is no RTKLIB position (time, latitude, "
+                "longitude, height); correct or remove it."
             ) from None
         if values and len(row) != len(values[0]):
             raise InputError(
-                f"{path}, line {number}: {len(row) + 2} columns where the first position has {len(values[0]) + 2}; the file is cut off there."
+                f"{path}, line {number}: {len(row) + 2} columns where the first position has "
+                f"{len(values[0]) + 2}; the file is cut off there."
             )
         time.append(t - (LEAP_SECONDS if gpst else 0))
         values.append(row)
     if len(values) < 2:
         raise InputError(
-            f"{path} has {len(values)} positions; at least two are needed: give the solution of the whole drive (RTKLIB .pos or NMEA)."
+            f"{path} has {len(values)} positions; at least two are needed: give the solution of "
+            "the whole drive (RTKLIB .pos or NMEA)."
         )
     v = np.asarray(values)
     out = {
@@ -164,7 +168,8 @@ def _nmea(path, lines) -> dict[str, np.ndarray]:
     rows = sorted((t, f) for t, f in fixes.items() if "position" in f)
     if len(rows) < 2:
         raise InputError(
-            f"{path} has {len(rows)} GGA positions with a fix ({bad} damaged sentences); at least two are needed: give a log with GGA sentences of the whole drive."
+            f"{path} has {len(rows)} GGA positions with a fix ({bad} damaged sentences); at least "
+            "two are needed: give a log with GGA sentences of the whole drive."
         )
     p = np.asarray([f["position"] for _, f in rows])
     out = {

@@ -40,8 +40,8 @@ def coarser(time: np.ndarray, tick: float) -> float:
 
 
 def ticking(time: np.ndarray, tick: float) -> float | None:
-    """Tick, s, of a clock that is coarser than its stamps are printed: all steps are whole numbers of
-    it, and rows share a stamp or it is that of a computer's clock. None where there is none.
+    """Tick, s, of a clock that is coarser than its stamps are printed: all steps are whole numbers
+    of it, and rows share a stamp or it is that of a computer's clock. None where there is none.
     """
     step = np.diff(time)
     up = step[step > 0]

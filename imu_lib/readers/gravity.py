@@ -21,8 +21,9 @@ OFF_FAR = 0.12  # and from which a scale factor does not explain it
 
 
 class Told(NamedTuple):
-    """why: a sentence. refused: the unit cannot be; otherwise it is unusual. likely: the unit it more
-    likely is, None where none fits. also: other units that fit as well."""
+    """why: a sentence. refused: the unit cannot be; otherwise it is unusual. likely: the unit it
+    more likely is, None where none fits. also: other units that fit as well.
+    """
 
     why: str
     refused: bool
@@ -56,8 +57,8 @@ def without_gravity(accel: np.ndarray) -> bool:
 def accel_unit(accel: np.ndarray, unit: str, factor: float) -> Told | None:
     """What is wrong with `accel` (n, k) m/s^2, stated in `unit`; None where nothing is.
 
-    With fewer than three axes the length is a lower bound of gravity: above it nothing can be, and a
-    length of one, to a few per cent, is gravity in g.
+    With fewer than three axes the length is a lower bound of gravity: above it nothing can be, and
+    a length of one, to a few per cent, is gravity in g.
     """
     axes = accel.shape[1]
     size = gravity(accel) if axes == 3 else _length(accel)
@@ -71,13 +72,16 @@ def accel_unit(accel: np.ndarray, unit: str, factor: float) -> Told | None:
 
 
 def _near_gravity(accel: np.ndarray, size: float) -> Told | None:
-    """A word where a sensor at rest shows less or more than gravity; refused where that is more than a
-    scale factor and one axis in g would explain it.
+    """A word where a sensor at rest shows less or more than gravity; refused where that is more
+    than a scale factor and one axis in g would explain it.
     """
     off = size / units.G - 1.0
     if abs(off) <= OFF_GRAVITY or not _steady(accel):
         return None
-    said = f"the specific force at rest is {size:.4g} m/s^2, {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} gravity"
+    said = (
+        f"the specific force at rest is {size:.4g} m/s^2, {abs(100 * off):.2g} % "
+        f"{'above' if off > 0 else 'below'} gravity"
+    )
     mean = np.median(some(accel), axis=0)
     for axis, i in zip("xyz", range(3)):
         whole = np.linalg.norm(np.where(np.arange(3) == i, mean * units.G, mean))
@@ -96,7 +100,8 @@ def _of_few_axes(size: float, unit: str, read: float, axes: int) -> Told | None:
     if not near or unit != "m/s^2":
         return None
     return Told(
-        f"the specific force stated in {unit} has a length of {read:.4g} in its {axes} {'axes' if axes > 1 else 'axis'}, "
+        f"the specific force stated in {unit} has a length of {read:.4g} in its {axes} "
+        f"{'axes' if axes > 1 else 'axis'}, "
         f"which is gravity in {near[0]}; its unit is likely {near[0]}",
         True,
         near[0],
@@ -116,14 +121,20 @@ def _far_from_gravity(size: float, unit: str, read: float, axes: int) -> Told | 
         if axes == 3:  # mg and cm/s^2 are 2 % apart: the nearer one first
             fit.sort(key=lambda u: abs(np.log(read * names.ACCEL_UNITS[u] / units.G)))
         return Told(
-            f"{said}that is {size / units.G:.3g} times gravity; its unit is likely {' or '.join(fit)}",
+            f"{said}that is {size / units.G:.3g} times gravity; its unit is likely "
+            f"{' or '.join(fit)}",
             True,
             fit[0],
             tuple(fit[1:]),
         )
     if size < 0.5:
         return None  # what is left when gravity was taken out
-    how = f"if these are counts, counts:{read:.5g} (per g) is near" if read > 50 else "check its unit and scale"  # fmt: skip
+    # fmt: skip
+    how = (
+        f"if these are counts, counts:{read:.5g} (per g) is near"
+        if read > 50
+        else "check its unit and scale"
+    )
     return Told(f"{said}{size / units.G:.3g} times gravity; {how}", True, None)
 
 

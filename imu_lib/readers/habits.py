@@ -1,5 +1,5 @@
-"""How people number and name axes: from 0 or 1, alpha beside omega, and units that an application never
-writes.
+"""How people number and name axes: from 0 or 1, alpha beside omega, and units that an application
+never writes.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ def numbered(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
         base = 0 if "0" in digits else 1 if "3" in digits else None
         if base is None:
             raise InputError(
-                f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be counted from 0 or from 1; "
+                f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be "
+                "counted from 0 or from 1; "
                 f"{suggestion(told, headings)}."
             )
         for i in there:
@@ -65,11 +66,14 @@ def alpha(told: list[Meaning]) -> list[Meaning]:
 
 
 def letter_g(raw: Raw, told: list[Meaning], headings, values) -> None:
-    """InputError where three columns that only the letter g names (`G(x)`) have the length of gravity in
-    g all the time, and the file has no accelerometer: a g-force, or a gyro.
+    """InputError where three columns that only the letter g names (`G(x)`) have the length of
+    gravity in g all the time, and the file has no accelerometer: a g-force, or a gyro.
     """
     there = [i for i, m in enumerate(told) if m.quantity == "gyro" and m.axis in ("x", "y", "z")]
-    lone = all(re.fullmatch(r"g[_ ]?[\[(]?[xyz][\])]?", headings[i].name.strip().lower()) for i in there)  # fmt: skip
+    # fmt: skip
+    lone = all(
+        re.fullmatch(r"g[_ ]?[\[(]?[xyz][\])]?", headings[i].name.strip().lower()) for i in there
+    )
     if len(there) != 3 or not lone or any(m.quantity in ("accel", "dv") for m in told):
         return
     if any(told[i].unit for i in there):
@@ -79,16 +83,20 @@ def letter_g(raw: Raw, told: list[Meaning], headings, values) -> None:
     middle = float(np.nanmedian(size))
     if abs(middle - 1.0) > 0.05 or not np.nanmean(np.abs(size - middle)) < 0.05 * middle:
         return
-    force = [replace(m, quantity="accel", unit="g") if i in there else m for i, m in enumerate(told)]  # fmt: skip
+    # fmt: skip
+    force = [
+        replace(m, quantity="accel", unit="g") if i in there else m for i, m in enumerate(told)
+    ]
     raise InputError(
-        f"{raw.source}: `{headings[there[0]].name}` may be a gyro or a g-force; its three axes have a length of {middle:.3g} all the time, which is "
+        f"{raw.source}: `{headings[there[0]].name}` may be a gyro or a g-force; its three axes "
+        f"have a length of {middle:.3g} all the time, which is "
         f"gravity in g; {suggestion(force, headings)} (gyro_x, gyro_y, gyro_z if it is a gyro)."
     )
 
 
 def _turns(told: list[Meaning], headings) -> list[Meaning]:
-    """rx, ry, rz beside an accelerometer are a rotation where no other column is the gyro, an attitude or
-    a velocity: v beside r is that of a position.
+    """rx, ry, rz beside an accelerometer are a rotation where no other column is the gyro, an
+    attitude or a velocity: v beside r is that of a position.
     """
     if any(
         m.quantity in ("gyro", "dtheta") or m.why in ("an attitude", "a velocity") for m in told
@@ -108,8 +116,8 @@ def _turns(told: list[Meaning], headings) -> list[Meaning]:
 
 
 def habits(told: list[Meaning], headings) -> list[Meaning]:
-    """Units that an application writes always and names never: Physics Toolbox has its g-force (gFx)
-    in g and its rates (wx) in rad/s.
+    """Units that an application writes always and names never: Physics Toolbox has its g-force
+    (gFx) in g and its rates (wx) in rad/s.
     """
     heads = {h.name.strip().lower() for h in headings}
     if {"delta_angle_dt", "delta_velocity_dt"} <= heads:

@@ -1,4 +1,6 @@
-"""HDF5 as MATLAB 7.3, pandas and h5py write it: arrays by name, and the texts that say their units."""
+"""HDF5 as MATLAB 7.3, pandas and h5py write it: arrays by name, and the texts that say their
+units.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,8 @@ def arrays(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
         if isinstance(error, PermissionError | FileNotFoundError | IsADirectoryError):
             raise
         raise InputError(
-            f"{path} is not a whole HDF5 (MATLAB 7.3) file ({str(error).splitlines()[0][:90]}); save it again."
+            f"{path} is not a whole HDF5 (MATLAB 7.3) file ({str(error).splitlines()[0][:90]}); "
+            "save it again."
         ) from None
     return out, texts
 
@@ -47,9 +50,15 @@ def arrays(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
 def _refuse_empty_promise(path, name, item) -> None:
     """InputError where a data set announces what it does not store."""
     stored = item.id.get_storage_size()
-    if item.size > 1000 and stored * 20_000 < item.size * item.dtype.itemsize or item.size > MOST_VALUES:  # fmt: skip
+    # fmt: skip
+    if (
+        item.size > 1000
+        and stored * 20_000 < item.size * item.dtype.itemsize
+        or item.size > MOST_VALUES
+    ):
         raise InputError(
-            f"{path}, `{name}`: announces {item.size:,} values but stores {stored:,} bytes; it is damaged: save it again."
+            f"{path}, `{name}`: announces {item.size:,} values but stores {stored:,} bytes; it is "
+            "damaged: save it again."
         )
 
 

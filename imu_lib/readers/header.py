@@ -9,14 +9,16 @@ from imu_lib.readers.fields import COMMENTS, fields, kind
 from imu_lib.readers.spelling import unwrapped
 
 _RATE = re.compile(
-    r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|update[ _]?rate|output[ _]?(?:data[ _]?)?rate|odr)$",
+    r"^(?:fs|f_s|rate|sampling[ _]?(?:rate|frequency)|sample[ _]?(?:rate|frequency)|frequency|"
+    r"update[ _]?rate|output[ _]?(?:data[ _]?)?rate|odr)$",
     re.IGNORECASE,
 )
 
 
 #: What a row of units says of columns that are no inertial readings.
 _OTHER_UNIT = re.compile(
-    r"^[\[(]?(?:no[_ ]?units?|unitless|none|n/?a|m?v|%|k?pa|h?pa|m?bar|mb|[mun]?t|m?gauss|lux|bool|enum|hz|m|km|id)[\])]?$", re.IGNORECASE
+    r"^[\[(]?(?:no[_ ]?units?|unitless|none|n/?a|m?v|%|k?pa|h?pa|m?bar|mb|[mun]?t|m?gauss|lux|"
+    r"bool|enum|hz|m|km|id)[\])]?$", re.IGNORECASE
 )  # fmt: skip
 
 
@@ -27,13 +29,15 @@ _FORM = re.compile(
 
 
 _STEP = re.compile(
-    r"^(?:dt|ts|delta_?[tx]|sampl(?:e|ing)[ _]?(?:time|period|interval))\s*[:=,;\t ]\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*\[?\(?(s|ms|us)?\)?\]?$",
+    r"^(?:dt|ts|delta_?[tx]|sampl(?:e|ing)[ _]?(?:time|period|interval))\s*[:=,;\t "
+    r"]\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*\[?\(?(s|ms|us)?\)?\]?$",
     re.IGNORECASE,
 )
 
 
 _AT = re.compile(
-    r"(?<![^\W_])(?:at|rate|frequency|sampled|sampling|odr)\b[^\d,;]{0,12}?(\d+(?:\.\d+)?)\s*(?:Hz|S/s|samples/s)\b",
+    r"(?<![^\W_])(?:at|rate|frequency|sampled|sampling|"
+    r"odr)\b[^\d,;]{0,12}?(\d+(?:\.\d+)?)\s*(?:Hz|S/s|samples/s)\b",
     re.IGNORECASE,
 )
 _SENSORS = {
@@ -63,7 +67,8 @@ def units_said(lines) -> dict[str, str]:
     for line in lines[-40:]:
         for part in re.split(r"[,;]|\band\b", line.strip("#%/! \t\r\n")):
             said = re.match(
-                r"^(.{3,40}?)\s*(?:\bin\b|:|=|\bunits?\b)[\s:=]*[\[(]?\s*([^\s\])]+(?: per \w+)?)\s*[\])]?\.?\s*$",
+                r"^(.{3,40}?)\s*(?:\bin\b|:|=|\bunits?\b)[\s:=]*[\[(]?\s*([^\s\])]+(?: per "
+                r"\w+)?)\s*[\])]?\.?\s*$",
                 part,
             )
             for sensor, word in _SENSORS.items():
@@ -73,7 +78,9 @@ def units_said(lines) -> dict[str, str]:
 
 
 def legend(lines) -> dict[str, str]:
-    """Number -> sensor, where lines above the table say what a number stands for: `0 = Accelerometer`."""
+    """Number -> sensor, where lines above the table say what a number stands for: `0 =
+    Accelerometer`.
+    """
     found = {}
     for line in lines[-60:]:
         said = re.match(r"^\W*(\d{1,3})\s*(?:[=:]|-+>?)\s*([A-Za-z][\w -]*?)\W*$", line.strip())

@@ -1,4 +1,6 @@
-"""Tables that a known tool writes without a header, told by their width and by where text stands."""
+"""Tables that a known tool writes without a header, told by their width and by where text
+stands.
+"""
 
 from __future__ import annotations
 

@@ -17,7 +17,8 @@ from imu_lib.readers.names import SIGNALS, Meaning
 #: Headings of a column that says whose reading a row is.
 NAMED = words(
     "i instance inst imu imuid imuno imunumber imuindex id sensor sensorid sensorno sensornumber"
-    " sensorindex sensorname sensortype streamtype device deviceid devicename deviceaddress deviceno dev devid unit unitid node nodeid address addr mac"
+    " sensorindex sensorname sensortype streamtype device deviceid devicename deviceaddress "
+    "deviceno dev devid unit unitid node nodeid address addr mac"
     " macaddress board boardid chip chipid channel source src name tag serial serialnumber sn port"
     " type canid slave"
 )
@@ -37,8 +38,8 @@ FEWEST = 5  # rows of a sensor
 
 @dataclass(frozen=True)
 class Instances:
-    """heading: of the column that tells sensors apart; labels (n,): what it says of each row, as text;
-    values: those that stand beside readings of one kind.
+    """heading: of the column that tells sensors apart; labels (n,): what it says of each row, as
+    text; values: those that stand beside readings of one kind.
     """
 
     heading: str
@@ -79,8 +80,8 @@ def find(
 
 
 def bare(told: Sequence[Meaning], headings: Sequence[Heading], load: Callable) -> Instances | None:
-    """The column that tells the sensors of a table by rows apart whose x, y, z name none; None where no
-    column of a known name does.
+    """The column that tells the sensors of a table by rows apart whose x, y, z name none; None
+    where no column of a known name does.
     """
     letters = {
         h.name.strip().lower().strip("_-. ").removesuffix("axis").strip("_-. ") for h in headings
@@ -119,7 +120,8 @@ def text(x) -> np.ndarray:
 
 
 def numbered(headings: Sequence[Heading], values) -> str | None:
-    """A clause on a column whose few whole numbers take turns from row to row; None where none does.
+    """A clause on a column whose few whole numbers take turns from row to row; None where none
+    does.
 
     values : column number -> values, None where they could not be loaded.
     """
@@ -149,6 +151,8 @@ def rows(found: Instances | None, topic: str | None, source: str) -> np.ndarray 
         return np.flatnonzero(found.labels == value)
     first, *others = (f"--topic '{found.heading}={v}'" for v in found.values)
     raise Several(
-        f"{source}: `{found.heading}` tells {len(found.values)} sensors apart ({', '.join(found.values)}), whose rows stand in one table; "
-        f"choose one with {first} or {' or '.join(others[:3])} (--topic '{found.heading}=*' if all rows are of one sensor)."
+        f"{source}: `{found.heading}` tells {len(found.values)} sensors apart "
+        f"({', '.join(found.values)}), whose rows stand in one table; "
+        f"choose one with {first} or {' or '.join(others[:3])} (--topic '{found.heading}=*' if "
+        "all rows are of one sensor)."
     )

@@ -1,5 +1,5 @@
-"""JSON that is one document (a list of samples, or a list of values under each name), or a document a
-line, as Python prints its dictionaries, too.
+"""JSON that is one document (a list of samples, or a list of values under each name), or a
+document a line, as Python prints its dictionaries, too.
 """
 
 from __future__ import annotations
@@ -77,8 +77,8 @@ def _samples(found):
 
 
 def _split(found):
-    """Names and rows apart (`columns` and `data`, `sensors` and `values`), perhaps under one key, as
-    columns; anything else as it is.
+    """Names and rows apart (`columns` and `data`, `sensors` and `values`), perhaps under one key,
+    as columns; anything else as it is.
     """
     if not isinstance(found, dict):
         return found
@@ -150,10 +150,15 @@ def _numbers(values: list) -> list | None:
 
 
 def _unpacked(row: dict) -> list[dict]:
-    """A message as the samples that it holds: lists of dicts (`ArrayAcc: [{x, y, z}, ...]`) one by one,
-    each with what else the message says.
+    """A message as the samples that it holds: lists of dicts (`ArrayAcc: [{x, y, z}, ...]`) one by
+    one, each with what else the message says.
     """
-    lists = {k: v for k, v in row.items() if isinstance(v, list) and v and all(isinstance(x, dict) for x in v)}  # fmt: skip
+    # fmt: skip
+    lists = {
+        k: v
+        for k, v in row.items()
+        if isinstance(v, list) and v and all(isinstance(x, dict) for x in v)
+    }
     if not lists:
         return [row]
     rest = {k: v for k, v in row.items() if k not in lists}

@@ -1,5 +1,5 @@
-"""Lines in which words stand between the numbers, as serial monitors and sentence loggers write them,
-into a plain table.
+"""Lines in which words stand between the numbers, as serial monitors and sentence loggers write
+them, into a plain table.
 
 `14:05:00.000 -> 0.1,0.2`, `aX = -65 | aY = 183`, `a/g: 1 2 3 4 5 6`, `Accel X: 0.1, Y: 0.2, Z: 9.8
 m/s^2`, `{"t": 1, "gx": 2}`, `$VNIMU,...*5B`: what the words say becomes the header.

@@ -1,5 +1,5 @@
-"""How a text file of numbers is laid out: delimiter, decimal mark, comments, preamble, header, row of
-units, first line of data.
+"""How a text file of numbers is laid out: delimiter, decimal mark, comments, preamble, header, row
+of units, first line of data.
 """
 
 from __future__ import annotations
@@ -12,7 +12,10 @@ from imu_lib.readers import names
 from imu_lib.readers.fields import COMMENTS, STAMPS, decode, fields, kind
 from imu_lib.readers.header import header_of, rate_said, units_said
 
-_DATA_MARK = re.compile(r"^\s*(?:\*+End_of_Header\*+|@data|endheader|DATA_START|\[data\])\s*$", re.IGNORECASE)  # fmt: skip
+# fmt: skip
+_DATA_MARK = re.compile(
+    r"^\s*(?:\*+End_of_Header\*+|@data|endheader|DATA_START|\[data\])\s*$", re.IGNORECASE
+)
 
 
 @dataclass(frozen=True)
@@ -138,8 +141,8 @@ def _best(lines, kept):
 
 
 def _names(lines, first, delimiter, kinds, some):
-    """Header, row of units and rate above the first row, also where the names are one fewer than the
-    columns; `some` are the first fields of the first rows.
+    """Header, row of units and rate above the first row, also where the names are one fewer than
+    the columns; `some` are the first fields of the first rows.
     """
     header, unit_row, rate = header_of(lines, first, delimiter, len(kinds))
     if header is None and kinds[-1] == "empty":

@@ -10,7 +10,9 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 
 
 PREFIX = re.compile(
-    r"^\s*[\[(]?\s*((?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}[T ]\s*)?\d{1,2}:\d{2}:\d{2}(?!\.\d+,\d{3}\])(?:[.,]\d+)?(?:\s*[AP]M)?)\s*[\])]?\s*(->|=>|>|\||:)?\s*",
+    r"^\s*[\[(]?\s*((?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}[T "
+    r"]\s*)?\d{1,2}:\d{2}:\d{2}(?!\.\d+,\d{3}\])(?:[.,]\d+)?(?:\s*[AP]M)?)\s*[\])]?\s*(->|=>|>|\||"
+    r":)?\s*",
     re.IGNORECASE,
 )
 
@@ -18,11 +20,16 @@ PREFIX = re.compile(
 #: Stamps that loggers of systems put before a line, by the heading that says what they are.
 LOGGERS = {
     "time [ms]": re.compile(r"^\s*[IWDEV] \((\d+)\) [\w.-]+:\s*"),  # ESP-IDF
-    "time [s]": re.compile(r"^\s*\[\s*(?:DEBUG|INFO|WARN|ERROR)\s*\]\s*\[(\d+\.\d+)\](?:\s*\[[\w./-]+\])?:\s*"),  # ROS
-    "clock": re.compile(r"^\s*(?:\d{4}-)?\d{2}-\d{2}\s+(\d{2}:\d{2}:\d{2}[.,]\d+)\s+\d+\s+\d+\s+[VDIWEF]\s+[^:]{1,40}:\s*"),  # Android
-    "clock ": re.compile(r"^\s*\[(\d{2}:\d{2}:\d{2}\.\d{3},\d{3})\]\s*(?:<\w+>\s*)?(?:[\w.-]+:\s*)?"),  # Zephyr
+    # ROS
+    "time [s]": re.compile(r"^\s*\[\s*(?:DEBUG|INFO|WARN|"
+                           r"ERROR)\s*\]\s*\[(\d+\.\d+)\](?:\s*\[[\w./-]+\])?:\s*"),
+    # Android
+    "clock": re.compile(r"^\s*(?:\d{4}-)?\d{2}-\d{2}\s+(\d{2}:\d{2}:\d{2}[.,]\d+)\s+\d+\s+\d+\s+[VDIWEF]\s+[^:]{1,40}:\s*"),
+    # Zephyr
+    "clock ": re.compile(r"^\s*\[(\d{2}:\d{2}:\d{2}\.\d{3},\d{3})\]\s*(?:<\w+>\s*)?(?:[\w.-]+:\s*)?"),
     "clock  ": re.compile(r"^\s*\[\w{3} \w{3} +\d{1,2} (\d{2}:\d{2}:\d{2}(?:\.\d+)?) \d{4}\]\s*"),
-    "time [s]  ": re.compile(r"^\s*\[\s*(\d+\.\d{3,9})\]\s*(?:[\w.-]+:\s*)?"),  # a kernel's messages
+    # a kernel's messages
+    "time [s]  ": re.compile(r"^\s*\[\s*(\d+\.\d{3,9})\]\s*(?:[\w.-]+:\s*)?"),
     "time [s]   ": re.compile(r"^\s*(\d+\.\d+) ?s(?:ec)?\s*[:,]\s+"),
     "time [ms] ": re.compile(r"^\s*(\d+) ?ms\s*[:,]\s+"),
     "time [s] ": re.compile(r"^\s*\((\d{9,10}\.\d+)\)\s+"),  # candump and the like

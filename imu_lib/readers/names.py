@@ -75,14 +75,15 @@ def meaning(name: str, *, signal: str | None = None) -> Meaning:
     return _in_unit(found, unit or found.unit, key)
 
 
-#: A lone letter or word of a gyro before an axis and [rad] or [deg]: a rate whose second was left out,
-#: or an increment, which is asked.
+#: A lone letter or word of a gyro before an axis and [rad] or [deg]: a rate whose second was left
+#: out, or an increment, which is asked.
 _RAD = re.compile(r"^((?:gyro|gyr|omega|w|g)_?[xyz])_(rad|deg)$")
 
 
 def _with_tail(found: Meaning, key: str, axis, signal, name: str):
-    """A meaning and its unit where that stands behind the name without brackets, or before the axis:
-    gx_dps, accelerometer_m_s2_0, wx_rad; and the head and unit of such a name that says no more.
+    """A meaning and its unit where that stands behind the name without brackets, or before the
+    axis: gx_dps, accelerometer_m_s2_0, wx_rad; and the head and unit of such a name that says no
+    more.
     """
     if axis is None and (bare := _RAD.match(key)):
         return read(bare[1], axis, signal, name), bare[2], None
@@ -186,8 +187,8 @@ def spelled_unit(name: str) -> str | None:
 
 
 def by_unit(name: str, unit: str | None) -> Meaning | None:
-    """A heading that names an axis and states a unit, and no more: `X [rad/s]`, `Rotation X (deg/s)`,
-    and the letters p, q, r of aeronautics. None where it is no such heading.
+    """A heading that names an axis and states a unit, and no more: `X [rad/s]`, `Rotation X
+    (deg/s)`, and the letters p, q, r of aeronautics. None where it is no such heading.
     """
     text, spelled, pointed = headings.split(name)
     found = unit_of(unit or spelled or "")

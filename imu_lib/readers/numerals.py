@@ -1,5 +1,5 @@
-"""Dates and clocks that are written as one number: 105958.01 is 10:59:58.01, 20210304105958010 the same
-on 4 March 2021.
+"""Dates and clocks that are written as one number: 105958.01 is 10:59:58.01, 20210304105958010 the
+same on 4 March 2021.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ def _clock(stamp: np.ndarray) -> np.ndarray:
 
 
 def _closes(stamp: np.ndarray) -> bool:
-    """Whether numbers jump where a minute is full, and run on evenly when they are read as clocks."""
+    """Whether numbers jump where a minute is full, and run on evenly when they are read as
+    clocks.
+    """
     x = np.asarray(stamp, dtype=float)
     if len(x) < 20 or x.min() < 0 or x.max() >= 240_000 or x.max() < 60:
         return False

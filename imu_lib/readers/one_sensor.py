@@ -44,7 +44,8 @@ def _as_named(path, topic, kind: str) -> Raw:
     raw = read_raw(path, signal=kind, topic=topic)
     word = "gyro" if kind == "gyro" else "accelerometer"
     raw.notes += (
-        f"x, y, z were read as the {word}, the one sensor that a unit was given for (--{kind}-unit).",
+        f"x, y, z were read as the {word}, the one sensor that a unit was given for "
+        f"(--{kind}-unit).",
     )
     return raw
 

@@ -37,7 +37,8 @@ def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
     raw = _read(path, columns, signal, topic)
     if topic and raw.instances is None and not raw.has_topics:
         raise InputError(
-            f"{raw.source} has no topics and no column that tells several sensors apart; leave --topic {topic} out."
+            f"{raw.source} has no topics and no column that tells several sensors apart; leave "
+            f"--topic {topic} out."
         )
     try:
         keep = instances.rows(raw.instances, topic, raw.source)
@@ -96,7 +97,8 @@ def _of_file(path: Path, magic: bytes, options) -> Raw:
         return arrow_tables.read_feather(path, **table)
     if magic[:1] == b"\x80" and magic[1:2] in b"\x02\x03\x04\x05" or suffix in (".pkl", ".pickle"):
         raise InputError(
-            f"{path} is a Python pickle, which runs code when it is opened; write what it holds as .npz, .csv or .parquet."
+            f"{path} is a Python pickle, which runs code when it is opened; write what it holds "
+            "as .npz, .csv or .parquet."
         )
     if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or suffix == ".mat":
         return binary.read_mat(path, **table)
@@ -165,7 +167,8 @@ def _of_zip(path: Path, names: list[str], options) -> Raw:
         name = two[options["signal"] == "accel"]
         return _of_bytes(packed.member(path, name), path, options, Path(name).name)
     raise InputError(
-        f"{path} holds several files ({', '.join(names[:6])}); name the one that is meant, as in '{path}/{names[0]}'."
+        f"{path} holds several files ({', '.join(names[:6])}); name the one that is meant, as in "
+        f"'{path}/{names[0]}'."
         if names
         else f"{path} is an archive without a data file in it; {KNOWN} is expected."
     )

@@ -1,5 +1,5 @@
-"""A drive of the KITTI data set as it is unpacked: a folder with `timestamps.txt` and `data/`, a file of
-one row for each sample.
+"""A drive of the KITTI data set as it is unpacked: a folder with `timestamps.txt` and `data/`, a
+file of one row for each sample.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ def read_oxts(path: Path) -> Raw:
     stamps = [x for x in (path / "timestamps.txt").read_text().splitlines() if x.strip()]
     if len(files) != len(stamps) or len(files) < 2:
         raise InputError(
-            f"{path}: {len(stamps)} stamps and {len(files)} rows in data/; unpack the drive again, or put the rows into one table."
+            f"{path}: {len(stamps)} stamps and {len(files)} rows in data/; unpack the drive "
+            "again, or put the rows into one table."
         )
     try:
         rows = np.array([[float(v) for v in f.read_text().split()] for f in files])
@@ -44,7 +45,14 @@ def read_oxts(path: Path) -> Raw:
             f"{path}/data: its rows are no {WIDTH} numbers each; unpack the drive again."
         )
     raw = Raw(str(path), line=lambda row: f"data/{files[row].name}")
-    raw.add("date", np.array([re.sub(r"(\.\d{9})\d*$", r"\1", s) for s in stamps], dtype=object), None, "timestamps.txt", "the stamps of the drive")  # fmt: skip
+    # fmt: skip
+    raw.add(
+        "date",
+        np.array([re.sub(r"(\.\d{9})\d*$", r"\1", s) for s in stamps], dtype=object),
+        None,
+        "timestamps.txt",
+        "the stamps of the drive",
+    )
     why = "KITTI's dataformat: forward, left, up"
     raw.add("gyro", rows[:, GYRO], "rad/s", "wx wy wz", why)
     raw.add("accel", rows[:, ACCEL], "m/s^2", "ax ay az", why)

@@ -16,12 +16,31 @@ MOST = 8_000_000_000  # bytes unpacked: no log of an IMU
 MAGIC = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz"}
 CLOSED = {b"7z\xbc\xaf": "7-Zip", b"\x28\xb5\x2f\xfd": "Zstandard", b"Rar!": "RAR"}
 _OPEN = {"gzip": gzip.open, "bzip2": bz2.open, "xz": lzma.open}
-_DATA = (".csv", ".txt", ".tsv", ".log", ".dat", ".mat", ".npy", ".parquet", ".ulg", ".bag", ".asc", ".json", ".imu", ".rda", ".npz", ".db3", ".mcap")  # fmt: skip
+# fmt: skip
+_DATA = (
+    ".csv",
+    ".txt",
+    ".tsv",
+    ".log",
+    ".dat",
+    ".mat",
+    ".npy",
+    ".parquet",
+    ".ulg",
+    ".bag",
+    ".asc",
+    ".json",
+    ".imu",
+    ".rda",
+    ".npz",
+    ".db3",
+    ".mcap",
+)
 
 
 def how(magic: bytes, path) -> str | None:
-    """By what a file is packed, by its first bytes; None where it is not. InputError where it is not
-    unpacked here.
+    """By what a file is packed, by its first bytes; None where it is not. InputError where it is
+    not unpacked here.
     """
     for start, name in CLOSED.items():
         if magic.startswith(start):
@@ -60,7 +79,9 @@ def inside(path: Path) -> tuple[Path, str] | None:
 
 
 def members(path: Path) -> list[str] | None:
-    """Names of the data files in a zip; None where it is none, is one of NumPy's, or a spreadsheet."""
+    """Names of the data files in a zip; None where it is none, is one of NumPy's, or a
+    spreadsheet.
+    """
     if not zipfile.is_zipfile(path):
         return None
     try:

@@ -20,7 +20,8 @@ EARTH = 7.292e-5  # rad/s
 #: fibre-optic (3e-6) to the poorest consumer parts (3e-3), data sheets of some forty sensors.
 GYRO_NOISE = (1e-4, np.log(6.0))
 NOISY = 2.5e-3  # rad/s/sqrt(Hz), 8.6 deg/sqrt(h): hardly any gyro at rest has more
-#: Noise of the accelerometer over that of the gyro beside it, m/s^2 per rad/s: 5 to 30 in MEMS units.
+#: Noise of the accelerometer over that of the gyro beside it, m/s^2 per rad/s: 5 to 30 in MEMS
+#: units.
 RATIO = (12.0, np.log(3.0))
 GYRO_BIAS = (0.1, 0.7)  # rad/s where a bias begins to be unusual, spread of its logarithm above it
 OPTICAL = (
@@ -28,7 +29,8 @@ OPTICAL = (
 )
 REFUSED = 7.0  # log-odds for another unit from which a stated one is refused
 DOUBTED = 2.5  # and from which a word is said
-#: Units in which nobody writes whole numbers of a gyro in small motion; of mrad/s and mdps they are usual.
+#: Units in which nobody writes whole numbers of a gyro in small motion; of mrad/s and mdps they
+#: are usual.
 COARSE = ("rad/s", "deg/s", "deg/h")
 #: Units that a record may be in whatever its header says.
 READINGS = ("rad/s", "deg/s", "deg/h", "mdps")
@@ -43,12 +45,13 @@ def gyro_unit(
     *,
     strict: bool,
 ) -> Told | None:
-    """What is wrong with `gyro` (n, k) rad/s, stated in `unit` of `factor` rad/s; None where nothing.
+    """What is wrong with `gyro` (n, k) rad/s, stated in `unit` of `factor` rad/s; None where
+    nothing.
 
-    Where the record turns, gravity turns with it and tells the scale. At rest the noise, the bias and
-    the accelerometer's noise are weighed for the stated unit against the others: one that loses by
-    far is refused, so two units are never both refused. `strict` also holds the noise against that
-    of the accelerometer.
+    Where the record turns, gravity turns with it and tells the scale. At rest the noise, the bias
+    and the accelerometer's noise are weighed for the stated unit against the others: one that
+    loses by far is refused, so two units are never both refused. `strict` also holds the noise
+    against that of the accelerometer.
     """
     factor = names.GYRO_UNITS.get(unit) if factor is None or unit in names.GYRO_UNITS else None
     turned = turning(gyro, accel, rate)
@@ -58,7 +61,8 @@ def gyro_unit(
     whole = factor is not None and unit in COARSE and _whole(gyro / factor)
     if whole and (still > NOISY or bias > 3 * GYRO_BIAS[0]):
         return Told(
-            f"the rates stated in {unit} have a {_worst(still, bias)} and are whole numbers; they are likely raw counts (--gyro-unit counts:C, C counts per deg/s)",
+            f"the rates stated in {unit} have a {_worst(still, bias)} and are whole numbers; they "
+            "are likely raw counts (--gyro-unit counts:C, C counts per deg/s)",
             True,
             None,
         )
@@ -71,7 +75,8 @@ def gyro_unit(
     if factor is None:
         if _score(still, bias, noise, rate) < -2 * REFUSED:
             return Told(
-                f"the rates stated in {unit} have a {_worst(still, bias)}, more than any gyro at rest; check the counts per deg/s",
+                f"the rates stated in {unit} have a {_worst(still, bias)}, more than any gyro at "
+                "rest; check the counts per deg/s",
                 True,
                 None,
             )
@@ -86,7 +91,8 @@ def gyro_unit(
         return _unlikely(gyro, unit, factor, fit, odds, still, bias, noise)
     if strict and quiet and noise is None and unit != "rad/s" and 0 < still < OPTICAL:
         return Told(
-            f"the rates stated in {unit} have a {_worst(still, bias)}, that of an optical gyro; of a MEMS gyro the unit would likely be rad/s",
+            f"the rates stated in {unit} have a {_worst(still, bias)}, that of an optical gyro; "
+            "of a MEMS gyro the unit would likely be rad/s",
             False,
             "rad/s",
         )
@@ -94,8 +100,8 @@ def gyro_unit(
 
 
 def _fitting(scores: dict[str, float]) -> list[str]:
-    """The units that fit about as well as the best one, that one first: which of them it is cannot be
-    told from the values.
+    """The units that fit about as well as the best one, that one first: which of them it is cannot
+    be told from the values.
     """
     best = max(scores.values())
     fit = [u for u in scores if scores[u] > best - DOUBTED]
@@ -107,14 +113,16 @@ def _by_turning(slope: float, unit: str, factor: float | None) -> Told | None:
     for other in READINGS if factor else ():
         if other != unit and 0.5 < slope / (names.GYRO_UNITS[other] / factor) < 2.0:
             return Told(
-                f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; their unit is likely {other}",
+                f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; "
+                f"their unit is likely {other}",
                 True,
                 other,
             )
     if 0.2 < slope < 5:
         return None
     return Told(
-        f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the unit and scale",
+        f"gravity turns {slope:.3g} times as fast as the rates stated in {unit} say; check the "
+        "unit and scale",
         True,
         None,
     )
@@ -129,8 +137,8 @@ def _too_fast(fast, unit, factor, still, bias, noise, rate) -> Told:
     }
     fit = _fitting(scores) if scores else []
     return Told(
-        f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a hundred; "
-        + (f"their unit is likely {' or '.join(fit)}" if fit else "check the unit"),
+        f"the rates stated in {unit} exceed {fast / units.DEG_PER_S:.3g} deg/s in one sample of a "
+        "hundred; " + (f"their unit is likely {' or '.join(fit)}" if fit else "check the unit"),
         True,
         fit[0] if fit else None,
         tuple(fit[1:]),
@@ -144,7 +152,8 @@ def _unlikely(gyro, unit, factor, fit, odds, still, bias, noise) -> Told:
     worst = _worst(still, bias)
     if noise and still and noise / still > 60:
         worst = (
-            f"noise of {still / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), {noise / still:.0f} times less than the accelerometers' "
+            f"noise of {still / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), {noise / still:.0f} "
+            "times less than the accelerometers' "
             "(m/s^2 per rad/s; 5 to 30 is usual)"
         )
     said = f"the rates stated in {unit} have a {worst}"
@@ -155,7 +164,8 @@ def _unlikely(gyro, unit, factor, fit, odds, still, bias, noise) -> Told:
     )
     if odds < REFUSED or tactical:
         return Told(
-            f"{said}: unusual, though possible; in {likely} they would be usual (--gyro-unit {' or --gyro-unit '.join((best_unit, *also))})",
+            f"{said}: unusual, though possible; in {likely} they would be usual (--gyro-unit "
+            f"{' or --gyro-unit '.join((best_unit, *also))})",
             False,
             best_unit,
             also,
@@ -216,8 +226,8 @@ def _noise_density(x: np.ndarray, rate: float) -> float:
 
 
 def _still(gyro: np.ndarray, rate: float) -> tuple[float, float, bool]:
-    """Noise density and largest bias of the quietest parts of a record (of a moving one, what it has
-    when it stands), and whether the rest is as quiet.
+    """Noise density and largest bias of the quietest parts of a record (of a moving one, what it
+    has when it stands), and whether the rest is as quiet.
     """
     block = max(20, int(rate))
     n = len(gyro) // block

@@ -23,7 +23,8 @@ def check_units(
         record = _told(record, told, "accel", refused)
         if strict and whole is not None and gravity.without_gravity(whole):
             record = record.with_note(
-                "The accelerometer shows no gravity (its vector averages to nothing): it was taken out before the file was written."
+                "The accelerometer shows no gravity (its vector averages to nothing): it was "
+                "taken out before the file was written."
             )
     axes = [record.channels[c] for c in record.channels if c.startswith("gyro")]
     if axes and "gyro" in unit:

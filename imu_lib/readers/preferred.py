@@ -1,5 +1,5 @@
-"""Of several columns for one axis, one time and one temperature the one that is meant; asked for where two
-are equal.
+"""Of several columns for one axis, one time and one temperature the one that is meant; asked for
+where two are equal.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ _LETTER_G = re.compile(r"g[_ .]?[xyz]", re.IGNORECASE)
 
 
 def one_each(raw: Raw, told, headings, load) -> list[Meaning]:
-    """Of several columns for one axis the one that such a name usually heads: the sensor's own reading
-    before one that a device has worked on, rates before increments. Asked for where two are equal.
+    """Of several columns for one axis the one that such a name usually heads: the sensor's own
+    reading before one that a device has worked on, rates before increments. Asked for where two
+    are equal.
     """
     out = list(told)
     second: dict[str, tuple[int, int]] = {}
@@ -38,7 +39,8 @@ def one_each(raw: Raw, told, headings, load) -> list[Meaning]:
         canonical, one, other = equal[0]
         skip += time_columns.all_but_best(told, headings, load)
         raise InputError(
-            f"{raw.source}: both `{headings[one].name}` and `{headings[other].name}` would be {canonical}; "
+            f"{raw.source}: both `{headings[one].name}` and `{headings[other].name}` would be "
+            f"{canonical}; "
             f"{suggestion(told, headings, skip)}{units_too(told, skip)}."
         )
     twins.say(raw, second, headings)

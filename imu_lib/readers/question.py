@@ -28,7 +28,8 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
     batch = [h.name for h in headings if re.fullmatch(r"[xX]\[?\d+\]?", h.name.strip())]
     if len(batch) > 3:
         return Unnamed(
-            f"{raw.source}: each of its rows holds {len(batch)} samples of one axis (`{batch[0]}` to `{batch[-1]}`), as a sensor's buffer does; "
+            f"{raw.source}: each of its rows holds {len(batch)} samples of one axis (`{batch[0]}` "
+            f"to `{batch[-1]}`), as a sensor's buffer does; "
             "write a table with a row a sample."
         )
     width = len(headings)
@@ -36,14 +37,21 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
     header = (
         f"its header ({', '.join(h.name for h in headings)[:80]}) names no gyro or accelerometer"
         if named
-        else f"no header of {width} name{'s' * (width > 1)} right above {'them' if width > 1 else 'it'}"
+        else f"no header of {width} name{'s' * (width > 1)} right above "
+        f"{'them' if width > 1 else 'it'}"
     )
     named_so = example(told, headings, values)
     if not any(f"{s}_" in named_so for s in SIGNALS):
         return Unnamed(
-            f"{raw.source} has {many} and {header}, and none of them holds numbers that could be one; give the file with the readings."
+            f"{raw.source} has {many} and {header}, and none of them holds numbers that could be "
+            "one; give the file with the readings."
         )
-    free = [i for i, h in enumerate(headings) if h.kind in ("number", "empty") and told[i].quantity is None]  # fmt: skip
+    # fmt: skip
+    free = [
+        i
+        for i, h in enumerate(headings)
+        if h.kind in ("number", "empty") and told[i].quantity is None
+    ]
     one = (
         " (--gyro FILE or --accel FILE where it holds x, y, z of one sensor)"
         if len(free) in (3, 4) and not signal
@@ -56,7 +64,8 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
     timed = stamps or any(m.quantity in ("time", "date", "clock") for m in told)
     rate = "" if timed or raw.rate else " and the rate with --rate HZ"
     return Unnamed(
-        f"{raw.source} has {many} and {header}{_commas(headings, values)}{damage}; name them by position with --columns, as in "
+        f"{raw.source} has {many} and {header}{_commas(headings, values)}{damage}; name them by "
+        "position with --columns, as in "
         f"{named_so}{_units(named_so)}{rate}{one}."
     )
 
@@ -69,8 +78,8 @@ def _units(named_so: str) -> str:
 
 
 def _of_several(raw: Raw, told, headings, named, load, values) -> str | None:
-    """A sentence on rows of several sensors that a column tells apart, with what reads them; None where
-    there is no such column.
+    """A sentence on rows of several sensors that a column tells apart, with what reads them; None
+    where there is no such column.
     """
     if named:
         found = instances.bare(told, headings, load)
@@ -78,8 +87,10 @@ def _of_several(raw: Raw, told, headings, named, load, values) -> str | None:
             return None
         some = ", ".join(found.values)
         return (
-            f"its rows are of several sensors that `{found.heading}` tells apart ({some}), and nothing says what each is; read them one at a time, as in "
-            f"--gyro '{raw.source}' --topic '{found.heading}={found.values[-1]}' or --accel '{raw.source}' --topic '{found.heading}={found.values[0]}'"
+            f"its rows are of several sensors that `{found.heading}` tells apart ({some}), and "
+            "nothing says what each is; read them one at a time, as in "
+            f"--gyro '{raw.source}' --topic '{found.heading}={found.values[-1]}' or --accel "
+            f"'{raw.source}' --topic '{found.heading}={found.values[0]}'"
         )
     if how := by_rows.example(headings, load):
         return (
@@ -87,18 +98,22 @@ def _of_several(raw: Raw, told, headings, named, load, values) -> str | None:
         )
     if turns := instances.numbered(headings, values):
         return (
-            f"{turns}, as the number of a sensor does: its rows are of several sensors; write those of each into a file of its own and give "
+            f"{turns}, as the number of a sensor does: its rows are of several sensors; write "
+            "those of each into a file of its own and give "
             "--gyro FILE --accel FILE"
         )
     return None
 
 
 def _commas(headings, values) -> str:
-    """A word on whole numbers of which every other column, or nearly, has no sign: a decimal comma may
-    be cut.
+    """A word on whole numbers of which every other column, or nearly, has no sign: a decimal comma
+    may be cut.
     """
     whole = [np.asarray(x) for x in (values or {}).values() if np.asarray(x).dtype.kind in "iu"]
     positive = sum(bool((x >= 0).all() and np.ptp(x) > 9) for x in whole)
     if len(whole) < 7 or len(whole) < len(headings) or positive < len(whole) // 2:
         return ""
-    return " (if its commas are decimal marks too, write the file with points, or with semicolons between the fields)"
+    return (
+        " (if its commas are decimal marks too, write the file with points, or with semicolons "
+        "between the fields)"
+    )

@@ -1,5 +1,5 @@
-"""Rising stamps, in seconds, into a rate and the time of each row: repeats spread, the clock's grain taken
-out, packets of rows laid out evenly.
+"""Rising stamps, in seconds, into a rate and the time of each row: repeats spread, the clock's
+grain taken out, packets of rows laid out evenly.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ class Timing:
 
 
 def rated(raw, time, keep, tick, given, rate, lenient, whole=False) -> Timing:
-    """Repeats spread, rate measured and held against the stated one, the clock's grain taken out; stamps
-    that are `whole` numbers have no decimals to lose.
+    """Repeats spread, rate measured and held against the stated one, the clock's grain taken out;
+    stamps that are `whole` numbers have no decimals to lose.
     """
     n = len(time)
     late = tick if whole else coarser(time, tick)
@@ -58,7 +58,8 @@ def rated(raw, time, keep, tick, given, rate, lenient, whole=False) -> Timing:
     if same.size:
         time, repeats = timing.spread_repeats(time)
         raw.notes += (
-            f"{repeats:,} of {n:,} time stamps repeat the one before (the clock is coarser than the sampling); "
+            f"{repeats:,} of {n:,} time stamps repeat the one before (the clock is coarser than "
+            "the sampling); "
             "each group was spread evenly up to the next stamp.",
         )
     if len(time) < 2:
@@ -75,8 +76,8 @@ def rated(raw, time, keep, tick, given, rate, lenient, whole=False) -> Timing:
 
 
 def _slips(step, tick) -> bool:
-    """Whether a clock whose tick is no decimal part of a second slips evenly against the sampling: each
-    of its long steps is two ticks, and they come at even intervals.
+    """Whether a clock whose tick is no decimal part of a second slips evenly against the sampling:
+    each of its long steps is two ticks, and they come at even intervals.
     """
     long = np.flatnonzero(step > 1.5 * np.median(step))
     if len(long) < 5 or abs(np.log10(tick) - round(np.log10(tick))) < 0.01:
@@ -89,14 +90,16 @@ def _agree(raw, measured, rate) -> None:
     """InputError where the rate of the stamps is not the one that the call or the file states."""
     if rate is not None and not 0.95 < rate / measured < 1.05:
         raise InputError(
-            f"{raw.source}: its time stamps tell {measured:.6g} Hz, --rate {rate:g} Hz does not fit; "
+            f"{raw.source}: its time stamps tell {measured:.6g} Hz, --rate {rate:g} Hz does not "
+            "fit; "
             "correct it, or leave the stamps out with --time-unit none --rate HZ."
         )
     if raw.rate is None or 0.95 < raw.rate / measured < 1.05:
         return
     if rate is None:
         raise InputError(
-            f"{raw.source}: its time stamps tell {measured:.6g} Hz, the file states {raw.rate:g} Hz; give --rate {measured:.6g} if the stamps are right, "
+            f"{raw.source}: its time stamps tell {measured:.6g} Hz, the file states {raw.rate:g} "
+            f"Hz; give --rate {measured:.6g} if the stamps are right, "
             "or leave them out with --time-unit none --rate HZ."
         )
     raw.notes += (
@@ -105,8 +108,8 @@ def _agree(raw, measured, rate) -> None:
 
 
 def _by_the_fine_ones(time, tick):
-    """Time and rate by the stamps before they lose decimals, where the others are nothing else within
-    what is left of them; None where those are few, or the others tell of gaps.
+    """Time and rate by the stamps before they lose decimals, where the others are nothing else
+    within what is left of them; None where those are few, or the others tell of gaps.
     """
     coarse = np.abs(time / tick - np.rint(time / tick)) < 1e-3
     fine = time[: int(np.flatnonzero(~coarse)[-1]) + 1] if not coarse.all() else time[:0]
@@ -149,7 +152,8 @@ def _packets(raw, time):
     inside[: size[0]] += usual - size[0]
     place = np.repeat(slot, size) * usual + inside
     raw.notes += (
-        f"The rows come {usual} to a stamp, which is that of a packet's arrival; they were laid out evenly, at {usual * rate:.6g} Hz.",
+        f"The rows come {usual} to a stamp, which is that of a packet's arrival; they were laid "
+        f"out evenly, at {usual * rate:.6g} Hz.",
     )
     return (place - place[0]) / (usual * rate), usual * rate
 
@@ -166,7 +170,8 @@ def _single_repeats(raw, time, same, keep, lenient):
     if not twice.all() and not lenient:
         row = int(keep[same[~twice][0]])
         raise InputError(
-            f"{raw.source}, {raw.line(row)}: the time repeats that of the row before, with other values ({int((~twice).sum())} such rows); "
+            f"{raw.source}, {raw.line(row)}: the time repeats that of the row before, with other "
+            f"values ({int((~twice).sum())} such rows); "
             "remove one of the two, or leave the stamps out with --time-unit none --rate HZ."
         )
     drop = same[twice]

@@ -1,4 +1,6 @@
-"""What a file holds before it is a record: its columns, what each is read as, and on what evidence."""
+"""What a file holds before it is a record: its columns, what each is read as, and on what
+evidence.
+"""
 
 from __future__ import annotations
 
@@ -82,7 +84,8 @@ class Raw:
         if canonical in KINDS:
             if values.ndim != 2 or 3 not in values.shape:
                 raise InputError(
-                    f"{self.source}: `{heading}` has the shape {values.shape}; three axes, (n, 3), are expected."
+                    f"{self.source}: `{heading}` has the shape {values.shape}; three axes, (n, "
+                    "3), are expected."
                 )
             values = values if values.shape[1] == 3 else values.T
             for i, axis in enumerate("xyz"):
@@ -94,7 +97,8 @@ class Raw:
             values = values.ravel()
         if values.ndim != 1:
             raise InputError(
-                f"{self.source}: `{heading}` has the shape {values.shape}; one value per sample is expected."
+                f"{self.source}: `{heading}` has the shape {values.shape}; one value per sample "
+                "is expected."
             )
         self._take(canonical, values, unit, heading)
         self.described.append(Column(heading, canonical, unit, evidence))
@@ -102,7 +106,8 @@ class Raw:
     def _take(self, canonical, values, unit, heading):
         if canonical in self.columns:
             raise InputError(
-                f"{self.source}: both `{self.headings[canonical]}` and `{heading}` would be {canonical}; "
+                f"{self.source}: both `{self.headings[canonical]}` and `{heading}` would be "
+                f"{canonical}; "
                 "say which is meant with --columns (names by position, - skips)."
             )
         self.columns[canonical] = values
@@ -149,7 +154,8 @@ class Raw:
         flag = f"--{kind}-unit" if kind in ("gyro", "accel", "time") else "--columns"
         if len(said) > 1:
             raise InputError(
-                f"{self.source}: the {kind} columns state different units ({', '.join(sorted(said))}); give one with {flag}."
+                f"{self.source}: the {kind} columns state different units "
+                f"({', '.join(sorted(said))}); give one with {flag}."
             )
         unit = said.pop() if said else None
         if unit is not None and unit not in ("counts", "ticks") and unit not in names.UNITS[kind]:
@@ -159,19 +165,23 @@ class Raw:
             other = {"gyro": "accel", "accel": "gyro"}.get(kind)
             if other and unit in names.UNITS[other]:
                 raise InputError(
-                    f"{self.source}: `{heading}` is named a {'gyro' if kind == 'gyro' else 'accelerometer'} and states {unit}, a unit of the other; say what "
+                    f"{self.source}: `{heading}` is named a "
+                    f"{'gyro' if kind == 'gyro' else 'accelerometer'} and states {unit}, a unit "
+                    "of the other; say what "
                     "each column is with --columns (names by position, - skips)."
                 )
             if unit == "rps" and kind == "gyro":
                 raise InputError(
-                    f"{self.source}: `{heading}` is in [rps], which is radians or revolutions per second; give {flag} rad/s or {flag} rev/s."
+                    f"{self.source}: `{heading}` is in [rps], which is radians or revolutions per "
+                    f"second; give {flag} rad/s or {flag} rev/s."
                 )
             scaled = spelling.scaled(unit, kind)
             if scaled and kind in ("gyro", "accel") and spelling.size_of_a_count(unit):
                 return unit
             if scaled and kind != "time" and (whole := spelling.of_range(unit)):
                 raise InputError(
-                    f"{self.source}: `{heading}` is in [{unit}]; give {flag} {whole} if that is the range of the sensor, {flag} {scaled} if it is the size of "
+                    f"{self.source}: `{heading}` is in [{unit}]; give {flag} {whole} if that is "
+                    f"the range of the sensor, {flag} {scaled} if it is the size of "
                     "a count."
                 )
             if scaled:
@@ -182,7 +192,8 @@ class Raw:
             if rate in names.UNITS[kind]:
                 family = "dtheta" if kind == "gyro" else "dv"
                 raise InputError(
-                    f"{self.source}: `{heading}` is in [{unit}], an increment; name it {family}_x, {family}_y or {family}_z with --columns, "
+                    f"{self.source}: `{heading}` is in [{unit}], an increment; name it "
+                    f"{family}_x, {family}_y or {family}_z with --columns, "
                     f"or give {flag} {rate} if it is a rate of that size."
                 )
             raise InputError(
@@ -208,12 +219,14 @@ def numbers(raw: Raw, canonical: str) -> np.ndarray:
         infinite = np.flatnonzero(np.isinf(x))
         if infinite.size:
             raise InputError(
-                f"{raw.source}, `{raw.headings[canonical]}`, {raw.line(int(infinite[0]))}: the value is infinite "
+                f"{raw.source}, `{raw.headings[canonical]}`, {raw.line(int(infinite[0]))}: the "
+                "value is infinite "
                 f"({infinite.size:,} of them); "
                 "leave the field empty (NaN) where a sample is missing."
             )
         if np.isnan(x).all():
             raise InputError(
-                f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the columns with --columns and skip it with -."
+                f"{raw.source}, `{raw.headings[canonical]}`: holds no number at all; name the "
+                "columns with --columns and skip it with -."
             )
     return x

@@ -22,8 +22,8 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
     """Stamps that never fall, and the order of the rows.
 
     A counter that wraps is unwrapped; messages of a bag that overtook each other are put in place;
-    a clock that was set back (or a logger that began anew) goes on by one interval. Anything else is
-    refused.
+    a clock that was set back (or a logger that began anew) goes on by one interval. Anything else
+    is refused.
     """
     order = np.arange(len(stamp))
     step = np.diff(stamp)
@@ -57,20 +57,24 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
         moved = np.abs(sorted_ - order)
         if moved.max() <= NEAR:
             raw.notes += (
-                f"{int((np.diff(sorted_) < 0).sum()):,} messages were out of order and put in place by their stamps.",
+                f"{int((np.diff(sorted_) < 0).sum()):,} messages were out of order and put in "
+                "place by their stamps.",
             )
             return stamp[sorted_], sorted_
     if not raw.contract and (sorted_ := _swapped(stamp, usual)) is not None:
         raw.notes += (
-            f"Rows were out of order at {falls.size:,} place{'s' * (falls.size > 1)} and put back by their stamps, between which none is missing then.",
+            f"Rows were out of order at {falls.size:,} place{'s' * (falls.size > 1)} and put back "
+            "by their stamps, between which none is missing then.",
         )
         return stamp[sorted_], sorted_
     back = [i for i in falls if _set_back(stamp, i)]
     if len(back) != falls.size or falls.size > max(3, len(stamp) // 500):
         row = int(next((i for i in falls if i not in back), falls[0]))
         raise InputError(
-            f"{where}, {raw.line(row)}: the time falls from {stamp[row - 1]:.15g} to {stamp[row]:.15g}; sort the rows by time, "
-            "or leave the stamps out with --time-unit none --rate HZ, which keeps the rows in the order of the file."
+            f"{where}, {raw.line(row)}: the time falls from {stamp[row - 1]:.15g} to "
+            f"{stamp[row]:.15g}; sort the rows by time, "
+            "or leave the stamps out with --time-unit none --rate HZ, which keeps the rows in the "
+            "order of the file."
         )
     raw.set_back = tuple(
         (int(i), float(stamp[i] - stamp[i - 1] - usual)) for i in falls
@@ -83,8 +87,8 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
 
 
 def _swapped(stamp: np.ndarray, usual: float) -> np.ndarray | None:
-    """The order of rows by their stamps, where neighbours changed places and each fits into a gap of one
-    interval that it left; None where a clock may have been set back.
+    """The order of rows by their stamps, where neighbours changed places and each fits into a gap
+    of one interval that it left; None where a clock may have been set back.
     """
     order = np.argsort(stamp, kind="stable")
     if np.abs(order - np.arange(len(stamp))).max() > NEAR:
@@ -99,9 +103,15 @@ def _refuse_intervals(raw: Raw, stamp: np.ndarray, fall: float, where: str) -> N
     if fall < 0.2 or stamp.min() <= 0 or float(stamp.std()) > 0.5 * mean:
         return
     per = TIME_UNITS.get(raw.units["time"] or "")
-    told = f" --rate {1.0 / (mean * per):.4g}, if each row came so long after the one before" if per else " --rate HZ"  # fmt: skip
+    # fmt: skip
+    told = (
+        f" --rate {1.0 / (mean * per):.4g}, if each row came so long after the one before"
+        if per
+        else " --rate HZ"
+    )
     raise InputError(
-        f"{where}: its values do not rise; they are durations of about {mean:.4g}, no stamps; leave them out with --time-unit none{told}."
+        f"{where}: its values do not rise; they are durations of about {mean:.4g}, no stamps; "
+        f"leave them out with --time-unit none{told}."
     )
 
 

@@ -1,5 +1,5 @@
-"""Scales that stand above a table as `name, number`: Gyroflow's tscale, gscale and ascale, and the counts
-per g of a blackbox.
+"""Scales that stand above a table as `name, number`: Gyroflow's tscale, gscale and ascale, and the
+counts per g of a blackbox.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ def take(raw: Raw, above: Iterable[str]) -> None:
         turned = next((x for x in lines if re.match(r"^\s*orientation\s*[,:]", x)), "")
         if turned and turned.strip()[-3:] not in ("XYZ", "xyz"):
             raw.notes += (
-                f"The axes are those of the file; its `{turned.strip()}` says how the camera's lie to them.",
+                f"The axes are those of the file; its `{turned.strip()}` says how the camera's "
+                "lie to them.",
             )
     per_g = said.get("acc_1g", 0)
     heads = " ".join(raw.headings.values())

@@ -1,4 +1,6 @@
-"""Labelled numbers of one line: `gx=0.1`, `Gyro: x: 1 y: 2`, `accelerometer=Vector3D(x=0.1, ...)`."""
+"""Labelled numbers of one line: `gx=0.1`, `Gyro: x: 1 y: 2`, `accelerometer=Vector3D(x=0.1,
+...)`.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ from imu_lib.readers.lines import NUMBER
 
 _LABEL = re.compile(r'"?([^\W\d_][^=:,;|\t\n"]*?)"?\s*(?:[=:]\s*|(?=\[\s*[+-]?[\d.]))')
 _VALUE = re.compile(
-    rf"\s*[\[({{\"']?\s*({NUMBER})(?:(?=(?:us|ms|ns|s|g|mg|dps|mdps|rad/s|deg/s|m/s)\b)|(?![\w:]))[\"']?"
+    rf"\s*[\[({{\"']?\s*({NUMBER})(?:(?=(?:us|ms|ns|s|g|mg|dps|mdps|rad/s|deg/s|m/s)\b)|"
+    r"(?![\w:]))[\"']?"
 )
 _THREE = re.compile(rf"^\s*([A-Za-z]\w*)\s+({NUMBER})\s+({NUMBER})\s+({NUMBER})(?:\s+(\S+))?\s*$")
 _MORE = re.compile(r"\s*[,;/\t ]\s*(?=\s*[+-]?[\d.])")
@@ -19,7 +22,12 @@ _UNIT = re.compile(r"\s*[\])}]?\s*([A-Za-z°µ][\w°/^²*-]*(?:\s?s\^?-?[12])?)(
 _ABUTS = re.compile(r"[\])}]?([A-Za-zµ°][^\s,;=:]*)(?=\s|$)")
 _SAID = re.compile(r"[\s,;]*units?\s*[:=]\s*([^\s,;]+)", re.IGNORECASE)
 #: Whose line it is, where several sensors print one each: `IMU2: GyX = 1`.
-_TAG = re.compile(r"^\s*[\[<(]?((?:imu|mpu|sensor|dev|device|node|unit)[ _#-]?\d{1,2})[\]>)]?\s*[:|>]\s*(?=[A-Za-z])", re.IGNORECASE)  # fmt: skip
+# fmt: skip
+_TAG = re.compile(
+    r"^\s*[\[<(]?((?:imu|mpu|sensor|dev|device|node|unit)[ _#-]?\d{1,2})[\]>)]?\s*[:|"
+    r">]\s*(?=[A-Za-z])",
+    re.IGNORECASE,
+)
 #: What opens behind a label: an object that is printed with its fields.
 _OBJECT = re.compile(r"\s*(?:[A-Za-z_]\w*\s*\(|[({\[])\s*(?=[A-Za-z_]\w*\s*[=:])")
 #: Labels that name several readings at once, and those of one sketch that nobody else uses.
@@ -105,7 +113,9 @@ def _values(line: str, at: int) -> tuple[list[str], int]:
 
 
 def _unit(line: str, at: int) -> tuple[str, int]:
-    """The unit that stands behind a value, in brackets, and where it ends; empty where none does."""
+    """The unit that stands behind a value, in brackets, and where it ends; empty where none
+    does.
+    """
     said = _SAID.match(line, at)
     if said and names.unit_of(said[1]):
         return f" [{said[1]}]", said.end()
@@ -118,7 +128,9 @@ def _unit(line: str, at: int) -> tuple[str, int]:
 
 
 def _take(found: _Found, name: str, values: list[str], unit: str) -> None:
-    """The values of one label, with the names that they have; the unit behind Z is that of X and Y."""
+    """The values of one label, with the names that they have; the unit behind Z is that of X
+    and Y.
+    """
     if re.fullmatch(r"[xyzXYZ]", name) and found.sensor:
         name = f"{found.sensor} {name}"
     else:

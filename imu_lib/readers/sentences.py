@@ -12,10 +12,14 @@ _SENTENCE = re.compile(r"^\s*([$!@#]?[A-Za-z][A-Za-z0-9_]{1,11})\s*[,;:\t ]\s*[+
 
 #: Fields after the tag of sentences whose makers fix them (VectorNav's ASCII output).
 SENTENCES = {
-    "VNIMU": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s] temperature[degC] pressure",
-    "VNYMR": "yaw pitch roll mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
-    "VNQMR": "quat_x quat_y quat_z quat_w mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
-    "VNMAR": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
+    "VNIMU": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] "
+    "gyro_y[rad/s] gyro_z[rad/s] temperature[degC] pressure",
+    "VNYMR": "yaw pitch roll mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] "
+    "gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
+    "VNQMR": "quat_x quat_y quat_z quat_w mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] "
+    "accel_z[m/s^2] gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
+    "VNMAR": "mag_x mag_y mag_z accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2] gyro_x[rad/s] "
+    "gyro_y[rad/s] gyro_z[rad/s]",
     "VNGYR": "gyro_x[rad/s] gyro_y[rad/s] gyro_z[rad/s]",
     "VNACC": "accel_x[m/s^2] accel_y[m/s^2] accel_z[m/s^2]",
 }

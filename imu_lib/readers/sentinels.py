@@ -14,8 +14,8 @@ MOST = 0.3  # of the rows
 
 
 def missing(raw: Raw) -> None:
-    """Take such numbers for missing samples, with a word: each stands at least twice in a column and
-    far from everything else in it.
+    """Take such numbers for missing samples, with a word: each stands at least twice in a column
+    and far from everything else in it.
     """
     found: dict[float, int] = {}
     for name, x in list(raw.columns.items()):
@@ -38,5 +38,6 @@ def missing(raw: Raw) -> None:
         raw.columns[name] = values if found else x
     for value, rows in found.items():
         raw.notes += (
-            f"{value:g} stands in {rows:,} rows, far from every other reading: taken as no reading (a missing sample).",
+            f"{value:g} stands in {rows:,} rows, far from every other reading: taken as no "
+            "reading (a missing sample).",
         )

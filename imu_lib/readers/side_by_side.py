@@ -32,8 +32,10 @@ def merge(
         shift = accel_start - gyro_start
         if shift >= gyro.duration or -shift >= accel.duration:
             notes += (
-                f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after {gyro.source}); they are laid "
-                "side by side from their first samples, so nothing common to gyros and accelerometers can be seen.",
+                f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after "
+                f"{gyro.source}); they are laid "
+                "side by side from their first samples, so nothing common to gyros and "
+                "accelerometers can be seen.",
             )
             shift = 0.0
     ratio = gyro.rate / accel.rate
@@ -43,22 +45,26 @@ def merge(
     left, right = _partners(gyro, accel, t, shift, one_file)
     if abs(ratio - 1) > 1e-3:
         notes += (
-            f"The gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} Hz: each sample goes with the nearest one of the other by its stamp, "
+            f"The gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} Hz: each "
+            "sample goes with the nearest one of the other by its stamp, "
             "within half a sample.",
         )
     if len(left) < 2:
         raise InputError(
-            f"{source} have no two samples in common; read them one at a time (--gyro FILE, then --accel FILE)."
+            f"{source} have no two samples in common; read them one at a time (--gyro FILE, then "
+            "--accel FILE)."
         )
     lost = max(gyro.n, accel.n) - len(left)
     if lost:
         notes += (
-            f"{lost:,} samples of the longer stream have no partner in the other and were left out.",
+            f"{lost:,} samples of the longer stream have no partner in the other and were left "
+            "out.",
         )
     apart = float(np.median(t["accel"][right] - t["gyro"][left]))
     if one_file and abs(apart) * gyro.rate > 0.02:
         notes += (
-            f"The accelerometer's samples come {abs(apart) * 1e3:.4g} ms {'after' if apart > 0 else 'before'} the gyro's with which they are paired.",
+            f"The accelerometer's samples come {abs(apart) * 1e3:.4g} ms "
+            f"{'after' if apart > 0 else 'before'} the gyro's with which they are paired.",
         )
     channels = {c: x[left] for c, x in gyro.channels.items()} | {
         c: x[right] for c, x in accel.channels.items()
@@ -116,7 +122,8 @@ def _slower(gyro, accel, t, source, notes) -> Record:
     at, of = _pairs(t[key[0]], t[key[1]], 0.55 / fast.rate)
     if len(at) < 20:
         raise InputError(
-            f"{source}: the gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} Hz, and their stamps do not meet; "
+            f"{source}: the gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} "
+            "Hz, and their stamps do not meet; "
             f"read them one at a time with --only gyro and --only accel."
         )
     channels = dict(fast.channels)
@@ -125,15 +132,16 @@ def _slower(gyro, accel, t, source, notes) -> Record:
         channels[c][at] = x[of]
     word = {"gyro": "gyro", "accel": "accelerometer"}[key[1]]
     notes += (
-        f"The {word} comes at {slow.rate:.6g} Hz in rows of {fast.rate:.6g} Hz: its samples stand in {len(at):,} of {fast.n:,} rows, the others are empty; "
+        f"The {word} comes at {slow.rate:.6g} Hz in rows of {fast.rate:.6g} Hz: its samples stand "
+        f"in {len(at):,} of {fast.n:,} rows, the others are empty; "
         f"--only {key[1]} reads it at its own rate.",
     )
     return Record(channels, fast.rate, fast.time, fast.temperature, fast.name, source, notes)
 
 
 def slow_kind(record: Record) -> str | None:
-    """The kind (gyro or accel) whose samples stand only in some rows of a record because it comes at
-    a lower rate, None where there is none.
+    """The kind (gyro or accel) whose samples stand only in some rows of a record because it comes
+    at a lower rate, None where there is none.
     """
     share = {}
     for kind in ("gyro", "accel"):

@@ -1,5 +1,5 @@
-"""The text of a file before it is a table: what is no text is left out, words between the numbers become
-a header, what stands below the rows goes.
+"""The text of a file before it is a table: what is no text is left out, words between the numbers
+become a header, what stands below the rows goes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ class Lines:
 
     @classmethod
     def of(cls, data: bytes, source: str) -> Lines:
-        """The bytes of a file without what is no text: a card's empty end, colours of a terminal."""
+        """The bytes of a file without what is no text: a card's empty end, colours of a
+        terminal.
+        """
         wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
         filled = 0 if wide else len(data) - len(data.rstrip(b"\0"))
         if filled > 1:
@@ -55,8 +57,8 @@ class Lines:
         return lines
 
     def without_thousands(self) -> bool:
-        """Leave out the marks that set thousands apart, where a decimal mark of the other kind follows
-        them. Whether there were any.
+        """Leave out the marks that set thousands apart, where a decimal mark of the other kind
+        follows them. Whether there were any.
         """
         found = _THOUSANDS.search(self.data)
         if found is None:
@@ -109,8 +111,8 @@ class Lines:
                 return
 
     def without_words(self, layout) -> bool:
-        """Leave out lines of words between the rows, as a logger's complaints are. Whether there were
-        any; how many, and the first, are said.
+        """Leave out lines of words between the rows, as a logger's complaints are. Whether there
+        were any; how many, and the first, are said.
         """
         if self.places is not None or layout.encoding == "utf-16":
             return False
@@ -132,8 +134,10 @@ class Lines:
         self.data = b"\n".join(r for i, r in enumerate(rows) if i not in gone)
         first = rows[lost[0]].decode(layout.encoding, errors="replace").strip()[:40]
         self.notes += (
-            f"{len(lost):,} line{'s' * (len(lost) > 1)} of words between the rows {'were' if len(lost) > 1 else 'was'} left out (line {lost[0] + 1}: {first!r}); "
-            "where each stands for a lost sample and the file has no stamps, the time is short by them.",
+            f"{len(lost):,} line{'s' * (len(lost) > 1)} of words between the rows "
+            f"{'were' if len(lost) > 1 else 'was'} left out (line {lost[0] + 1}: {first!r}); "
+            "where each stands for a lost sample and the file has no stamps, the time is short by "
+            "them.",
         )
         return True
 
@@ -166,7 +170,8 @@ class Lines:
         ]
         if again:
             self.notes += (
-                f"The header stands {len(again) + 1} times in the file (line {min(again) + 1} is the second): sessions that were appended.",
+                f"The header stands {len(again) + 1} times in the file (line {min(again) + 1} is "
+                "the second): sessions that were appended.",
             )
         if text:
             self.notes += (

@@ -58,8 +58,10 @@ USUAL = {
 }
 COUNTS = ("counts", "count", "lsb", "lsbs", "raw", "adc", "digit", "digits", "bits", "ticks")
 _SPELLED = {
-    "rad/s": "rad/s rad/sec rad/second rads radps rad*s^-1 rads^-1 rads-1 rad*s-1 r/s rad_s rad_per_s",
-    "deg/s": "deg/s deg/sec deg/second dps degps degs^-1 degs-1 deg*s^-1 deg*s-1 degree/s degrees/s degree/sec degrees/sec degrees/second d/s deg_s"
+    "rad/s": "rad/s rad/sec rad/second rads radps rad*s^-1 rads^-1 rads-1 rad*s-1 r/s rad_s "
+    "rad_per_s",
+    "deg/s": "deg/s deg/sec deg/second dps degps degs^-1 degs-1 deg*s^-1 deg*s-1 degree/s "
+    "degrees/s degree/sec degrees/sec degrees/second d/s deg_s"
     " deg_per_s grad/s gradi/s",
     "deg/h": "deg/h deg/hr deg/hour degrees/hour degree/hour dph degph deg_h deg_hr",
     "deg/min": "deg/min degrees/min",
@@ -71,7 +73,8 @@ _SPELLED = {
     "rps": "rps",  # radians or revolutions: asked
     "arcsec/s": "arcsec/s as/s",
     "urad/s": "urad/s microrad/s",
-    "m/s^2": "m/s^2 m/s2 m/s/s mps2 mps^2 ms^-2 ms-2 m*s^-2 m*s-2 m/sec^2 m/sec2 m/s**2 ms2 m_s2 m_per_s2 meters/second^2 m/s/sec n/kg"
+    "m/s^2": "m/s^2 m/s2 m/s/s mps2 mps^2 ms^-2 ms-2 m*s^-2 m*s-2 m/sec^2 m/sec2 m/s**2 ms2 m_s2 "
+    "m_per_s2 meters/second^2 m/s/sec n/kg"
     " meter/s^2 metre/s^2 meters/s^2",
     "g": "g g0 gn gs g's gee gees standard_gravity g-force gforce g-unit g-units g_unit g_units",
     "mg": "mg milli-g millig mgs mgee mg0",
@@ -80,7 +83,8 @@ _SPELLED = {
     "mm/s^2": "mm/s^2 mm/s2 mms^-2",
     "mGal": "mgal milligal",
     "ft/s^2": "ft/s^2 ft/s2 ft/sec^2 feet/s^2 fts^-2",
-    "s": "s sec secs second seconds unix_time unix_seconds epoch_seconds sek sekunde sekunden seconde secondes segundo segundos secondi secondo s. с сек 秒 초",
+    "s": "s sec secs second seconds unix_time unix_seconds epoch_seconds sek sekunde sekunden "
+    "seconde secondes segundo segundos secondi secondo s. с сек 秒 초",
     "cs": "cs csec centisecond centiseconds",
     "ms": "ms msec msecs millis millisec millisecs millisecond milliseconds millisekunden 毫秒",
     "us": "us usec usecs micros microsec microsecs microsecond microseconds mikrosekunden 微秒",
@@ -179,7 +183,8 @@ def stated(flag: str, kind: str) -> tuple[float, float, str]:
             scale, zero = 0.0, 0.0
         if not 0 < scale < float("inf"):
             raise InputError(
-                f"{option} {flag} must give the counts per {per}, as in counts:{131 if kind == 'gyro' else 16384}."
+                f"{option} {flag} must give the counts per {per}, as in "
+                f"counts:{131 if kind == 'gyro' else 16384}."
             )
         return (units.DEG_PER_S if kind == "gyro" else units.G) / scale, zero, flag
     unit = unit_of(flag)
@@ -191,8 +196,8 @@ def stated(flag: str, kind: str) -> tuple[float, float, str]:
 
 
 def scaled(text: str, kind: str) -> str | None:
-    """What a call would say for a unit with a factor before it, as `0.01 deg/s`: counts per deg/s or
-    g, ticks per second. None where the text is no such unit.
+    """What a call would say for a unit with a factor before it, as `0.01 deg/s`: counts per deg/s
+    or g, ticks per second. None where the text is no such unit.
     """
     text = re.sub(
         r"\s*(?:/|\bper\b)?\s*\b(?:ticks?|lsb|counts?|digits?)\s*$", "", text, flags=re.IGNORECASE
@@ -218,15 +223,17 @@ def scaled(text: str, kind: str) -> str | None:
 
 
 def of_range(text: str) -> str | None:
-    """The unit of a text like `500 dps`, which may be the range of a sensor; None where the number is
-    below one, as the size of a count is.
+    """The unit of a text like `500 dps`, which may be the range of a sensor; None where the number
+    is below one, as the size of a count is.
     """
     found = re.match(r"^\s*[±+-]*\s*(\d+(?:\.\d+)?)\s*(\D.*)$", text)
     return unit_of(found[2]) if found and float(found[1]) >= 1 else None
 
 
 def size_of_a_count(text: str) -> bool:
-    """Whether a text like `0.1dps` or `1/16 mg` begins with a number below one: the size of a count."""
+    """Whether a text like `0.1dps` or `1/16 mg` begins with a number below one: the size of a
+    count.
+    """
     found = re.match(r"^\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+))?", text)
     return bool(found) and 0 < float(found[1]) / float(found[2] or 1) < 1
 

@@ -26,7 +26,8 @@ def _stamps(raw: Raw) -> tuple[np.ndarray, str]:
     if stamp.dtype.kind == "f" and not np.isfinite(stamp).all():
         row = int(np.flatnonzero(~np.isfinite(stamp))[0])
         raise InputError(
-            f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the stamps out with --time-unit none --rate HZ."
+            f"{where}, {raw.line(row)}: the time is not a number; remove the row, or leave the "
+            "stamps out with --time-unit none --rate HZ."
         )
     written = numerals.seconds(stamp, raw.units["time"])
     if written is not None:
@@ -70,7 +71,8 @@ def _doubt(raw: Raw, found: Timing) -> None:
     """A word on a rate that no inertial sensor has, and on rows that come in bursts."""
     if not LOWEST <= found.rate <= HIGHEST and not any("unusual" in n for n in raw.notes):
         raw.notes += (
-            f"The rate is {found.rate:.6g} Hz, unusual for an inertial sensor; --time-unit or --rate says otherwise where that is wrong.",
+            f"The rate is {found.rate:.6g} Hz, unusual for an inertial sensor; --time-unit or "
+            "--rate says otherwise where that is wrong.",
         )
     if raw.contract or found.time is None or len(found.time) < 20:
         return
@@ -78,8 +80,10 @@ def _doubt(raw: Raw, found: Timing) -> None:
     bursts = float((step > 5.0 * np.median(step)).mean())
     if bursts > BURSTS:
         raw.notes += (
-            f"The rows come in bursts: {100 * bursts:.0f} % of the steps are more than five times the usual one. "
-            "Either the stamps are those of arrival, or the rows are of several sensors; keep the rows of one.",
+            f"The rows come in bursts: {100 * bursts:.0f} % of the steps are more than five times "
+            "the usual one. "
+            "Either the stamps are those of arrival, or the rows are of several sensors; keep the "
+            "rows of one.",
         )
 
 
@@ -94,12 +98,19 @@ def _untimed(raw: Raw, rate, n) -> Timing:
     count = "counter" in raw.columns
     if rate is None:
         beside = f" (`{raw.headings['counter']}` counts the samples)" if count else ""
-        unread = [c.name for c in raw.described if c.evidence == "it holds text" and names.meaning(c.name).quantity in ("time", "date", "clock")]  # fmt: skip
+        # fmt: skip
+        unread = [
+            c.name
+            for c in raw.described
+            if c.evidence == "it holds text"
+            and names.meaning(c.name).quantity in ("time", "date", "clock")
+        ]
         if unread and not count:
             beside = f" that is readable (`{unread[0]}` holds text)"
         if raw.unnamed_time:
             raise InputError(
-                f"{raw.source} has no column that is named a time and states no rate; {raw.unnamed_time}; or give --rate HZ."
+                f"{raw.source} has no column that is named a time and states no rate; "
+                f"{raw.unnamed_time}; or give --rate HZ."
             )
         raise InputError(
             f"{raw.source} has no time column{beside} and states no rate; give --rate HZ."
@@ -130,7 +141,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         return _still(raw, rate)
     if relative[-1] <= 0:
         raise InputError(
-            f"{where}: all {len(stamp):,} time stamps are {first:.15g}; leave the stamps out with --time-unit none --rate HZ."
+            f"{where}: all {len(stamp):,} time stamps are {first:.15g}; leave the stamps out with "
+            "--time-unit none --rate HZ."
         )
     if not (order == np.arange(len(order))).all():
         for c in list(raw.columns):
@@ -161,7 +173,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     fast = clock.mean_step(relative) < 1.0 / 300.0  # in minutes it would be a usual rate, too
     if not told.stated and (told.unit != "s" or stamp.dtype.kind != "f" or fast):
         raw.notes += (
-            f"`{raw.headings['time']}` has {told.why}; --time-unit says otherwise where that is wrong.",
+            f"`{raw.headings['time']}` has {told.why}; --time-unit says otherwise where that is "
+            "wrong.",
         )
     if told.stated and not time_unit and not raw.contract:
         raw.notes += clock.doubt(relative, first, told, raw.headings["time"])
@@ -169,7 +182,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     raw.epoch = raw.start if raw.start > 1e8 else None
     for i, fall in getattr(raw, "set_back", ()):
         raw.notes += (
-            f"The clock falls back by {-fall * told.factor:.6g} s at {raw.line(i)} (it was set, or the logger began anew); the stamps "
+            f"The clock falls back by {-fall * told.factor:.6g} s at {raw.line(i)} (it was set, "
+            "or the logger began anew); the stamps "
             "go on from there by one interval, what was lost in between is not known.",
         )
     tick, whole = grain(stamp, told.factor), stamp.dtype.kind == "i"
@@ -177,8 +191,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
 
 
 def _slow_contract(raw: Raw, relative: np.ndarray, first: float, where: str) -> None:
-    """A word on stamps of a file of the contract, which are in seconds, that are unusually slow; refused
-    where they are hours apart and look like another unit.
+    """A word on stamps of a file of the contract, which are in seconds, that are unusually slow;
+    refused where they are hours apart and look like another unit.
     """
     step = clock.mean_step(relative)
     if step <= 5.0:
@@ -186,12 +200,14 @@ def _slow_contract(raw: Raw, relative: np.ndarray, first: float, where: str) -> 
     likely = clock.likely_unit(relative, first)
     if step > 3600.0 and likely not in (None, "s"):
         raise InputError(
-            f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like {likely}; "
+            f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like "
+            f"{likely}; "
             f"give --time-unit {likely}, or --time-unit s if it is right."
         )
     usual = f" (in {likely} it would be usual: --time-unit {likely})" if likely else ""
     raw.notes += (
-        f"`time` steps by {step:.6g} s, unusually slow for such a sensor; the time of such a file is in seconds{usual}.",
+        f"`time` steps by {step:.6g} s, unusually slow for such a sensor; the time of such a file "
+        f"is in seconds{usual}.",
     )
 
 
@@ -222,14 +238,16 @@ def _calendar(raw, given, rate, lenient) -> Timing:
         return _still(raw, given)
     if time[-1] == time[0]:
         raise InputError(
-            f"{raw.source}, {heading}: all {len(time):,} stamps are the same; leave the stamps out with --time-unit none --rate HZ."
+            f"{raw.source}, {heading}: all {len(time):,} stamps are the same; leave the stamps "
+            "out with --time-unit none --rate HZ."
         )
     keep = np.arange(len(time))
     raw.repeats = int((np.diff(time) == 0).sum())
     repeated = float((np.diff(time) == 0).mean())
     if minutes_only and repeated > 0.3 and given is None:
         raise InputError(
-            f"{raw.source}, {heading}: minutes and seconds are all that a spreadsheet left of the stamps, and {100 * repeated:.0f} % of the "
+            f"{raw.source}, {heading}: minutes and seconds are all that a spreadsheet left of the "
+            f"stamps, and {100 * repeated:.0f} % of the "
             "rows repeat the stamp before; give --rate HZ."
         )
     return rated(raw, time, keep, grain(time, 1.0), given, rate, lenient)

@@ -139,7 +139,9 @@ def _of_one_file(path, columns, topic, only, units, options) -> Reading:
 
 
 def _of_two_files(files, columns, topic, units, options) -> Reading:
-    """What a file of the gyro and one of the accelerometer hold, side by side; one of them may be None."""
+    """What a file of the gyro and one of the accelerometer hold, side by side; one of them may
+    be None.
+    """
     raws = {
         kind: one_sensor.only(read_raw(file, columns=columns, signal=kind, topic=topic), kind)
         for kind, file in files.items()

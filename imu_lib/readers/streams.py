@@ -1,5 +1,6 @@
-"""Gyro and accelerometer as two streams: in rows of their own, at rates of their own, or one of them
-repeated until its next reading. Each is read with its own stamps, then they are laid side by side.
+"""Gyro and accelerometer as two streams: in rows of their own, at rates of their own, or one of
+them repeated until its next reading. Each is read with its own stamps, then they are laid side by
+side.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ def _kinds(raw: Raw) -> list[str]:
 
 
 def held(channels: list[np.ndarray]) -> Held | None:
-    """Whether readings of several channels (n,) each stand for several rows; None where they do not,
-    or where equal neighbours may be chance.
+    """Whether readings of several channels (n,) each stand for several rows; None where they do
+    not, or where equal neighbours may be chance.
     """
     n = len(channels[0])
     if n < 40:
@@ -57,8 +58,8 @@ def held(channels: list[np.ndarray]) -> Held | None:
         return None
     run = np.diff(rows)
     usual = int(np.median(run))
-    # by chance runs of one row are the most frequent; a reading that is held has runs of one length,
-    # or of two neighbouring ones where the rates are no multiples of each other
+    # by chance runs of one row are the most frequent; a reading that is held has runs of one
+    # length, or of two neighbouring ones where the rates are no multiples of each other
     if usual < 2 or (run == 1).mean() > 0.03:
         return None
     alike = np.isin(run, (usual - 1, usual, usual + 1)) | (run % usual == 0)
@@ -128,13 +129,16 @@ def drop_copies(raw: Raw) -> None:
     if twice[same].mean() < 0.98 or by_chance > 0.3:
         return
     raw.notes += (
-        f"{int((same & twice).sum()):,} rows are copies of the row before (same time, same values) and were left out.",
+        f"{int((same & twice).sum()):,} rows are copies of the row before (same time, same "
+        "values) and were left out.",
     )
     without(raw, np.flatnonzero(np.r_[True, ~(same & twice)]))
 
 
 def _drop_events(raw: Raw, stamps: list[np.ndarray]) -> None:
-    """Leave out rows without a reading that share their stamp with a row beside them: a logger's events."""
+    """Leave out rows without a reading that share their stamp with a row beside them: a
+    logger's events.
+    """
     empty = np.ones(raw.rows(), dtype=bool)
     for kind in PAIR:
         for x in _channels(raw, kind):
@@ -144,13 +148,17 @@ def _drop_events(raw: Raw, stamps: list[np.ndarray]) -> None:
     same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
     shared = empty & (np.r_[same, False] | np.r_[False, same])
     if shared.any():
-        raw.notes += (f"{int(shared.sum()):,} rows hold no reading and the stamp of a row beside them: they were left out.",)  # fmt: skip
+        # fmt: skip
+        raw.notes += (
+            f"{int(shared.sum()):,} rows hold no reading and the stamp of a row beside them: they "
+            "were left out.",
+        )
         without(raw, np.flatnonzero(~shared))
 
 
 def _say_copies(raw: Raw) -> None:
-    """A word on rows without stamps that repeat the row before in every channel, where that is no chance
-    and no held reading.
+    """A word on rows without stamps that repeat the row before in every channel, where that is no
+    chance and no held reading.
     """
     channels = [x for k in PAIR for x in _channels(raw, k)]
     if len(channels) < 2 or held(channels):
@@ -162,7 +170,8 @@ def _say_copies(raw: Raw) -> None:
     if copies > COPIES and by_chance < 0.2 * copies:
         rows = round(copies * (raw.rows() - 1))
         raw.notes += (
-            f"{rows:,} of {raw.rows():,} rows repeat the row before in every channel: rows logged twice, or copies for lost samples; "
+            f"{rows:,} of {raw.rows():,} rows repeat the row before in every channel: rows logged "
+            "twice, or copies for lost samples; "
             "without stamps each counts as a sample.",
         )
 
@@ -192,9 +201,11 @@ def separate(raw: Raw) -> dict[str, Raw] | None:
         ):
             both = np.intersect1d(there["gyro"], there["accel"]).size
             raw.notes += (
-                "Gyro and accelerometer stand in rows of their own; they are paired by their stamps."
+                "Gyro and accelerometer stand in rows of their own; they are paired by their "
+                "stamps."
                 if both < 0.1 * n
-                else f"Gyro and accelerometer come at rates of their own ({len(there['gyro']):,} and {len(there['accel']):,} readings in {n:,} rows).",
+                else f"Gyro and accelerometer come at rates of their own ({len(there['gyro']):,} "
+                f"and {len(there['accel']):,} readings in {n:,} rows).",
             )
             return {k: part(raw, k, rows) for k, rows in there.items()}
     found = {k: held(_channels(raw, k)) for k in kinds}
@@ -204,7 +215,8 @@ def separate(raw: Raw) -> dict[str, Raw] | None:
             together = held([x for k in kinds for x in _channels(raw, k)])
             if together:
                 raw.notes += (
-                    f"Each reading stands for {together.length:.4g} rows in all channels: the sensor's rate is that much lower than the file's; "
+                    f"Each reading stands for {together.length:.4g} rows in all channels: the "
+                    "sensor's rate is that much lower than the file's; "
                     "each reading was taken once.",
                 )
                 if raw.rate:
@@ -218,7 +230,8 @@ def separate(raw: Raw) -> dict[str, Raw] | None:
         for kind in kinds:
             if found[kind]:
                 raw.notes += (
-                    f"The {'accelerometer' if kind == 'accel' else 'gyro'} is held: each of its readings stands for {found[kind].length:.4g} rows; "
+                    f"The {'accelerometer' if kind == 'accel' else 'gyro'} is held: each of its "
+                    f"readings stands for {found[kind].length:.4g} rows; "
                     "each was taken once.",
                 )
             out[kind] = part(raw, kind, found[kind].rows if found[kind] else every)

@@ -1,5 +1,5 @@
-"""Logs whose lines begin with the name of a message, and say elsewhere what its fields are: flight logs
-as text (`FMT` lines), phone logs (`# UncalGyro,...` in the head), NovAtel's sentences.
+"""Logs whose lines begin with the name of a message, and say elsewhere what its fields are: flight
+logs as text (`FMT` lines), phone logs (`# UncalGyro,...` in the head), NovAtel's sentences.
 """
 
 from __future__ import annotations
@@ -10,11 +10,13 @@ from imu_lib.errors import InputError
 from imu_lib.readers import names
 from imu_lib.readers.lines import Table
 
-#: Fields behind the semicolon of sentences whose maker fixes them. Increments, which NovAtel divides
-#: by no interval: x is the right, y the forward axis of the case.
+#: Fields behind the semicolon of sentences whose maker fixes them. Increments, which NovAtel
+#: divides by no interval: x is the right, y the forward axis of the case.
 NOVATEL = {
-    "CORRIMUDATA": "week time[s] dtheta_x[rad] dtheta_y[rad] dtheta_z[rad] dv_x[m/s] dv_y[m/s] dv_z[m/s]",
-    "CORRIMUDATAS": "week time[s] dtheta_x[rad] dtheta_y[rad] dtheta_z[rad] dv_x[m/s] dv_y[m/s] dv_z[m/s]",
+    "CORRIMUDATA": "week time[s] dtheta_x[rad] dtheta_y[rad] dtheta_z[rad] dv_x[m/s] dv_y[m/s] "
+    "dv_z[m/s]",
+    "CORRIMUDATAS": "week time[s] dtheta_x[rad] dtheta_y[rad] dtheta_z[rad] dv_x[m/s] dv_y[m/s] "
+    "dv_z[m/s]",
 }
 _RAW = ("RAWIMU", "RAWIMUS", "RAWIMUX", "RAWIMUSX")
 _NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$")
@@ -48,22 +50,28 @@ def _novatel(lines: list[str], source: str) -> Table | None:
                 rows.append(values[: len(names_)])
                 places.append(number)
     if len(rows) > 1 and head:
-        note = "NovAtel's corrected increments: its filter's biases, gravity and the Earth's rate are taken out of them, so they are not the sensor's own."
+        note = (
+            "NovAtel's corrected increments: its filter's biases, gravity and the Earth's rate "
+            "are taken out of them, so they are not the sensor's own."
+        )
         body = "\n".join("\t".join(r) for r in rows)
         return Table("\t".join(head) + "\n" + body + "\n", places, (note,))
     if kinds & set(_RAW):
         raise InputError(
-            f"{source} holds NovAtel's {sorted(kinds & set(_RAW))[0]} sentences: increments in counts, with -y in the place of y and a scale of the sensor; "
-            "write them as a table of time, dtheta_x[rad] .. dv_z[m/s] with the scale of the sensor's data sheet."
+            f"{source} holds NovAtel's {sorted(kinds & set(_RAW))[0]} sentences: increments in "
+            "counts, with -y in the place of y and a scale of the sensor; "
+            "write them as a table of time, dtheta_x[rad] .. dv_z[m/s] with the scale of the "
+            "sensor's data sheet."
         )
     raise InputError(
-        f"{source} holds NovAtel's sentences ({', '.join(sorted(kinds)[:4])}) and none of an IMU; a log of CORRIMUDATA, or a table, is expected."
+        f"{source} holds NovAtel's sentences ({', '.join(sorted(kinds)[:4])}) and none of an IMU; "
+        "a log of CORRIMUDATA, or a table, is expected."
     )
 
 
 def _fields(lines: list[str]) -> dict[str, list[str]]:
-    """Message -> names of its fields, where the log says them: in lines `FMT, id, length, NAME, types,
-    A,B,C`, or in the comments of its head.
+    """Message -> names of its fields, where the log says them: in lines `FMT, id, length, NAME,
+    types, A,B,C`, or in the comments of its head.
     """
     out: dict[str, list[str]] = {}
     said = [[p.strip() for p in x.lstrip("#% $").split(",")] for x in lines[:400]]
@@ -84,7 +92,9 @@ def _fields(lines: list[str]) -> dict[str, list[str]]:
 
 
 def _messages(lines: list[str], fields: dict[str, list[str]]) -> Table | None:
-    """The messages that hold inertial readings side by side, empty where a row has none of a field."""
+    """The messages that hold inertial readings side by side, empty where a row has none of a
+    field.
+    """
     useful = {}
     for tag, heads in fields.items():
         told = [names.meaning(h) for h in heads]
@@ -108,6 +118,11 @@ def _messages(lines: list[str], fields: dict[str, list[str]]) -> Table | None:
         places.append(number)
     if len(rows) < 2:
         return None
-    note = (f"{others:,} lines of other messages than {' and '.join(useful)} were left out.",) if others else ()  # fmt: skip
+    # fmt: skip
+    note = (
+        (f"{others:,} lines of other messages than {' and '.join(useful)} were left out.",)
+        if others
+        else ()
+    )
     body = "\n".join("\t".join(r) for r in rows)
     return Table("\t".join(heads) + "\n" + body + "\n", places, note)

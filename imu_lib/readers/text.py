@@ -105,7 +105,9 @@ def _by_the_lines_above(raw: Raw, layout) -> None:
 
 
 def _labels_as_header(lines, layout):
-    """A layout whose names are those that stand before the numbers in every row: `Gyro 1 2 3 Acc 4 5 6`."""
+    """A layout whose names are those that stand before the numbers in every row: `Gyro 1 2 3
+    Acc 4 5 6`.
+    """
     texts = [i for i, k in enumerate(layout.kinds) if k == "text"]
     if layout.header is not None or not texts or texts[0] != 0:
         return layout
@@ -135,7 +137,8 @@ def _parse(path, lines, layout, wanted) -> dict[int, np.ndarray]:
     if table is None:
         _explain(path, lines, layout, wanted)
         raise InputError(
-            f"{path} cannot be read as a table of numbers from line {layout.first + 1} on; look for a damaged line."
+            f"{path} cannot be read as a table of numbers from line {layout.first + 1} on; look "
+            "for a damaged line."
         )
     for i in texts:
         if layout.kinds[i] == "moment" and len(table[i]) and calendar.usual(str(table[i][0])):
@@ -252,12 +255,14 @@ def _explain(path, lines, layout, wanted):
         worded = [f for f in row if f[:1].isalpha()] if layout.header else []
         if len(worded) > 1 and sum(names.meaning(f).quantity is not None for f in worded) > 1:
             raise InputError(
-                f"{path}, line {number}: another header stands there, with other columns than the first ({', '.join(row)[:60]}); "
+                f"{path}, line {number}: another header stands there, with other columns than the "
+                f"first ({', '.join(row)[:60]}); "
                 "cut the file in two before that line."
             )
         if len(row) != width and not (len(row) == width + 1 and row[-1] == ""):
             raise InputError(
-                f"{path}, line {number}: {len(row)} columns where line {layout.first + 1} has {width}; the file is cut off "
+                f"{path}, line {number}: {len(row)} columns where line {layout.first + 1} has "
+                f"{width}; the file is cut off "
                 f"or damaged there: "
                 "complete or remove the line."
             )
@@ -268,7 +273,8 @@ def _explain(path, lines, layout, wanted):
             if got not in (want, "empty") and not (want == "empty" and got == "number"):
                 heading = f" ({layout.header[i]})" if layout.header else ""
                 raise InputError(
-                    f"{path}, line {number}, column {i + 1}{heading}: {row[i][:30]!r} is not a {want if want != 'empty' else 'number'}; "
+                    f"{path}, line {number}, column {i + 1}{heading}: {row[i][:30]!r} is not a "
+                    f"{want if want != 'empty' else 'number'}; "
                     "correct the line or leave the field empty for a missing sample."
                 )
 

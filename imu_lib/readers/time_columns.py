@@ -1,5 +1,5 @@
-"""Which of several columns is the time: seconds with their fraction, hours with minutes, the sensor's
-own stamp before that of arrival.
+"""Which of several columns is the time: seconds with their fraction, hours with minutes, the
+sensor's own stamp before that of arrival.
 """
 
 from __future__ import annotations
@@ -92,7 +92,8 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
                 raw.headings["time_accel"] = headings[i].name
                 out[i] = Meaning(why="the accelerometer's own stamps")
                 raw.notes += (
-                    f"The accelerometer has stamps of its own (`{headings[i].name}`); each gyro sample goes with the nearest one.",
+                    f"The accelerometer has stamps of its own (`{headings[i].name}`); each gyro "
+                    "sample goes with the nearest one.",
                 )
         return out
     order = sorted(times, key=lambda i: (out[i].rank, out[i].unit is None, i))
@@ -108,8 +109,8 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
 
 
 def _steadier(raw: Raw, order, told, headings, values) -> list[int]:
-    """Of times of one standing the one that moves in even steps, where the first does not: that one is
-    of the host. Which was taken is said.
+    """Of times of one standing the one that moves in even steps, where the first does not: that
+    one is of the host. Which was taken is said.
     """
     first = order[0]
     equal = [
@@ -121,7 +122,8 @@ def _steadier(raw: Raw, order, told, headings, values) -> list[int]:
     best = min(equal, key=lambda i: spread[i])
     if spread[best] < 0.05 and spread[first] > 0.2:
         raw.notes += (
-            f"`{headings[best].name}` was taken as the time, its steps are even; those of `{headings[first].name}` are not.",
+            f"`{headings[best].name}` was taken as the time, its steps are even; those of "
+            f"`{headings[first].name}` are not.",
         )
         return [best, *(i for i in order if i != best)]
     return order
@@ -154,7 +156,11 @@ def all_but_best(told, headings, load) -> list[int]:
     if not values:
         return []
     usable = [i for i in values if not _empty(values[i]) and _moves(values[i])] or times
-    rank = {i: (_unevenness(values[i]) == float("inf"), told[i].rank, told[i].unit is None, i) for i in usable}  # fmt: skip
+    # fmt: skip
+    rank = {
+        i: (_unevenness(values[i]) == float("inf"), told[i].rank, told[i].unit is None, i)
+        for i in usable
+    }
     best = min(usable, key=lambda i: rank[i])
     return [i for i in times if i != best]
 
@@ -212,5 +218,6 @@ def add_up(raw: Raw, told, headings, values, i: int) -> None:
     step[0] = 0  # since the start of the device, or of nothing
     values[i] = np.cumsum(step, dtype=np.float64 if step.dtype.kind == "f" else np.int64)
     raw.notes += (
-        f"`{headings[i].name}` holds the interval since the sample before; the intervals were added up to the time.",
+        f"`{headings[i].name}` holds the interval since the sample before; the intervals were "
+        "added up to the time.",
     )

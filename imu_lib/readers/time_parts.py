@@ -1,5 +1,5 @@
-"""Parts of one stamp in several columns: seconds with their fraction, a clock with its milliseconds, hours
-with minutes and seconds.
+"""Parts of one stamp in several columns: seconds with their fraction, a clock with its
+milliseconds, hours with minutes and seconds.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ PER_SECOND = {"ns": 1_000_000_000, "us": 1_000_000, "ms": 1_000, "cs": 100}
 
 
 def pairs(told, headings, values) -> list[Meaning]:
-    """Whole seconds and a fraction that stays below one second put together in the former's column."""
+    """Whole seconds and a fraction that stays below one second put together in the former's
+    column.
+    """
     out = list(told)
     times = [i for i, m in enumerate(told) if m.quantity == "time"]
     for whole in times:
@@ -106,9 +108,13 @@ def put_together(out, headings, values) -> list[Meaning] | None:
     have = {out[i].part: i for i, m in enumerate(out) if m.quantity == "part"}
     times = [i for i, m in enumerate(out) if m.quantity == "time"]
     second = [
-        i for i in times
-        if out[i].unit == "s" and np.isfinite(values[i]).any() and np.nanmin(values[i]) >= 0 and np.nanmax(values[i]) <= 60.0
-    ]  # fmt: skip
+        i
+        for i in times
+        if out[i].unit == "s"
+        and np.isfinite(values[i]).any()
+        and np.nanmin(values[i]) >= 0
+        and np.nanmax(values[i]) <= 60.0
+    ]
     if not {"hour", "minute"} <= set(have) or not second:
         return None
     sub = [i for i in times if out[i].unit in ("ms", "us", "ns") and out[i].part == "sub"]

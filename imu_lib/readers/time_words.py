@@ -13,7 +13,8 @@ CYCLES = words("tick ticks cycle cycles systick rtc")
 WHOLE = words("ts gpst utc gpstime unixtime systime hosttime ticktime itow xvalue")
 #: Words that name a time only where all the others do, too.
 WEAK = words(
-    "cpu cycle cycles systick rtc t s ms us ns sec secs second seconds a tick ticks temps min minutes"
+    "cpu cycle cycles systick rtc t s ms us ns sec secs second seconds a tick ticks temps min "
+    "minutes"
     " frac fraction fractional subsec subsecs subsecond subseconds"
 )
 BESIDE = words(
@@ -21,7 +22,8 @@ BESIDE = words(
 )
 _WITH_UNIT = re.compile(r"(t|time|timestamp|ts|temps)_?(ms|us|ns|s|sec|usec|msec|nsec)")
 _TAIL = re.compile(
-    r"(?:time|stamp|ts)(ms|us|ns|secs?|usec|msec|nsec)$|(?:^t|^tv|^begin|^start|^unix|^epoch|elapsed)(ms|us|ns|s|secs?|usec|msec|nsec)$"
+    r"(?:time|stamp|ts)(ms|us|ns|secs?|usec|msec|nsec)$|(?:^t|^tv|^begin|^start|^unix|^epoch|"
+    r"elapsed)(ms|us|ns|s|secs?|usec|msec|nsec)$"
 )
 
 
@@ -98,7 +100,15 @@ def _time(tokens: list[str], joined: str, name: str) -> Meaning:
     group = "gyro" if of_gyro else "accel" if of_accel else ""
     if tokens[-1] in CYCLES and len(tokens) < 3:
         unit = "ticks"
-    return Meaning("time", unit=unit, rank=rank, part=part, why=f"named a time ({name.strip()[:40]})", group=group)  # fmt: skip
+    # fmt: skip
+    return Meaning(
+        "time",
+        unit=unit,
+        rank=rank,
+        part=part,
+        why=f"named a time ({name.strip()[:40]})",
+        group=group,
+    )
 
 
 def _unit(tokens: list[str], joined: str) -> str | None:

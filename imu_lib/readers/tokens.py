@@ -134,7 +134,12 @@ def _refused(words: list[str], have: set[str], axis: str | None) -> Meaning | No
 def _increment(have: set[str], axis: str | None) -> str | None:
     """dtheta, dv, or t for an interval of time; None where a heading names no increment."""
     if have & lexicon.DELTA:
-        for kind, named in (("dtheta", lexicon.DELTA_ANGLE), ("dv", lexicon.DELTA_VELOCITY), ("t", {"t", "time"})):  # fmt: skip
+        # fmt: skip
+        for kind, named in (
+            ("dtheta", lexicon.DELTA_ANGLE),
+            ("dv", lexicon.DELTA_VELOCITY),
+            ("t", {"t", "time"}),
+        ):
             if have & named:
                 return kind
     return "dtheta" if have & {"dt", "da"} and axis else None
@@ -177,7 +182,9 @@ def _kind(have: set[str], joined: str, axis: str | None) -> str | None:
 
 
 def _reading(kind: str, axis: str | None, words: list[str]) -> Meaning:
-    """A reading of a kind, with its rank among others of that kind and a unit that its words imply."""
+    """A reading of a kind, with its rank among others of that kind and a unit that its words
+    imply.
+    """
     have = {"accel" if w == "ag" else w for w in words if not lexicon.CHIP.fullmatch(w)}
     group = next(
         (w for w in words if re.fullmatch(r"(?:imu|sensor|gyro|acc|accel|mpu|s)_?\d+", w)), ""

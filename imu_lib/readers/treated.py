@@ -1,4 +1,6 @@
-"""Readings that were worked on before the file was written: angles in place of rates, a bias taken out."""
+"""Readings that were worked on before the file was written: angles in place of rates, a bias
+taken out.
+"""
 
 from __future__ import annotations
 
@@ -48,8 +50,10 @@ def refuse_angles(raw: Raw) -> None:
     said = f" is in [{unit}] and" if unit in ("deg", "rad") else ""
     rate = f"{unit}/s" if unit in ("deg", "rad") else unit or "deg/s"
     raise InputError(
-        f"{raw.source}: `{raw.headings[there[0]]}`{said} grows smoothly from row to row, as an angle that was integrated does: "
-        f"neither a rate nor an increment; {how}, or give --gyro-unit {rate} --trust-units if it is a rate."
+        f"{raw.source}: `{raw.headings[there[0]]}`{said} grows smoothly from row to row, as an "
+        "angle that was integrated does: "
+        f"neither a rate nor an increment; {how}, or give --gyro-unit {rate} --trust-units if it "
+        "is a rate."
     )
 
 
@@ -88,6 +92,7 @@ def bias_note(gyro: np.ndarray, rate: float) -> str | None:
     if below is None:
         return None
     return (
-        f"The means of all three gyros vanish to their noise (below {below / units.DEG_PER_S:.2g} deg/s): the bias seems to have been taken out before the "
+        f"The means of all three gyros vanish to their noise (below {below / units.DEG_PER_S:.2g} "
+        "deg/s): the bias seems to have been taken out before the "
         "file was written, as a phone's fused or calibrated rates have it."
     )

@@ -1,5 +1,5 @@
-"""Two accelerometers or gyros side by side under names of equal standing: the one with gravity in it is
-the accelerometer, and which was taken is said.
+"""Two accelerometers or gyros side by side under names of equal standing: the one with gravity in
+it is the accelerometer, and which was taken is said.
 """
 
 from __future__ import annotations
@@ -13,12 +13,14 @@ from imu_lib.readers import lexicon, names
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
 
-APART = 5.0  # times longer, in whatever units, is a mean specific force with gravity than one from which it was taken
+# times longer, in whatever units, is a mean specific force with gravity than one from which it was
+# taken
+APART = 5.0
 
 
 def with_gravity(told: list[Meaning], headings, load: Callable) -> list[Meaning]:
-    """Of two triples of accelerometer columns of one rank the one that holds gravity, where the other
-    holds none; as they are where that does not tell.
+    """Of two triples of accelerometer columns of one rank the one that holds gravity, where the
+    other holds none; as they are where that does not tell.
     """
     there = [i for i, m in enumerate(told) if m.quantity == "accel" and m.axis in ("x", "y", "z")]
     best = min((told[i].rank for i in there), default=0)
@@ -46,8 +48,8 @@ def with_gravity(told: list[Meaning], headings, load: Callable) -> list[Meaning]
 
 
 def add_gravity(raw: Raw, told: list[Meaning], headings, values, load: Callable) -> None:
-    """Gravity as a device computed it added to the acceleration from which it took it, where the file
-    has no other accelerometer: the sum is the specific force that was measured.
+    """Gravity as a device computed it added to the acceleration from which it took it, where the
+    file has no other accelerometer: the sum is the specific force that was measured.
     """
     force = {m.axis: i for i, m in enumerate(told) if m.quantity == "accel" and m.axis}
     if set(force) != set("xyz") or not all(names.free(headings[i].name) for i in force.values()):
@@ -67,7 +69,8 @@ def add_gravity(raw: Raw, told: list[Meaning], headings, values, load: Callable)
             more[gravity[axis]], dtype=float
         )
     raw.notes += (
-        f"`{headings[gravity['x']].name}` and its other axes were added to `{headings[force['x']].name}`, from which they had been taken: the sum is the "
+        f"`{headings[gravity['x']].name}` and its other axes were added to "
+        f"`{headings[force['x']].name}`, from which they had been taken: the sum is the "
         "specific force.",
     )
 
@@ -77,6 +80,7 @@ def say(raw: Raw, second: dict[str, tuple[int, int]], headings) -> None:
     for kind, (taken, left) in second.items():
         word = "gyro" if kind in ("gyro", "dtheta") else "accelerometer"
         raw.notes += (
-            f"`{headings[taken].name}` was taken as the {word}, `{headings[left].name}` beside it was not; "
+            f"`{headings[taken].name}` was taken as the {word}, `{headings[left].name}` beside it "
+            "was not; "
             "--columns names columns by position where the other is meant.",
         )

@@ -1,5 +1,5 @@
-"""PX4 flight logs (`.ulg`) through `pyulog` (optional): gyro in rad/s and accelerometer in m/s^2 by the
-message's definition, stamps in us since boot.
+"""PX4 flight logs (`.ulg`) through `pyulog` (optional): gyro in rad/s and accelerometer in m/s^2
+by the message's definition, stamps in us since boot.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ MESSAGES = ("sensor_combined", "sensor_gyro", "sensor_accel")
 
 
 def read_ulog(path, *, topic: str | None = None) -> Raw:
-    """`sensor_combined`, or `sensor_gyro` with `sensor_accel` where the log has those (or `topic`, one
-    of the messages). InputError where there is none of them.
+    """`sensor_combined`, or `sensor_gyro` with `sensor_accel` where the log has those (or `topic`,
+    one of the messages). InputError where there is none of them.
     """
     try:
         from pyulog import ULog
@@ -51,7 +51,8 @@ def read_ulog(path, *, topic: str | None = None) -> Raw:
         _apart(raw, found, topic)
     else:
         raise InputError(
-            f"{path} has no sensor_combined, sensor_gyro or sensor_accel; it has {', '.join(sorted(found)[:12]) or 'no messages'}."
+            f"{path} has no sensor_combined, sensor_gyro or sensor_accel; it has "
+            f"{', '.join(sorted(found)[:12]) or 'no messages'}."
         )
     used = (chosen,) if chosen == "sensor_combined" else MESSAGES[1:]
     for name in sorted(found):

@@ -18,9 +18,9 @@ NEAR = 0.25  # of the range: both ends are in use, and the middle is not
 def signed(raw: Raw, units: Mapping[str, str | None]) -> None:
     """Give such columns their sign, with a word.
 
-    They are whole numbers below 2^16 (2^24, 2^32). What tells is a column that leaps between both ends
-    of that range, gyros that stand near its ends, or a specific force (`units` as the call states
-    them, counts:C) that is gravity with the sign and not without.
+    They are whole numbers below 2^16 (2^24, 2^32). What tells is a column that leaps between both
+    ends of that range, gyros that stand near its ends, or a specific force (`units` as the call
+    states them, counts:C) that is gravity with the sign and not without.
     """
     counts = [k for k in ("gyro", "accel") if _counts(raw, k, units.get(k))]
     found = {k: _bits(raw, k) for k in counts}
@@ -35,7 +35,8 @@ def signed(raw: Raw, units: Mapping[str, str | None]) -> None:
             raw.columns[c] = np.where(x >= 2.0 ** (bits - 1), x - 2.0**bits, x)
         word = "gyro" if kind == "gyro" else "accelerometer"
         raw.notes += (
-            f"The counts of the {word} are above 0 and reach into the upper half of 2^{bits}: they were read with a sign "
+            f"The counts of the {word} are above 0 and reach into the upper half of 2^{bits}: "
+            "they were read with a sign "
             f"(two's complement of {bits} bits).",
         )
 

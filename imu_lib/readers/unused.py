@@ -1,4 +1,6 @@
-"""A word on columns that are not used though they may be meant: a time or a sensor of an unknown name."""
+"""A word on columns that are not used though they may be meant: a time or a sensor of an
+unknown name.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +14,17 @@ from imu_lib.readers.raw import Raw
 
 
 def unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
-    """The names to give where a column of an unknown name rises as a time does, and no other is one."""
+    """The names to give where a column of an unknown name rises as a time does, and no other
+    is one.
+    """
     if raw.rate or any(m.quantity in ("time", "date", "clock", "counter") for m in told):
         return None
-    free = [i for i, (m, h) in enumerate(zip(told, headings)) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
+    # fmt: skip
+    free = [
+        i
+        for i, (m, h) in enumerate(zip(told, headings))
+        if m.why == names.UNKNOWN and h.kind == "number"
+    ]
     try:
         values = load(free) if free else {}
     except InputError:
@@ -24,7 +33,10 @@ def unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
         if np.asarray(values[i]).dtype.kind in "fi" and (np.diff(values[i]) > 0).mean() > 0.9:
             said = list(told)
             said[i] = Meaning("time")
-            return f"`{headings[i].name}` rises as a time does: {suggestion(said, headings)}{_dropped(said, headings)}"
+            return (
+                f"`{headings[i].name}` rises as a time does: "
+                f"{suggestion(said, headings)}{_dropped(said, headings)}"
+            )
     return None
 
 
@@ -34,22 +46,29 @@ def _dropped(told: list[Meaning], headings) -> str:
     if len(left) < 3:
         return ""
     return (
-        f" (which leaves out {', '.join(f'`{n}`' for n in left[:6])}, whose names are not known here: put gyro_x, gyro_y, gyro_z or accel_x, accel_y, accel_z "
+        f" (which leaves out {', '.join(f'`{n}`' for n in left[:6])}, whose names are not known "
+        "here: put gyro_x, gyro_y, gyro_z or accel_x, accel_y, accel_z "
         "there if they are readings)"
     )
 
 
 def say(raw: Raw, told: list[Meaning], headings) -> None:
-    """A word on columns that state a unit of rate or specific force and are not used, where the record
-    has no such reading.
+    """A word on columns that state a unit of rate or specific force and are not used, where the
+    record has no such reading.
     """
     for kind, word in (("gyro", "gyro"), ("accel", "accelerometer")):
         there = {m.axis for m in told if m.quantity == kind and m.axis}
         if there:
-            unknown = [h.name for m, h in zip(told, headings) if m.why == names.UNKNOWN and h.kind == "number"]  # fmt: skip
+            # fmt: skip
+            unknown = [
+                h.name
+                for m, h in zip(told, headings)
+                if m.why == names.UNKNOWN and h.kind == "number"
+            ]
             if len(there) < 3 and unknown:
                 raw.notes += (
-                    f"Of the {word} {' and '.join(sorted(there))} alone was found; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are "
+                    f"Of the {word} {' and '.join(sorted(there))} alone was found; "
+                    f"{', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are "
                     "not known here (--columns names columns by position).",
                 )
             continue
@@ -62,9 +81,15 @@ def say(raw: Raw, told: list[Meaning], headings) -> None:
         if lost:
             said = list(told)
             for axis, i in zip("xyz", [i for i, h in enumerate(headings) if h.name in lost]):
-                said[i] = Meaning(kind, axis, names.unit_of(headings[i].unit or names.spelled_unit(headings[i].name) or ""))  # fmt: skip
+                # fmt: skip
+                said[i] = Meaning(
+                    kind,
+                    axis,
+                    names.unit_of(headings[i].unit or names.spelled_unit(headings[i].name) or ""),
+                )
             raw.notes += (
-                f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not read; {suggestion(said, headings)} if they are.",
+                f"{', '.join(f'`{n}`' for n in lost[:4])} state a unit of the {word} and were not "
+                f"read; {suggestion(said, headings)} if they are.",
             )
             continue
         unknown = [
@@ -74,14 +99,15 @@ def say(raw: Raw, told: list[Meaning], headings) -> None:
         ]
         if len(unknown) >= 3:
             raw.notes += (
-                f"No column was read as the {word}; {', '.join(f'`{n}`' for n in unknown[:6])} are not used, their names are not known here "
+                f"No column was read as the {word}; {', '.join(f'`{n}`' for n in unknown[:6])} "
+                "are not used, their names are not known here "
                 "(--columns names columns by position).",
             )
 
 
 def lost(found) -> str | None:
-    """A sentence on three or more columns of unknown names where a `Reading` has but one of gyro and
-    accelerometer; None where it has both, or there are no such columns.
+    """A sentence on three or more columns of unknown names where a `Reading` has but one of gyro
+    and accelerometer; None where it has both, or there are no such columns.
     """
     there = {name.partition("_")[0] for name in found.record.channel_names}
     missing = {"gyro", "accel"} - there
@@ -90,6 +116,7 @@ def lost(found) -> str | None:
         return None
     word = "gyro" if "gyro" in missing else "accelerometer"
     return (
-        f"{found.record.source}: no column was read as the {word}; {', '.join(f'`{n}`' for n in left[:6])} were left out, their names are not known "
+        f"{found.record.source}: no column was read as the {word}; "
+        f"{', '.join(f'`{n}`' for n in left[:6])} were left out, their names are not known "
         "(columns= names columns by position)."
     )

@@ -48,7 +48,8 @@ def arrays_of(path) -> dict:
         import zarr
     except ImportError:
         raise InputError(
-            f"{path} is a Zarr store, whose library is not installed: pip install 'imu_lib[zarr]', or save the record as .parquet."
+            f"{path} is a Zarr store, whose library is not installed: pip install "
+            "'imu_lib[zarr]', or save the record as .parquet."
         ) from None
     try:
         where = zarr.storage.ZipStore(path, mode="r") if Path(path).is_file() else str(path)

@@ -108,7 +108,8 @@ def welch(x, fs, *, segment=None, window="hann", detrend="constant"):
     segment = default_segment(longest) if segment is None else int(segment)
     if longest < max(segment, 8) or segment < 8:
         raise ValueError(
-            f"`segment` of {segment} samples does not fit: the longest stretch without a missing sample "
+            f"`segment` of {segment} samples does not fit: the longest stretch without a missing "
+            "sample "
             f"has {longest}"
         )
     step = segment - segment // 2

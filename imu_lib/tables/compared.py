@@ -1,4 +1,5 @@
-"""A table or figure of a paper and ours: how far apart, said in the chapter and kept in its outputs.
+"""A table or figure of a paper and ours: how far apart, said in the chapter and kept in its
+outputs.
 
 The index of what is reproduced is made from what the chapters' cells store, never by hand.
 """

@@ -1,4 +1,6 @@
-"""A table as a reader sees it: HTML with a caption in a notebook or a page, plain text elsewhere."""
+"""A table as a reader sees it: HTML with a caption in a notebook or a page, plain text
+elsewhere.
+"""
 
 from __future__ import annotations
 

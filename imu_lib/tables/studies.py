@@ -59,7 +59,9 @@ def coverage_by_channel(path, methods, parameters=("N", "sigma", "correlation_ti
 
 
 def stored(path):
-    """What a benchmark stored (a file of benchmarks/results): its tables with `command` and `date`."""
+    """What a benchmark stored (a file of benchmarks/results): its tables with `command` and
+    `date`.
+    """
     return json.loads(Path(path).read_text(encoding="utf-8"))
 
 

@@ -98,7 +98,8 @@ def matlab(model) -> str:
         walk = np.array([export.equivalent_walk(model[n]) for n in names])
         params = "accelparams" if sensor == "accel" else "gyroparams"
         lines.append(
-            f"imu.{kind} = {params}('NoiseDensity', {_row(white)}, 'RandomWalk', {_row(walk)}); % {unit}"
+            f"imu.{kind} = {params}('NoiseDensity', {_row(white)}, 'RandomWalk', {_row(walk)}); % "
+            f"{unit}"
         )
     return "\n".join(lines) + "\n"
 

@@ -21,8 +21,8 @@ WORDS = {"gyro": "Gyros", "accel": "Accelerometers"}
 
 
 def grades(result, health) -> list[str]:
-    """A sentence on each sensor of a `Characterisation`; `health` gives the noise of an axis of which
-    the fit shows none.
+    """A sentence on each sensor of a `Characterisation`; `health` gives the noise of an axis of
+    which the fit shows none.
     """
     out = []
     for sensor, bounds in GRADES.items():
@@ -47,7 +47,8 @@ def grades(result, health) -> list[str]:
         axis = f"axis {worst[-1]}" if len(noise) == 1 else f"the worst axis ({worst[-1]})"
         if worst in rough:
             how = (
-                f"some {report.number(value, 2)} {unit} from one sample to the next on {axis}, where "
+                f"some {report.number(value, 2)} {unit} from one sample to the next on {axis}, "
+                "where "
                 "no sum of noises fits"
             )
         else:

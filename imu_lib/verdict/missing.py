@@ -36,8 +36,9 @@ class Missing:
 def missing(record: Record, sound=None, *, seed: int = 1) -> Missing:
     """Look for effects that a model fitted to `record` does not have.
 
-    Times in what is told count from the first sample of the record. The workflow masks by itself what
-    is no measurement; `sound`, what `faults.sound` gave, is the same for the means of a long record.
+    Times in what is told count from the first sample of the record. The workflow masks by itself
+    what is no measurement; `sound`, what `faults.sound` gave, is the same for the means of a long
+    record.
     """
     if record.n <= LONGEST:
         return Missing((("the record", gap.close(record, seed=seed, simulations=0)),))
@@ -48,7 +49,8 @@ def missing(record: Record, sound=None, *, seed: int = 1) -> Missing:
     means = gap.close(averaged(whole.uniform(), block), seed=seed, simulations=0)
     note = (
         f"Effects were looked for in the first {minutes:.3g} min at the full rate, and over all "
-        f"{units.duration(record.duration)} in means of {block} samples, which show drifts and jumps "
+        f"{units.duration(record.duration)} in means of {block} samples, which show drifts and "
+        "jumps "
         "alone; `imu-lib gap` looks at all of it."
     )
     if begins > 0.0:

@@ -25,35 +25,41 @@ def check(drive):
         )
     if fix_faults.velocities_swapped(drive):
         raise InputError(
-            f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the third's sign."
+            f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the "
+            "third's sign."
         )
     if fix_faults.upside_down(drive):
         raise InputError(
-            f"{name}: the heights rise where gnss_velocity falls: it is north, east, down; turn the sign of its third column, or of the heights if they are depths."
+            f"{name}: the heights rise where gnss_velocity falls: it is north, east, down; turn "
+            "the sign of its third column, or of the heights if they are depths."
         )
     if drive.duration < SHORTEST or fixes < FEWEST:
         raise InputError(
-            f"{name}: {drive.duration:.3g} s with {fixes} fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
+            f"{name}: {drive.duration:.3g} s with {fixes} fixes are too few for a search; it "
+            f"needs {SHORTEST:.0f} s and {FEWEST} fixes."
         )
     felt = float(np.median(np.linalg.norm(drive.accel, axis=1)))
     if not GRAVITY[0] < felt < GRAVITY[1]:
         raise InputError(
-            f"{name}: the accelerometers read {felt:.3g} in the median, where a car feels 9.8 m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`."
+            f"{name}: the accelerometers read {felt:.3g} in the median, where a car feels 9.8 "
+            "m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`."
         )
     if axes.forces_reversed(drive):
         raise InputError(
-            f"{name}: the accelerometers have all signs turned: they read gravity, and not the specific force, its opposite; multiply `accel` by -1."
+            f"{name}: the accelerometers have all signs turned: they read gravity, and not the "
+            "specific force, its opposite; multiply `accel` by -1."
         )
     ratio = turn_ratio(drive)
     if ratio is not None and ratio < DEG * ALIKE:
         raise InputError(
-            f"{name}: the gyros turn {1.0 / ratio:.3g} times as fast as the course of the fixes: give their unit (--gyro-unit deg/s), or multiply `gyro` by pi/180."
+            f"{name}: the gyros turn {1.0 / ratio:.3g} times as fast as the course of the fixes: "
+            "give their unit (--gyro-unit deg/s), or multiply `gyro` by pi/180."
         )
 
 
 def _of_one_code(drive, notes):
-    """The drive with the fixes of those codes whose velocities are the ones at which their positions
-    move, where the others' are not: a file may hold two solutions in turn.
+    """The drive with the fixes of those codes whose velocities are the ones at which their
+    positions move, where the others' are not: a file may hold two solutions in turn.
     """
     if drive.gnss_velocity is None or drive.gnss_fix is None:
         return drive
@@ -69,14 +75,18 @@ def _of_one_code(drive, notes):
     if not rest or kept.sum() < max(FEWEST, 0.3 * codes.size):
         return drive
     notes.append(
-        f"Fixes of code {', '.join(f'{c:g}' for c in rest)} are another solution, whose velocities are not those at which "
-        f"its positions move: those of code {', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
+        f"Fixes of code {', '.join(f'{c:g}' for c in rest)} are another solution, whose "
+        "velocities are not those at which "
+        f"its positions move: those of code {', '.join(f'{c:g}' for c in good)} alone are used "
+        "(--accept of `outages`)."
     )
     return _fixes(drive, kept)
 
 
 def _stated(drive, notes):
-    """The drive without standard deviations that are nowhere above zero: nothing is stated there."""
+    """The drive without standard deviations that are nowhere above zero: nothing is stated
+    there.
+    """
     for part in ("position", "velocity"):
         sd = getattr(drive, f"gnss_{part}_sd")
         if sd is not None and not np.any(np.asarray(sd) > 0.0):
@@ -106,7 +116,8 @@ def one_solution(drive, notes):
     unit = fix_faults.unit_of(ratio)
     if unit is not None:
         notes.append(
-            f"The velocities are {ratio:.3g} times those at which the positions move, as in {unit}: positions alone are used; "
+            f"The velocities are {ratio:.3g} times those at which the positions move, as in "
+            f"{unit}: positions alone are used; "
             f"divide gnss_velocity by {fix_faults.UNITS[unit]:.4g}."
         )
         return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
@@ -114,6 +125,7 @@ def one_solution(drive, notes):
     if share < CONTRADICTED:
         return drive
     notes.append(
-        f"{100 * share:.0f} % of the velocities are not those at which the positions move: positions alone are used."
+        f"{100 * share:.0f} % of the velocities are not those at which the positions move: "
+        "positions alone are used."
     )
     return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)

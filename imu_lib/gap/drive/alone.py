@@ -3,7 +3,8 @@
 The regression that chose a set is linear about the path that was held then. Where that path was far
 off, effects are found beside the true one that only make up for what is not linear, and about the
 path built with all of them none seems idle. So each smaller set is led to its own path, step by
-step until its innovations improve no more, and kept where it loses less than the price of what left.
+step until its innovations improve no more, and kept where it loses less than the price of what
+left.
 """
 
 from __future__ import annotations
@@ -37,8 +38,8 @@ TRIED = 4
 
 
 def converge(state: State, kept: tuple[str, ...], enough: float = np.inf) -> None:
-    """Hold a set of effects and build the path anew until its innovations improve no more, or are so
-    much worse than `enough` nats that the steps left cannot make up for it.
+    """Hold a set of effects and build the path anew until its innovations improve no more, or are
+    so much worse than `enough` nats that the steps left cannot make up for it.
     """
     for number in range(STEPS):
         before, cost = replace(state), state.cost() if number else np.inf
@@ -56,8 +57,8 @@ def converge(state: State, kept: tuple[str, ...], enough: float = np.inf) -> Non
 
 
 def promised(state: State, kept: tuple[str, ...]) -> float:
-    """Nats by which the innovations would improve with the best values of a set, were they linear in
-    them.
+    """Nats by which the innovations would improve with the best values of a set, were they linear
+    in them.
     """
     index = sorted({i for e in (*kept, *state.kept) for i in select.GROUPS[e]})
     mine = [i for e in kept for i in select.GROUPS[e]]

@@ -69,8 +69,8 @@ def fit(state: State, say: Callable[[str], object] = lambda text: None) -> Noise
 def anew(
     state: State, noise: Noise, say: Callable[[str], object] = lambda text: None
 ) -> Noise | None:
-    """The noise fitted again where effects were found, or None where that is not worth its price: what
-    was fitted before held their errors too, and hides whatever is smaller than they were.
+    """The noise fitted again where effects were found, or None where that is not worth its price:
+    what was fitted before held their errors too, and hides whatever is smaller than they were.
 
     noise : without the changes of what is random that the state holds, which stay
     """

@@ -14,8 +14,8 @@ WAYS = ("along the track", "across the track", "down")
 LAGS = (1, 2, 5, 10)
 PARTS = 6  # of the drive, for means and sizes
 COPIES = 60
-#: Least root mean square, m/s^2, rad/s, m/s, of what innovations may follow: of a straight drive the rest is
-#: the path's own noise, which is that of the innovations.
+#: Least root mean square, m/s^2, rad/s, m/s, of what innovations may follow: of a straight drive
+#: the rest is the path's own noise, which is that of the innovations.
 LEAST = {"forward acceleration": 0.1, "sideways acceleration": 0.1, "turn rate": 0.01, "speed": 0.5}
 SURE = 4.6  # standard deviations beyond which a statistic of about a hundred is no chance
 

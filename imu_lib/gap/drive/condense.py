@@ -4,8 +4,9 @@ The nominal path is cut at nodes (every fix, and in between where fixes are rare
 interval the strapdown runs from the nominal state at its begin, and what an error of the state, a
 constant error of each channel, unit white noise of each channel and each parameter of `columns.IMU`
 do by its end is accumulated (the error model is that of the filter, `navigation.covariance`). The
-likelihood of the innovations (`linear`) then costs a step per fix and not one per IMU sample, and is
-linear in the parameters (multiple shooting; Friedland 1969 for the separation of parameters from states).
+likelihood of the innovations (`linear`) then costs a step per fix and not one per IMU sample, and
+is linear in the parameters (multiple shooting; Friedland 1969 for the separation of parameters
+from states).
 """
 
 from __future__ import annotations
@@ -133,9 +134,9 @@ def _run_on(
     part: tuple[int, int],
     means: tuple[Array, Array, Array],
 ) -> tuple[float, float]:
-    """The strapdown over the samples of a linear step, in place: (its length s, the same weighted with
-    the extra noise); means: turn rate, specific force in the body and in north, east, down (3, 3),
-    attitude (3, 3), and the increments of the sample before (2, 3).
+    """The strapdown over the samples of a linear step, in place: (its length s, the same weighted
+    with the extra noise); means: turn rate, specific force in the body and in north, east, down
+    (3, 3), attitude (3, 3), and the increments of the sample before (2, 3).
     """
     felt, mean_c, last = means
     felt[:, :], mean_c[:, :] = 0.0, 0.0
@@ -164,8 +165,8 @@ def _run_on(
 
 
 def joined(legs: list[Leg], bias: Array, sub: int) -> dict[str, Array]:
-    """The legs of a path one after the other, as the arrays of a problem; an interval that leads from
-    one into the next is empty.
+    """The legs of a path one after the other, as the arrays of a problem; an interval that leads
+    from one into the next is empty.
     """
     sizes = [leg.node.size for leg in legs]
     first = np.concatenate([[0], np.cumsum(sizes)])

@@ -1,5 +1,5 @@
-"""What a fix says to the linear filter, compiled: innovations, corrections, and what the parameters do
-to both.
+"""What a fix says to the linear filter, compiled: innovations, corrections, and what the
+parameters do to both.
 """
 
 from __future__ import annotations

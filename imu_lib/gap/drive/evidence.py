@@ -15,8 +15,10 @@ def share(found, ridges):
                 step["indistinguishable"].append(rival)
             step["confidence"] = min(step["confidence"], EVEN)
             said = (
-                f"{' and '.join(sorted((effect, rival)))} {axis} cannot be told apart on this drive: free, the two would take "
-                "values that sensors do not have and that make up for each other; one stands for what they do together."
+                f"{' and '.join(sorted((effect, rival)))} {axis} cannot be told apart on this "
+                "drive: free, the two would take "
+                "values that sensors do not have and that make up for each other; one stands for "
+                "what they do together."
             )
             out += [said] if said not in out else []
     return out
@@ -29,7 +31,8 @@ def widening(found):
         return []
     told = ", ".join(f"{s['effect']} ({s['gap_before']:.1f} to {s['gap_after']:.1f})" for s in wide)
     return [
-        f"The gap index widens with {told}: kept because the likelihood of the innovations grows, which decides; the index also "
+        f"The gap index widens with {told}: kept because the likelihood of the innovations grows, "
+        "which decides; the index also "
         "counts what such an effect had hidden, and what is left is no better known."
     ]
 
@@ -39,6 +42,7 @@ def unproven(found, ratio):
     if not found or not ratio["low"] <= 1.0 <= ratio["high"]:
         return []
     return [
-        "What was found makes the innovations righter; that it makes withheld outages better is not proven: their errors are "
+        "What was found makes the innovations righter; that it makes withheld outages better is "
+        "not proven: their errors are "
         f"{ratio['value']:.2g} times those before [{ratio['low']:.2g}, {ratio['high']:.2g}]."
     ]

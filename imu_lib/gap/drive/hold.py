@@ -1,4 +1,6 @@
-"""Taking values and noises over: a set of effects held on a path built for it, noises fitted again."""
+"""Taking values and noises over: a set of effects held on a path built for it, noises fitted
+again.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ SLACK = 2.0  # nats by which a path of its own may disappoint
 
 def held(state: State, kept: tuple[str, ...], freely: bool = False) -> bool:
     """Hold a set of effects and build the path anew, with half the change where the whole makes the
-    innovations worse, and with none where that does too (freely: the whole in any case): whether something was held.
+    innovations worse, and with none where that does too (freely: the whole in any case): whether
+    something was held.
     """
     theta, other = alone.values(state.reg, kept)
     before, cost = replace(state), state.cost()

@@ -20,8 +20,8 @@ ANGLES = ("roll", "pitch", "yaw")
 
 
 def invisible(state, turned):
-    """Parameters that the drive does not excite, with upper limits; turned: the mounting's angles and
-    their standard deviations, or None.
+    """Parameters that the drive does not excite, with upper limits; turned: the mounting's angles
+    and their standard deviations, or None.
     """
     out = _angles_unseen(turned)
     for effect in LINEAR.values():
@@ -55,7 +55,10 @@ def _angles_unseen(turned):
             {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(np.pi)}
             for a in ANGLES[1:]
         ]
-    why = "the path's own attitude is not known well enough: the fixes are too rough, or the drive turns and brakes too little"
+    why = (
+        "the path's own attitude is not known well enough: the fixes are too rough, or the "
+        "drive turns and brakes too little"
+    )
     return [
         {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(abs(x) + 1.96 * s)}
         for a, x, s, least in zip(ANGLES, *turned, TURNED)
@@ -72,11 +75,13 @@ def unexplained(state, after):
         if near:
             size = ", ".join(f"{v:.0f}" for v in sizes[near[0]])
             parts.append(
-                f"at {jumps[near[0]]:.1f} s the fixes jump by {size} m (north, east, down) and stay there: another datum, base station or solution"
+                f"at {jumps[near[0]]:.1f} s the fixes jump by {size} m (north, east, down) and "
+                "stay there: another datum, base station or solution"
             )
             continue
         parts.append(
-            f"a shock at {when:.0f} s: there the innovations are those of a filter that lost its motion at once, and of no effect in the catalogue"
+            f"a shock at {when:.0f} s: there the innovations are those of a filter that lost its "
+            "motion at once, and of no effect in the catalogue"
         )
     for effect in state.kept:
         if effect.startswith("other: "):
@@ -102,7 +107,8 @@ def clocks(state):
     if halves is None or abs(halves[1] - halves[0]) < STEADY:
         return None
     return (
-        f"beyond what was found, the fixes are {halves[0]:+.1f} s late in the first half of the drive and {halves[1]:+.1f} s in the second: one of the "
+        f"beyond what was found, the fixes are {halves[0]:+.1f} s late in the first half of the "
+        f"drive and {halves[1]:+.1f} s in the second: one of the "
         "clocks jumps or drifts"
     )
 
@@ -113,23 +119,25 @@ def _index(state):
 
 
 def absurd(found):
-    """What is said where the only noise that accounts for the innovations is one that no sensor has,
-    or None.
+    """What is said where the only noise that accounts for the innovations is one that no sensor
+    has, or None.
     """
     for step in found:
         p = step["parameters"]
         if step["effect"] == "bias_model" and p["name"] != "correlation_time" and p["from"]:
             if p["to"] > ABSURD * p["from"]:
                 return (
-                    f"{p['process']} of {p['channel']} would be {p['to'] / p['from']:.0f} times the model's, which is no noise of a sensor: "
-                    "the fixes and the readings are not of one time, body or unit, or the model is of another sensor"
+                    f"{p['process']} of {p['channel']} would be {p['to'] / p['from']:.0f} times "
+                    "the model's, which is no noise of a sensor: "
+                    "the fixes and the readings are not of one time, body or unit, or the model "
+                    "is of another sensor"
                 )
     return None
 
 
 def limited(found, unseen, given):
-    """Give the components of found effects that the drive does not show the interval that their upper
-    limit leaves; given (3,): the file's lever arm, beyond which that limit is.
+    """Give the components of found effects that the drive does not show the interval that their
+    upper limit leaves; given (3,): the file's lever arm, beyond which that limit is.
     """
     for step in found:
         for entry in unseen:
@@ -148,7 +156,10 @@ def limited(found, unseen, given):
 
 def worse(ratio, left):
     """What is said where the effects found make withheld outages worse."""
-    said = f"what was found makes withheld outages worse ({ratio:.1f} times the error), so that the model file does not hold it"
+    said = (
+        f"what was found makes withheld outages worse ({ratio:.1f} times the error), so that "
+        "the model file does not hold it"
+    )
     return said + (f"; {left}" if left else "")
 
 

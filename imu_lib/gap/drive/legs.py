@@ -25,10 +25,10 @@ FEWEST = 10  # epochs of a solution
 
 @dataclass
 class Leg:
-    """stretch : of the IMU; first : its epoch at which the solution begins; position, velocity, angles,
-    sd (k, 3) of the solution from there; fixes : rows of the fixes in it, a slice; epochs (f,) of
-    these; node (n,) epochs at which the path is cut; drifts (s, 2) temperature and second half of the
-    drive, at the stretch's intervals
+    """stretch : of the IMU; first : its epoch at which the solution begins; position, velocity,
+    angles, sd (k, 3) of the solution from there; fixes : rows of the fixes in it, a slice; epochs
+    (f,) of these; node (n,) epochs at which the path is cut; drifts (s, 2) temperature and second
+    half of the drive, at the stretch's intervals
     """
 
     stretch: Stretch
@@ -94,7 +94,9 @@ class Leg:
 
 
 def _nodes(first: int, epochs: Array, longest: int) -> Array:
-    """The first epoch, those of fixes, and between them as many as none is further than `longest`."""
+    """The first epoch, those of fixes, and between them as many as none is further than
+    `longest`.
+    """
     begin = np.concatenate([[first], epochs[:-1]])
     parts = [
         np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[1:].round()

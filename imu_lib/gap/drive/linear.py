@@ -1,5 +1,5 @@
-"""The linear filter over the nodes of a condensed drive (`condense`), compiled: innovations, and what
-each parameter does to them.
+"""The linear filter over the nodes of a condensed drive (`condense`), compiled: innovations, and
+what each parameter does to them.
 
 States are errors: 9 of navigation, then those of the sensors, then three Gauss-Markov errors of the
 positions where there are some. Each sensor state belongs to one channel, and the transition of the
@@ -84,7 +84,9 @@ def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None:
-    """The transition times the covariance: its rows of navigation in room.top, of sensors in room.low."""
+    """The transition times the covariance: its rows of navigation in room.top, of sensors in
+    room.low.
+    """
     p, top, es, low = room.p, room.top, room.es, room.low
     n, m = p.shape[0], random.weight.size
     es[:, :] = 0.0
@@ -140,7 +142,9 @@ def _navigation(room: Room, track: Track, random: Random, node: int, s: Array) -
 
 @njit(cache=True, nogil=True)
 def _predict_fix_errors(room: Room, m: int, decay: float, sigma: float) -> None:
-    """Covariance of the positions' Gauss-Markov errors over an interval, after the other states'."""
+    """Covariance of the positions' Gauss-Markov errors over an interval, after the other
+    states'.
+    """
     p, n = room.p, room.p.shape[0]
     for i in range(9 + m, n):
         for r in range(9):

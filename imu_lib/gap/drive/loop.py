@@ -155,8 +155,9 @@ def close(
 
 
 def _searched(drive, model, asked, notes, say):
-    """(state, first, noise, original): what is held at the end and before anything was, the noise under
-    what is found, and the model before; asked: windows to withhold, and whether what is random is searched.
+    """(state, first, noise, original): what is held at the end and before anything was, the noise
+    under what is found, and the model before; asked: windows to withhold, and whether what is
+    random is searched.
     """
     windows, random = asked
     theta, noise, given, original = _start(drive, model, notes)
@@ -184,7 +185,9 @@ def _searched(drive, model, asked, notes, say):
 
 
 def _heading(state, drive, heading, known):
-    """The step, in a list, of a wrong heading at the start; known: the mounting's angles and the battery."""
+    """The step, in a list, of a wrong heading at the start; known: the mounting's angles and
+    the battery.
+    """
     mount, after = known
     given, whose = heading, ""
     if given is None and drive.reference_attitude is not None:

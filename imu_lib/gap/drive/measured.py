@@ -65,8 +65,8 @@ def span_of(noise: Noise, fixes: Fixes, lever: Array) -> float:
 
 
 def _gained(leg: Leg, force: Array) -> tuple[Array, Array]:
-    """Velocity gained since the start of a leg, NED, without the jumps that fixes make: (time (k,), (k,
-    3) m/s).
+    """Velocity gained since the start of a leg, NED, without the jumps that fixes make: (time
+    (k,), (k, 3) m/s).
     """
     stretch = leg.stretch
     part = slice(leg.first, min(leg.first + len(leg.angles), len(force)))
@@ -79,9 +79,9 @@ def _gained(leg: Leg, force: Array) -> tuple[Array, Array]:
 
 @dataclass
 class Measured:
-    """Of each fix: y, use (f, 6) predicted minus measured and whether it is taken; arm_rows (f, 3, 3)
-    rows of the attitude error; d (f, 6, columns.IN_FIXES) what parameters do to y; along: course,
-    speed, turn rate, accelerations and temperature.
+    """Of each fix: y, use (f, 6) predicted minus measured and whether it is taken; arm_rows (f, 3,
+    3) rows of the attitude error; d (f, 6, columns.IN_FIXES) what parameters do to y; along:
+    course, speed, turn rate, accelerations and temperature.
     """
 
     y: np.ndarray
@@ -203,8 +203,8 @@ def _columns(
 
 
 def _smoothing(leg: Leg, force: Array, when: Array) -> Array:
-    """Velocity minus its first-order low-passes, (columns.SMOOTHED, n, 3): from the IMU alone, since a
-    velocity that holds the fixes' own noise would seem to explain it.
+    """Velocity minus its first-order low-passes, (columns.SMOOTHED, n, 3): from the IMU alone,
+    since a velocity that holds the fixes' own noise would seem to explain it.
     """
     time, total = _gained(leg, force)
     step, out = float(np.median(np.diff(time))), []

@@ -1,4 +1,6 @@
-"""What a better model is worth: errors in outages that the search has not seen, before and after."""
+"""What a better model is worth: errors in outages that the search has not seen, before and
+after.
+"""
 
 from __future__ import annotations
 

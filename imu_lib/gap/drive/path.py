@@ -1,4 +1,6 @@
-"""The nominal path of a drive and what is measured along it: the filter run once, cut at its fixes."""
+"""The nominal path of a drive and what is measured along it: the filter run once, cut at its
+fixes.
+"""
 
 import numpy as np
 

@@ -23,8 +23,9 @@ LEVELS = (0.025, 0.975)
 
 
 def intervals(state, found):
-    """95 % intervals of the parameters of an accepted change, {name: [low, high]}; its values become
-    the medians where they were fitted to a part of the drive, or on a path that has moved since.
+    """95 % intervals of the parameters of an accepted change, {name: [low, high]}; its values
+    become the medians where they were fitted to a part of the drive, or on a path that has moved
+    since.
     """
     start = np.log(found.values)
 
@@ -88,7 +89,9 @@ def _curvature(at, x, axes):
 
 
 def _normal(at, centre, axes):
-    """Whether the likelihood is a normal variable's out to two standard deviations along each axis."""
+    """Whether the likelihood is a normal variable's out to two standard deviations along each
+    axis.
+    """
     points = [centre] + [centre + s * a for a in axes.T for s in (2.0, -2.0)]
     values = np.array(each(at, points))
     return bool(np.all(np.abs(values[1:] - values[0] + 2.0) < NORMAL))

@@ -96,8 +96,8 @@ class Problem:
         return self.arrays["begins"].size >= 2 * STRETCHES * STRETCH
 
     def brief(self) -> Problem:
-        """The problem on three stretches of a long drive: what is random is fitted there at a share of
-        the time. Fixes left out have no innovations.
+        """The problem on three stretches of a long drive: what is random is fitted there at a
+        share of the time. Fixes left out have no innovations.
         """
         if not self.long:
             return self

@@ -52,7 +52,9 @@ class Change:
         simplex = np.vstack([start, start + 0.5 * np.eye(k)])
         found = minimize(
             loss, start, method="Nelder-Mead",
-            options={"initial_simplex": simplex, "maxfev": _TRIES * k, "xatol": 0.01, "fatol": 0.05},
+            options={
+                "initial_simplex": simplex, "maxfev": _TRIES * k, "xatol": 0.01, "fatol": 0.05,
+            },
         )  # fmt: skip
         values = np.exp(found.x)
         noise = self.enter(noise, values)
@@ -201,8 +203,8 @@ def screen(state, noise, base, options):
 
 
 def shortlist(ranked):
-    """Of what `screen` ranked, what is fitted: the three best, and what else there is on the channel of
-    the first, which a few values of one parameter do not part from it.
+    """Of what `screen` ranked, what is fitted: the three best, and what else there is on the
+    channel of the first, which a few values of one parameter do not part from it.
     """
     ranked = [r for r in ranked if r[0] > 1.0]
     if not ranked:

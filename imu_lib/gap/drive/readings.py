@@ -1,4 +1,5 @@
-"""What the readings themselves say of white noise: whether it is there at rest, or grows with the speed.
+"""What the readings themselves say of white noise: whether it is there at rest, or grows with the
+speed.
 
 Fixes part a white noise from a vibration that follows the speed where the speed changes; second
 differences of the readings, which motion hardly reaches, do so wherever the car once stands.
@@ -24,8 +25,8 @@ FOUR = np.log(4.0)  # of the density: a noise that is off by as much is not what
 
 
 def densities(problem: Problem) -> tuple[Array, Array]:
-    """White noise of the channels over blocks of the drive, (b, 6), two-sided, and the squared speed
-    in them, (b,).
+    """White noise of the channels over blocks of the drive, (b, 6), two-sided, and the squared
+    speed in them, (b,).
     """
     drive, path = problem.drive, problem.path
     both = np.column_stack([drive.gyro, drive.accel])
@@ -39,7 +40,8 @@ def densities(problem: Problem) -> tuple[Array, Array]:
 
 
 def evidence(change: Change, values: Array, measured: tuple[Array, Array]) -> float:
-    """Nats, at most 0, by which a change of white noise is not what the readings show; 0 for others.
+    """Nats, at most 0, by which a change of white noise is not what the readings show; 0 for
+    others.
 
     measured : of `densities`
     """

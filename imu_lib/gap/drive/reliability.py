@@ -64,8 +64,8 @@ def kind(weight: float, beside: bool) -> str:
 
 
 def share(effect: str, weight: float, beside: bool) -> float:
-    """Expected share of right names among further ones like it (Laplace's rule, for an effect drawn to the
-    share of its class).
+    """Expected share of right names among further ones like it (Laplace's rule, for an effect
+    drawn to the share of its class).
     """
     counted = COUNTED[kind(weight, beside)]
     found, right = (sum(c[k] for c in counted.values()) for k in (0, 1))

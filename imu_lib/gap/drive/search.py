@@ -53,7 +53,8 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
         if seen[key] > 3:
             moved = False
         say(f"round {number + 1}: {', '.join(kept) or 'no linear effect'}")
-        # what gains most comes first: under a wrong noise, or past a shock, all looks like an effect
+        # what gains most comes first: under a wrong noise, or past a shock, all looks like an
+        # effect
         promise = alone.promised(state, kept) if moved else 0.0
         if random and not moved:
             refit(state)
@@ -123,8 +124,8 @@ def _step(state, kept):
 
 
 def _far(state):
-    """Whether innovations are so far from white ones of unit size that a noise may be the cause, under
-    which everything looks like an effect.
+    """Whether innovations are so far from white ones of unit size that a noise may be the cause,
+    under which everything looks like an effect.
     """
     chance = np.sqrt(2.0 / max(state.use.sum(), 1))
     far = max(LEAST_FAR, 5.0 * chance)

@@ -25,8 +25,8 @@ GROUPS = {}
 for _i, _c in enumerate(columns.ALL):
     GROUPS.setdefault(_c.effect, []).append(_i)
 PRIOR = np.array([c.prior for c in columns.ALL])
-#: Beyond five standard deviations of its prior a value is no longer what its name says (a scale factor
-#: of 0.25, a bias of 2.5 m/s^2); times and causes outside the catalogue have no such limit.
+#: Beyond five standard deviations of its prior a value is no longer what its name says (a scale
+#: factor of 0.25, a bias of 2.5 m/s^2); times and causes outside the catalogue have no such limit.
 LIMIT = np.array(
     [
         np.inf if c.effect.startswith(("other", "gnss_time_offset")) else 5.0 * c.prior
@@ -35,8 +35,8 @@ LIMIT = np.array(
 )
 
 
-#: An error of a reading that is constant and one that grows with it: on a level road the force along
-#: an axis hardly changes, so that the two are one ridge and may each be anything.
+#: An error of a reading that is constant and one that grows with it: on a level road the force
+#: along an axis hardly changes, so that the two are one ridge and may each be anything.
 _CONSTANT = {"accel_bias": "accel_scale", "gyro_bias": "gyro_scale"}
 #: (bias, scale) columns of the same axis.
 PAIRS = tuple(pair for b, s in _CONSTANT.items() for pair in zip(GROUPS[b], GROUPS[s], strict=True))
@@ -46,8 +46,9 @@ BOTH = 2.0
 
 
 def cancelling(index, x, cov):
-    """Mask of the values of a set that only make up for another's: of a bias and a scale factor of one
-    axis, both larger than sensors have, that lie apart along their common ridge, the scale factor.
+    """Mask of the values of a set that only make up for another's: of a bias and a scale factor of
+    one axis, both larger than sensors have, that lie apart along their common ridge, the scale
+    factor.
     """
     out = np.zeros(len(index), bool)
     place = {int(i): k for k, i in enumerate(index)}
@@ -81,9 +82,10 @@ class Regression:
         return self._free(index)[:3]
 
     def sd(self, index):
-        """Standard deviations (k,) of the values of a set, such that 1.96 of them are an interval of 95 %:
-        the likelihood's, or those of the sandwich where they are larger (Huber 1967; over blocks, within which
-        innovations may be correlated, Liang and Zeger 1986), with Student's quantile for few blocks.
+        """Standard deviations (k,) of the values of a set, such that 1.96 of them are an interval
+        of 95 %: the likelihood's, or those of the sandwich where they are larger (Huber 1967; over
+        blocks, within which innovations may be correlated, Liang and Zeger 1986), with Student's
+        quantile for few blocks.
         """
         _, cov, _, part = self._free(index)
         own = np.diag(cov)
@@ -96,8 +98,8 @@ class Regression:
         return np.sqrt(np.where(part, np.maximum(own, robust), own))
 
     def _free(self, index):
-        """Values, covariance, gain, and mask of the values that are free: what asks for one that its name
-        does not have is something else.
+        """Values, covariance, gain, and mask of the values that are free: what asks for one that
+        its name does not have is something else.
         """
         index = np.asarray(index, int)
         part = np.ones(index.size, bool)
@@ -161,8 +163,8 @@ def regression(problem, result, theta, use) -> Regression:
 
 
 def ridges(reg, kept):
-    """{(effect, rival): axis}: of those held, what a bias and a scale factor of one axis would make up
-    for in each other if they were free.
+    """{(effect, rival): axis}: of those held, what a bias and a scale factor of one axis would
+    make up for in each other if they were free.
     """
     out = {}
     for bias, scale in PAIRS:
@@ -183,8 +185,8 @@ RIDGES = {"lever_arm": ("gnss_time_offset",), "gnss_time_offset": ("lever_arm",)
 
 
 def seen(reg, kept, effect):
-    """(values, standard deviations by the likelihood, and those of an interval) of an effect's columns
-    beside what is held, and beside what may be taken for it.
+    """(values, standard deviations by the likelihood, and those of an interval) of an effect's
+    columns beside what is held, and beside what may be taken for it.
     """
     free = dict.fromkeys((*kept, effect, *RIDGES.get(effect, ())))
     index = [i for e in free for i in GROUPS[e]]
@@ -201,7 +203,9 @@ def score_of(reg, effects):
 
 
 def price(reg, effects):
-    """What a set of effects has to gain, nats: parameters that the drive does not show cost nothing."""
+    """What a set of effects has to gain, nats: parameters that the drive does not show cost
+    nothing.
+    """
     index = [i for e in effects for i in GROUPS[e]]
     counted = sum(reg.information[i, i] * PRIOR[i] ** 2 > reg.temper for i in index)
     return PER_PARAMETER * counted + PER_EFFECT * len(effects)

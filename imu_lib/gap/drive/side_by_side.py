@@ -1,4 +1,6 @@
-"""Several hypotheses about a drive at a time: the compiled loops leave the interpreter to others."""
+"""Several hypotheses about a drive at a time: the compiled loops leave the interpreter to
+others.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What the search on a drive holds at a moment: values, noise, and the path, innovations and regression
-under them.
+"""What the search on a drive holds at a moment: values, noise, and the path, innovations and
+regression under them.
 """
 
 from __future__ import annotations
@@ -88,7 +88,9 @@ class State:
         return loose
 
     def _turn(self) -> bool:
-        """Hold the heading at the start as the path has it later, if that is another: whether so."""
+        """Hold the heading at the start as the path has it later, if that is another: whether
+        so.
+        """
         path = self.problem.path
         found = vehicle.heading_since(self.problem, path["time"][0])
         if found is None or found[1] > TURNED:

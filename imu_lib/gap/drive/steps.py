@@ -13,7 +13,8 @@ from .left import ANGLES, APART, TURNED, smoothed_delay
 SUREST = 0.999  # no weight above this is claimed
 ALIKE = 3.0  # nats
 TURNED_BEFORE = (
-    "The search turns the axes first: innovations before are those with the axes already turned, outages before those "
+    "The search turns the axes first: innovations before are those with the axes already turned, "
+    "outages before those "
     "with the axes as they are in the file."
 )
 
@@ -95,15 +96,17 @@ def of(state, first, noise, rng, before):
 
 
 def _unstated(state, change):
-    """Whether a change is the size of errors of which the file states none: fitted, and no finding."""
+    """Whether a change is the size of errors of which the file states none: fitted, and no
+    finding.
+    """
     if change.effect != "gnss_noise":
         return False
     return getattr(state.problem.drive, f"gnss_{change.key[1]}_sd") is None
 
 
 def _one_offset(state, index, known, parameters, intervals):
-    """The time offset as one number, unless the velocity clearly has one of its own; known: values and
-    standard deviations by column.
+    """The time offset as one number, unless the velocity clearly has one of its own; known: values
+    and standard deviations by column.
     """
     values, sd = known
     a, b = columns.of("gnss_time_offset")
@@ -163,7 +166,10 @@ def _stated(model, parameters):
 
 
 def axes(permutation, sure, runner, gain, alike, before):
-    where = f"the readings follow the fixes' accelerations and turns when x, y, z of the file are taken as {', '.join(permutation)}"
+    where = (
+        "the readings follow the fixes' accelerations and turns when x, y, z of the file are "
+        f"taken as {', '.join(permutation)}"
+    )
     step = _step(
         "axes", ({"permutation": list(permutation)}, {}), sure,
         {"effect": f"axes {' '.join(runner)}", "confidence": float(1.0 - sure)}, [],
@@ -217,7 +223,10 @@ def heading(apart, sd, after, whose=""):
     if abs(apart) < 5.0 * sd:
         return []
     gain = 0.5 * (apart / sd) ** 2
-    where = f"the path's own heading at the start, carried back by the gyros, is {abs(apart) / DEG:.0f} deg off the one given{whose}"
+    where = (
+        "the path's own heading at the start, carried back by the gyros, is "
+        f"{abs(apart) / DEG:.0f} deg off the one given{whose}"
+    )
     return [
         _step(
             "heading",

@@ -32,7 +32,9 @@ class Pieces(NamedTuple):
 
     @classmethod
     def zeros(cls, k: int, columns: int) -> Pieces:
-        """The two large ones in single precision: 1e-7 of a variance or of a sensitivity is nothing."""
+        """The two large ones in single precision: 1e-7 of a variance or of a sensitivity is
+        nothing.
+        """
         shapes = (9, 9), (9, 6), (6, 9, 9), (columns, 9), (9,)
         kinds = "d", "d", "f", "f", "d"
         return cls(*(np.zeros((k, *shape), kind) for shape, kind in zip(shapes, kinds)))
@@ -85,8 +87,9 @@ class Random(NamedTuple):
 
 
 class Fixes(NamedTuple):
-    """y (f, 6) predicted minus measured; arm (f, 3, 3) rows of the attitude error; variance, use (f,
-    6); columns (f, 6, D): what the parameters number `of` (D,) do to y beyond what they do to the path.
+    """y (f, 6) predicted minus measured; arm (f, 3, 3) rows of the attitude error; variance, use
+    (f, 6); columns (f, 6, D): what the parameters number `of` (D,) do to y beyond what they do to
+    the path.
     """
 
     y: np.ndarray
@@ -98,9 +101,9 @@ class Fixes(NamedTuple):
 
 
 class Out(NamedTuple):
-    """e (f, 6) whitened, s (f, 6) variance of the innovations, jac (f, 6, P) whitened (empty where not
-    asked for), wild (f,) bool, doubt (f,) nats by which one of wild and tame is likelier (infinite
-    where no fix can be wild).
+    """e (f, 6) whitened, s (f, 6) variance of the innovations, jac (f, 6, P) whitened (empty where
+    not asked for), wild (f,) bool, doubt (f,) nats by which one of wild and tame is likelier
+    (infinite where no fix can be wild).
     """
 
     e: np.ndarray
@@ -111,8 +114,8 @@ class Out(NamedTuple):
 
 
 class Room(NamedTuple):
-    """States x (n,), covariance p (n, n), what parameters do to them z (n, P); top (9, n), es (6, n),
-    zs (6, P), low (m, n), zt (n, P), ph (n,): room to work in.
+    """States x (n,), covariance p (n, n), what parameters do to them z (n, P); top (9, n), es (6,
+    n), zs (6, P), low (m, n), zt (n, P), ph (n,): room to work in.
     """
 
     x: np.ndarray

@@ -51,7 +51,9 @@ def _along(forward):
 
 
 def _of_angles(turn, sd):
-    """Standard deviations of roll, pitch, yaw from those of small turns about the vehicle's axes."""
+    """Standard deviations of roll, pitch, yaw from those of small turns about the vehicle's
+    axes.
+    """
     step, now = 1e-4, turn.as_euler("ZYX")[::-1]
     moved = [(Rotation.from_rotvec(step * u) * turn).as_euler("ZYX")[::-1] for u in np.eye(3)]
     slope = (np.array([m - now for m in moved]) + np.pi) % (2.0 * np.pi) - np.pi

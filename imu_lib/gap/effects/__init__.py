@@ -1,4 +1,5 @@
-"""The catalogue: one small file for each effect, found by itself; a file lists its own in `EFFECTS`.
+"""The catalogue: one small file for each effect, found by itself; a file lists its own in
+`EFFECTS`.
 
 Files of one's own, in folders named by the environment variable `IMU_LIB_EFFECTS`, count as if they
 were here.

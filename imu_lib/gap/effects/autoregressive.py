@@ -21,7 +21,9 @@ from .competitor import SLOPE_BESIDE_FILTER, Spectral
 
 
 class Resonance(Slot):
-    """AR(2) through the logarithms of its standard deviation, its damping -ln r and its frequency."""
+    """AR(2) through the logarithms of its standard deviation, its damping -ln r and its
+    frequency.
+    """
 
     def read(self, process: Any) -> list[float]:
         a, b = process.phi

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 Z95 = 1.959963984540054
 #: Confidence at the most in a noise that is strongest near half the sampling rate, beside a filter:
-#: one that is not of the catalogue's kinds leaves a slope there. Where effects were put into recorded
-#: signals, none of six such names was of what had been put in (Laplace's rule of succession).
+#: one that is not of the catalogue's kinds leaves a slope there. Where effects were put into
+#: recorded signals, none of six such names was of what had been put in (Laplace's rule of
+#: succession).
 SLOPE_BESIDE_FILTER = (0 + 1) / (6 + 2)
 
 

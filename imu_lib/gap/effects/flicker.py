@@ -13,7 +13,10 @@ class Flicker(Spectral):
     name = "flicker"
     red = True
     single = True
-    cause = "Carrier traps and surface states in the electronics: noise with equal power in every octave."
+    cause = (
+        "Carrier traps and surface states in the electronics: noise with equal power in every "
+        "octave."
+    )
     domain = "allan"
     process = Process
     amplitude = "B"

@@ -36,7 +36,10 @@ def buried_telegraph(state: State, candidate: Candidate) -> bool:
 class GaussMarkov(Spectral):
     name = "gauss_markov"
     red = True
-    cause = "A bias that is disturbed at random and relaxes with one time constant, such as thermal exchange with the surroundings."
+    cause = (
+        "A bias that is disturbed at random and relaxes with one time constant, such as "
+        "thermal exchange with the surroundings."
+    )
     domain = "allan"
     process = Process
     amplitude = "sigma"

@@ -17,8 +17,8 @@ BEGINNINGS = (0.0, 0.15, 0.3, 0.45, 0.6)
 LENGTHS = (0.25, 0.4, 0.6, 0.8, 1.0)
 #: Gain in log-likelihood that it has to bring, and what its three parameters are held against it.
 GAIN, HANDICAP = 20.0, 6.0
-#: Log-likelihood by which a shape of the 95 % interval is below the best, shapes that are tried, and
-#: ratios about the best, in logarithms.
+#: Log-likelihood by which a shape of the 95 % interval is below the best, shapes that are tried,
+#: and ratios about the best, in logarithms.
 DROP, GRID, RATIOS = 0.5 * 3.84, 25, np.linspace(-0.4, 0.4, 9)
 #: Trial shapes.
 PLACES = len(BEGINNINGS) * len(LENGTHS)
@@ -31,7 +31,8 @@ class GradualLevel(ChannelEffect):
     #: Before the sudden change, which the catalogue knows by this name.
     order = 49
     cause = (
-        "What makes the noise grows or fades through the record: the sensor warms up, a supply sags, "
+        "What makes the noise grows or fades through the record: the sensor warms up, a supply "
+        "sags, "
         "something begins to shake."
     )
     domain = "stationarity"
@@ -61,7 +62,8 @@ class GradualLevel(ChannelEffect):
                 self,
                 process,
                 gain - HANDICAP,
-                f"variance of the innovations: {behaviour(path, view.temperature, wholly=True)}, from "
+                f"variance of the innovations: {behaviour(path, view.temperature, wholly=True)}, "
+                "from "
                 f"{max(start, 0.0):.0f} to {min(stop, len(y) / view.fs):.0f} s",
                 {"ratio": [ratio * np.exp(-1.96 * spread), ratio * np.exp(1.96 * spread)], **when},
                 scale=scale,

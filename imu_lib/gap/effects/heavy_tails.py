@@ -64,7 +64,10 @@ def fitted(y: Array) -> tuple[float, float, float, float]:
 
 class HeavyTails(ChannelEffect):
     name = "heavy_tails"
-    cause = "The noise has many sources of unequal strength, or an interpolating or dithering converter: large deviations come more often than in normal noise."
+    cause = (
+        "The noise has many sources of unequal strength, or an interpolating or dithering "
+        "converter: large deviations come more often than in normal noise."
+    )
     domain = "distribution"
 
     def candidates(self, view: ChannelView) -> list[Finding]:
@@ -90,7 +93,8 @@ class HeavyTails(ChannelEffect):
             self,
             Stage(freedom=freedom),
             gain,
-            f"distribution of the innovations: {np.count_nonzero(np.abs(u) > 4)} of {len(u)} beyond four standard deviations, "
+            f"distribution of the innovations: {np.count_nonzero(np.abs(u) > 4)} of {len(u)} "
+            "beyond four standard deviations, "
             f"where normal noise has {6.3e-5 * len(u):.1f}",
             {"freedom": [freedom * np.exp(-1.96 * sd), freedom * np.exp(1.96 * sd)]},
         )

@@ -27,15 +27,18 @@ if TYPE_CHECKING:
 #: Filters of different kinds that are fitted at the most.
 MOST_KINDS = 5
 #: Share of the spectrum at its weakest below which a free white noise has vanished, and the log
-#: evidence that this is held against: a sampled Gauss-Markov process has the spectrum of white noise
-#: behind exponential smoothing to the last digit, and no sensor is without white noise.
+#: evidence that this is held against: a sampled Gauss-Markov process has the spectrum of white
+#: noise behind exponential smoothing to the last digit, and no sensor is without white noise.
 VANISHED, BARE = 0.02, 3.0
 
 
 class LowPass(Competitor):
     name = "low_pass"
     of_design = "cutoff"
-    cause = "The sensor filters its output, with a moving average or an analogue or digital filter of some order."
+    cause = (
+        "The sensor filters its output, with a moving average or an analogue or digital "
+        "filter of some order."
+    )
     domain = "psd"
     simple = False
     rolls_off = True

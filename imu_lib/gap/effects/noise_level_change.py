@@ -63,7 +63,8 @@ def unsteady(y: Array, fs: float, independent: float = 1.0) -> tuple[float, str]
             wander, chance = 100 * np.std(e) / e.mean(), 100 * np.sqrt(kurt / free)
             worst = (
                 low,
-                f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % where "
+                f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % "
+                "where "
                 f"chance allows {chance:.2g} %",
             )
     return (worst[0], worst[1] + _loudest(*of_worst)) if worst[1] else None

@@ -14,7 +14,10 @@ class Quantization(Spectral):
     name = "quantization"
     single = True
     rounds = True
-    cause = "Increments of a rounded angle or velocity are read out: the rounding error of the integral is differenced."
+    cause = (
+        "Increments of a rounded angle or velocity are read out: the rounding error of the "
+        "integral is differenced."
+    )
     domain = "psd"
     process = Process
     amplitude = "Q"
@@ -34,7 +37,8 @@ class Quantization(Spectral):
             self,
             process,
             None,
-            f"power spectral density rising as the square of the frequency, and {levels} distinct samples on one grid: "
+            f"power spectral density rising as the square of the frequency, and {levels} distinct "
+            "samples on one grid: "
             "increments of a rounded integral",
             {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]},
             doubt=doubt,

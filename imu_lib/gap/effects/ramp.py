@@ -16,7 +16,10 @@ class Ramp(Drift):
     name = "ramp"
     red = True
     single = True
-    cause = "Slow, even change of the surroundings or of the sensor: ageing, a discharging supply, a steady heating."
+    cause = (
+        "Slow, even change of the surroundings or of the sensor: ageing, a discharging "
+        "supply, a steady heating."
+    )
     amplitude = "R"
 
     def shapes(self, data: Data) -> list[Any]:

@@ -145,7 +145,9 @@ class Resolution(Effect):
 
 
 def missing_codes(x: Array, step: float) -> str | None:
-    """A sentence where the levels are occupied as no rounding of a smooth noise would occupy them."""
+    """A sentence where the levels are occupied as no rounding of a smooth noise would occupy
+    them.
+    """
     k = np.rint((x - x.min()) / step).astype(np.int64)
     if k.max() > 200_000:
         return None
@@ -165,7 +167,10 @@ def missing_codes(x: Array, step: float) -> str | None:
     sd = want * np.sqrt(1 / np.maximum(want, 1) + 34 / 36 / (near + 0.5))
     off = np.abs(inner - want) > 8 * sd + 0.1 * want + 8 * np.sqrt(want)
     if np.count_nonzero(off & sure) >= 2:
-        return f"distribution of the samples: {np.count_nonzero(off & sure)} levels of the grid occupied unlike their neighbours"
+        return (
+            f"distribution of the samples: {np.count_nonzero(off & sure)} levels of the grid "
+            "occupied unlike their neighbours"
+        )
     return None
 
 

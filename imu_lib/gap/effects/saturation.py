@@ -109,7 +109,8 @@ class Saturation(Effect):
             self,
             stage,
             max(high, low) if np.isfinite(max(high, low)) else None,
-            f"distribution of the samples: {100 * share:.3g} % of them sit exactly at the end of the range, {ends}",
+            f"distribution of the samples: {100 * share:.3g} % of them sit exactly at the end of "
+            f"the range, {ends}",
             {"limit": sorted([stage.limit - half, stage.limit + half])},
         )
         found.mask = np.where(above, 1, np.where(below, -1, 0)).astype(np.int8)

@@ -102,7 +102,10 @@ class Sinusoid(SignalEffect):
         ratio = z2[lo:hi] / level[lo:hi]
         near = np.abs(np.arange(lo, hi) - i) <= 6
         if ratio.max() > 16 or ratio[near].sum() > near.sum() + 6 * np.sqrt(near.sum()):
-            return f"power spectral density beside {process.frequency:.5g} Hz: what is left is no steady sinusoid"
+            return (
+                f"power spectral density beside {process.frequency:.5g} Hz: what is left is no "
+                "steady sinusoid"
+            )
         return None
 
     def foreseen(self, finding: Finding, given: Sum | None, data: Data) -> bool:
@@ -139,7 +142,8 @@ class Sinusoid(SignalEffect):
                 self,
                 process,
                 float(gain),
-                f"power spectral density at {process.frequency:.6g} Hz, {decibel:.0f} dB above the simulated level",
+                f"power spectral density at {process.frequency:.6g} Hz, {decibel:.0f} dB above "
+                "the simulated level",
                 {
                     "amplitude": [process.amplitude - 1.96 * sd_a, process.amplitude + 1.96 * sd_a],
                     "frequency": [process.frequency - 1.96 * sd_f, process.frequency + 1.96 * sd_f],
@@ -157,7 +161,8 @@ class Sinusoid(SignalEffect):
                     if abs(other.process.frequency - process.frequency) < 20 * data.fs / size:
                         other.doubt = (
                             other.doubt
-                            or f"power spectral density around {process.frequency:.5g} Hz: several lines beside one another"
+                            or f"power spectral density around {process.frequency:.5g} Hz: "
+                            "several lines beside one another"
                         )
                 data = clean
                 continue
@@ -190,7 +195,8 @@ def _harmonics(found: list[tuple[Finding, Array]]) -> None:
     for item in beats if len(beats) >= 3 else ():
         item.doubt = (
             item.doubt
-            or f"power spectral density at {item.process.frequency:.4g} Hz and other whole hertz: something that happens once a second"
+            or f"power spectral density at {item.process.frequency:.4g} Hz and other whole hertz: "
+            "something that happens once a second"
         )
     for item, _ in found:
         for other, _ in found:
@@ -199,7 +205,10 @@ def _harmonics(found: list[tuple[Finding, Array]]) -> None:
             ratio = other.process.frequency / item.process.frequency
             whole = round(ratio)
             if 2 <= whole <= 12 and abs(ratio - whole) * item.process.frequency < 3e-3:
-                text = f"power spectral density at {item.process.frequency:.5g} Hz and {whole} times that: a periodic signal that is no sinusoid"
+                text = (
+                    f"power spectral density at {item.process.frequency:.5g} Hz and {whole} "
+                    "times that: a periodic signal that is no sinusoid"
+                )
                 item.doubt = item.doubt or text
                 other.doubt = other.doubt or text
 

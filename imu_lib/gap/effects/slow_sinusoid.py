@@ -18,7 +18,8 @@ from .sinusoid import FIRST
 FEWEST = 3
 #: Trial phases over half a turn.
 PHASES = 6
-#: Share of the orders of a drift's cosine coefficients that hold a wave: its skirts need the others.
+#: Share of the orders of a drift's cosine coefficients that hold a wave: its skirts need the
+#: others.
 SHARE = 0.4
 
 
@@ -30,7 +31,10 @@ def _most(data: Data) -> float:
 class SlowSinusoid(Drift):
     name = "sinusoid"
     key = "sinusoid:slow"
-    cause = "The surroundings are heated and cooled in turn: air conditioning, a thermostat, cycling of another device."
+    cause = (
+        "The surroundings are heated and cooled in turn: air conditioning, a thermostat, "
+        "cycling of another device."
+    )
     shape = "frequency"
 
     def bounds(self, data: Data) -> tuple[float, float]:

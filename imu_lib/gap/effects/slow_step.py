@@ -76,7 +76,8 @@ class SlowStep(Drift):
     def where(self, state: State, candidate: Candidate) -> str:
         p = candidate.process
         return (
-            f"mean of the signal: a change from {p.time:.0f} to {p.time + p.duration:.0f} s from one "
+            f"mean of the signal: a change from {p.time:.0f} to {p.time + p.duration:.0f} s from "
+            "one "
             "level to another"
         )
 

@@ -167,7 +167,8 @@ class Spikes(Effect):
             self,
             Stage(rate=rate, scale=height),
             gain,
-            f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard deviations, "
+            f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard "
+            "deviations, "
             f"the furthest at {np.abs(y).max() / s:.3g}",
             {
                 "rate": [rate * np.exp(-a), rate * np.exp(a)],
@@ -202,7 +203,10 @@ class Spikes(Effect):
         if abs(positive - k / 2) > 4 * np.sqrt(k / 4):
             return "distribution of the innovations: the outliers have mostly one sign"
         if shoulders and shape(np.abs(y), tail) < SHAPE:
-            return "distribution of the innovations: the shoulders are not those of spikes on normal noise"
+            return (
+                "distribution of the innovations: the shoulders are not those of spikes on "
+                "normal noise"
+            )
         if kstest(hit / len(y), "uniform").pvalue < 1e-4:
             return "distribution of the innovations: the outliers crowd at certain times"
         step = np.diff(hit)

@@ -65,7 +65,10 @@ LAGS = 30
 class Stuck(Effect):
     name = "stuck"
     alters = True
-    cause = "The read-out returns an old value again: a bus that is too slow, a register that is not refreshed."
+    cause = (
+        "The read-out returns an old value again: a bus that is too slow, a register that is "
+        "not refreshed."
+    )
     domain = "distribution"
 
     def of_differences(self, parameters: dict[str, Any]) -> bool:
@@ -76,8 +79,9 @@ class Stuck(Effect):
     ) -> Finding | None:
         """`clipped` marks samples at the ends of the range, `twin` is a rounded simulation of the
         noise (None where the grid is too fine to matter, and neighbours agree by chance as often as
-        others do), `held` what the given model has of it: then the finding says so, since its samples
-        tell nothing all the same."""
+        others do), `held` what the given model has of it: then the finding says so, since its
+        samples tell nothing all the same.
+        """
         start, length = runs(x)
         keep = ~clipped[start]
         start, length = start[keep], length[keep]
@@ -98,7 +102,8 @@ class Stuck(Effect):
             self,
             Stage(fraction=fraction, length=typical),
             None,
-            f"distribution of the samples: {len(start)} runs of equal values, the longest {int(length.max()) + 1} samples",
+            f"distribution of the samples: {len(start)} runs of equal values, the longest "
+            f"{int(length.max()) + 1} samples",
             {
                 "fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],
                 "length": [float(np.quantile(length, 0.025)), float(np.quantile(length, 0.975))],

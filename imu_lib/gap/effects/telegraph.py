@@ -101,9 +101,9 @@ class Telegraph(Competitor):
     def _seen(
         state: State, start: Process, but: Any = None, fit: Maximum | None = None
     ) -> tuple[Array, float, Process, float, Callable[[int, float], Array] | None]:
-        """What two levels are decoded from: the record, what to start from, the white noise, and the
-        gain of the other noises of the `fit` - the state's own where none is given - without `but`
-        one of them.
+        """What two levels are decoded from: the record, what to start from, the white noise, and
+        the gain of the other noises of the `fit` - the state's own where none is given - without
+        `but` one of them.
         """
         data, fit = state.cleaned, fit or state.fit
         # before a filter, which takes nothing from a dwell
@@ -121,8 +121,8 @@ class Telegraph(Competitor):
         return x, data.fs, start, density, gain if drift else None
 
     def _held(self, state: State) -> float:
-        """Log-likelihood by which the given model with two levels of its own is better than `state`:
-        with them as with those that are found, it is beyond that of their spectrum.
+        """Log-likelihood by which the given model with two levels of its own is better than
+        `state`: with them as with those that are found, it is beyond that of their spectrum.
         """
         bare, out = state.with_items(()), -np.inf
         for term in bare.base:
@@ -192,7 +192,8 @@ class Telegraph(Competitor):
 
     def where(self, state: State, candidate: Candidate) -> str:
         return (
-            f"distribution of the bias: two levels, about {candidate.note['found'].flips:.0f} flips "
+            f"distribution of the bias: two levels, about {candidate.note['found'].flips:.0f} "
+            "flips "
             f"in {state.data.duration:.0f} s"
         )
 

@@ -26,7 +26,10 @@ USUAL, NEAR = 25.0, 10.0
 class Temperature(Drift):
     name = "temperature"
     single = True
-    cause = "Stress in the package and the temperature coefficients of the electronics move the bias with the temperature."
+    cause = (
+        "Stress in the package and the temperature coefficients of the electronics move the "
+        "bias with the temperature."
+    )
     domain = "temperature"
     amplitude = "slope"
 

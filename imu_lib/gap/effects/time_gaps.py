@@ -12,7 +12,10 @@ from .base import Effect, Finding
 
 class TimeGaps(Effect):
     name = "time_gaps"
-    cause = "Samples are lost between the sensor and the file: a full buffer, a busy host, a broken transmission."
+    cause = (
+        "Samples are lost between the sensor and the file: a full buffer, a busy host, a "
+        "broken transmission."
+    )
     domain = "timing"
 
     def detect(self, record: Record) -> Finding | None:
@@ -32,7 +35,8 @@ class TimeGaps(Effect):
             self,
             Process(fraction=fraction, length=int(max(1, np.median(holes)))),
             None,
-            f"timing: {len(holes)} gaps, {missing} of {total} samples missing, the longest gap {int(holes.max())} samples",
+            f"timing: {len(holes)} gaps, {missing} of {total} samples missing, the longest gap "
+            f"{int(holes.max())} samples",
             {
                 "fraction": [fraction * max(0.0, 1 - spread), fraction * (1 + spread)],
                 "length": [float(holes.min()), float(holes.max())],

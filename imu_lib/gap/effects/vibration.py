@@ -56,7 +56,10 @@ CLIP = 12.0
 
 class Vibration(Effect):
     name = "vibration"
-    cause = "Something shakes the sensor or couples into its electronics: a fan, a motor, a building, a switching supply."
+    cause = (
+        "Something shakes the sensor or couples into its electronics: a fan, a motor, a "
+        "building, a switching supply."
+    )
     domain = "lines"
     level = "record"
     order = 30
@@ -136,8 +139,9 @@ class Vibration(Effect):
     def _is_vibration(family: list[Source], swept: set[str]) -> bool:
         """Whether a family of sources is a vibration: on several channels, for a time, or a line
         that wanders. A steady line of one channel is a sinusoid, a band of normal noise
-        that is not the same on all its channels a resonance of each, and a periodic signal of one channel, a tone that sweeps or one that rises and
-        falls has no name. On channels over which a tone has `swept`, pieces of its way are none.
+        that is not the same on all its channels a resonance of each, and a periodic signal of one
+        channel, a tone that sweeps or one that rises and falls has no name. On channels over which
+        a tone has `swept`, pieces of its way are none.
         """
         s = family[0]
         if len({c for s in family for c in s.channels}) > 1:

@@ -141,7 +141,10 @@ class Level:
 
 class WanderingLevel(ChannelEffect):
     name = "wandering_level"
-    cause = "What makes the noise rises and falls slowly: the surroundings shake more and less, a supply or a temperature moves the gain."
+    cause = (
+        "What makes the noise rises and falls slowly: the surroundings shake more and less, a "
+        "supply or a temperature moves the gain."
+    )
     domain = "stationarity"
 
     def candidates(self, view: ChannelView) -> list[Finding]:

@@ -1,11 +1,11 @@
 """The gap workflow on a record that stays on disk.
 
 A record of days is looked at twice. A part at the full rate, the one most like all the rest, shows
-the electronics, the lines and the noises that are quick; the whole record, as means of blocks, shows
-what is slow. Means of blocks are what a moving average of that length gives, read once a block: the
-model of one view is that of the other behind one more filter, and the same workflow goes over both.
-One pass over the record makes the means, and holds every window of some minutes against the others:
-what is unlike them is looked at in full.
+the electronics, the lines and the noises that are quick; the whole record, as means of blocks,
+shows what is slow. Means of blocks are what a moving average of that length gives, read once a
+block: the model of one view is that of the other behind one more filter, and the same workflow
+goes over both. One pass over the record makes the means, and holds every window of some minutes
+against the others: what is unlike them is looked at in full.
 """
 
 from __future__ import annotations
@@ -113,7 +113,9 @@ def _part(
     say: _Told,
     options: dict[str, Any],
 ) -> tuple[float, Report]:
-    """The part at the full rate that is most like the rest: where it begins, s, and what is found."""
+    """The part at the full rate that is most like the rest: where it begins, s, and what is
+    found.
+    """
     window, fs = scans[0].window, record.rate
     count = min(max(PART // window, 1), scores.shape[1])
     first = typical_run(scores, count)
@@ -139,8 +141,8 @@ def _looked_at(
     seed: int,
     say: _Told,
 ) -> tuple[list[Step], list[str], list[str]]:
-    """Windows unlike the rest, of which `grown` is the model: the steps with theirs, what is said of
-    them, and what is left there without a name.
+    """Windows unlike the rest, of which `grown` is the model: the steps with theirs, what is said
+    of them, and what is left there without a name.
     """
     notes, left = [], []
     for k, found in enumerate(unlike[: looked_at.MOST]):
@@ -242,7 +244,8 @@ def _names(record: LongRecord, channels: Sequence[str] | None) -> list[str]:
     names = [n for n in wanted if n not in record.flat]
     if not names:
         raise InputError(
-            f"{record.source}: no channel says anything of its noise (none ever changes); check the "
+            f"{record.source}: no channel says anything of its noise (none ever changes); check "
+            "the "
             "logger."
         )
     return names
@@ -280,11 +283,13 @@ def _said(record: LongRecord, fast: Report, slow: Report, start: float, block: i
     used, covered = record.longest / record.rate, record.duration
     if covered - used > 1.0:
         out.append(
-            f"The longest part without a gap of more than 10 samples was used, {used / 3600:.4g} of "
+            f"The longest part without a gap of more than 10 samples was used, {used / 3600:.4g} "
+            "of "
             f"{covered / 3600:.4g} h."
         )
     out.append(
-        f"The record was looked at twice: {fast.record.duration / 60:.3g} min at the full rate from "
+        f"The record was looked at twice: {fast.record.duration / 60:.3g} min at the full rate "
+        "from "
         f"{units.duration(start)} on, which are most like the rest, and all of it as means of "
         f"{block} samples; the gap of a step is that of the view that shows it."
     )

@@ -1,4 +1,6 @@
-"""What block means show of a sensor: its filter, then a moving average that is read once a block."""
+"""What block means show of a sensor: its filter, then a moving average that is read once a
+block.
+"""
 
 from __future__ import annotations
 

@@ -126,8 +126,8 @@ def process_of(step: Step) -> Process:
 
 
 def together(steps: list[Step], more: Sequence[Step]) -> list[Step]:
-    """The steps with those of one more stretch: a vibration that goes on, or was there before, is one
-    from its first to its last second; one with a pause between is another.
+    """The steps with those of one more stretch: a vibration that goes on, or was there before, is
+    one from its first to its last second; one with a pause between is another.
     """
     out = list(steps)
     for s in more:

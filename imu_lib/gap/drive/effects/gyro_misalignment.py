@@ -7,7 +7,10 @@ from .base import Linear
 
 class GyroMisalignment(Linear):
     name = "gyro_misalignment"
-    cause = "The gyro axes are not at right angles to each other, or are turned against the accelerometers."
+    cause = (
+        "The gyro axes are not at right angles to each other, or are turned against the "
+        "accelerometers."
+    )
     key = "matrix"
     words = "tilt is gained in turns, and with it velocity"
     unexcited = "the drive has too little turning about the other axis"
