@@ -185,8 +185,8 @@ def test_white_noise_is_not_called_zeroed():
     1e-6 a channel)."""
     rng = np.random.default_rng(2)
     for _ in range(60):
-        x = rng.standard_normal(8192)
-        walk = x + 0.02 * np.cumsum(rng.standard_normal(8192))
+        x = 1e-3 * rng.standard_normal(8192)  # rad/s of a sensor at rest
+        walk = x + 2e-5 * np.cumsum(rng.standard_normal(8192))
         record = Record({"gyro_x": x, "gyro_y": walk}, 100.0)
         assert causes.notes(record, ["gyro_x", "gyro_y"]) == ()
 
