@@ -38,8 +38,7 @@ def main(arguments):
     if sys.version_info < (3, 11):
         raise Stop(
             "make.py needs Python 3.11 or later, this is {}.{}: start it with a newer one, for "
-            "instance "
-            "`python3.12 make.py book`.".format(*sys.version_info[:2])
+            "instance `python3.12 make.py book`.".format(*sys.version_info[:2])
         )
     task = arguments[0] if arguments else ""
     if task in ("-h", "--help", "help"):
@@ -155,9 +154,8 @@ def set_up():
         if not done:
             raise Stop(
                 "the packages of environment.txt could not be installed (the messages above say "
-                "why): check "
-                "the network connection and run the same command again; deleting .venv starts "
-                "afresh."
+                "why): check the network connection and run the same command again; deleting .venv "
+                "starts afresh."
             )
         STAMP.write_text(fingerprint(), encoding="utf-8")
         say("set-up done")

@@ -84,8 +84,7 @@ def main():
         for n, row in rows.items():
             print(
                 f"   {n:22s} median {row['median'][0]:6.1f} m, predicted {row['predicted']:6.1f} "
-                f"m, NIS {row['nis']:.2f}, "
-                f"rejected {100 * max(row['rejected'].values()):.0f} %",
+                f"m, NIS {row['nis']:.2f}, rejected {100 * max(row['rejected'].values()):.0f} %",
                 flush=True,
             )
     RESULT.write_text(json.dumps(content, indent=1) + "\n")

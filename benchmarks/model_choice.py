@@ -131,11 +131,9 @@ def main(arguments=None):
         for name, row in entries.items():
             print(
                 f"  {name:30s} right {row['right']:.2f} [{row['interval'][0]:.2f}, "
-                f"{row['interval'][1]:.2f}] "
-                f"AIC {row['right_by_aic']:.2f}  gain {row['median_gain'] or 0:7.1f}  truth "
-                "rejected "
-                f"{row['truth_rejected']:.2f}  {row['wrong_when_sure']}/{row['sure']} wrong when "
-                f"sure  {row['chosen']}"
+                f"{row['interval'][1]:.2f}] AIC {row['right_by_aic']:.2f}  gain "
+                f"{row['median_gain'] or 0:7.1f}  truth rejected {row['truth_rejected']:.2f}  "
+                f"{row['wrong_when_sure']}/{row['sure']} wrong when sure  {row['chosen']}"
             )
     print(f"{time.time() - start:.0f} s")
 

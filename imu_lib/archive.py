@@ -39,8 +39,7 @@ def _read(stream, size: int, where: str) -> np.ndarray:
     if count * dtype.itemsize > held:
         raise InputError(
             f"{where} announces {count:,} values in its header but the file holds "
-            f"{held // max(dtype.itemsize, 1):,}; "
-            "it is cut off or damaged: write it again."
+            f"{held // max(dtype.itemsize, 1):,}; it is cut off or damaged: write it again."
         )
     data = stream.read(count * dtype.itemsize)
     if len(data) < count * dtype.itemsize:

@@ -77,8 +77,7 @@ class Drive:
                 what = {"time": "samples", "gnss_time": "fixes"}.get(key, "points of the reference")
                 raise ValueError(
                     f"`{key}` must hold at least two rising times in seconds and holds "
-                    f"{len(value)}; "
-                    f"write the times of all {what} there"
+                    f"{len(value)}; write the times of all {what} there"
                 )
             put(self, key, value)
         for key, clock in _SHAPES.items():
@@ -184,8 +183,7 @@ def _check_position(position, key):
     ).any():
         raise ValueError(
             f"`{key}` has a latitude of {np.abs(good[:, 0]).max():.4g}, beyond pi/2; latitude and "
-            "longitude are in rad, "
-            "it looks like degrees: multiply them by pi/180"
+            "longitude are in rad, it looks like degrees: multiply them by pi/180"
         )
 
 
@@ -200,8 +198,7 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
     if missing:
         raise InputError(
             f"{source} has no `{missing[0]}`; a drive needs time, gyro, accel, gnss_time and "
-            "gnss_position "
-            f"(found: {', '.join(sorted(arrays)) or 'nothing'})."
+            f"gnss_position (found: {', '.join(sorted(arrays)) or 'nothing'})."
         )
     values = {k: numbers(v, f"{source}, array `{k}`,") for k, v in arrays.items() if k in known}
     for clock in ("gnss_time", "reference_time"):
@@ -223,8 +220,7 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
             swapped = int((np.diff(t[good]) < 0).sum())
             notes += (
                 f"{clock}: {len(t) - len(order)} rows without a number or with a repeated time "
-                "left out, "
-                f"{swapped} out of order put in place.",
+                f"left out, {swapped} out of order put in place.",
             )
             for k in [clock] + partners:
                 values[k] = values[k][order]

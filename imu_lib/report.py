@@ -16,13 +16,12 @@ TITLES = {
 NAMES = {"sigma": "Gauss-Markov sigma", "correlation_time": "correlation time"}
 STYLE = (
     "body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 "
-    "1rem;line-height:1.45}"
-    "table{border-collapse:collapse;margin:1rem "
+    "1rem;line-height:1.45}table{border-collapse:collapse;margin:1rem "
     "0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}"
     "td,th{white-space:nowrap;padding:.2rem .6rem;border-bottom:1px solid "
     "#ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
-    "img{max-width:100%}figcaption{color:#444;font-size:.9rem}.note{color:#444}"
-    "@media (prefers-color-scheme:dark){body{background:#1b1b1b;color:#ddd}td,th{border-color:#444}"
+    "img{max-width:100%}figcaption{color:#444;font-size:.9rem}.note{color:#444}@media "
+    "(prefers-color-scheme:dark){body{background:#1b1b1b;color:#ddd}td,th{border-color:#444}"
     "figcaption,.note{color:#aaa}img{background:#fff}}"
 )
 
@@ -208,8 +207,7 @@ def characterisation_page(result, figures=()):
     parts.append(
         paragraph(
             "Values with 95 % intervals; < stands before the 95 % upper limit of what the record "
-            "does not "
-            "show. N, B, K, Q, R as in IEEE Std 952 and 1293.",
+            "does not show. N, B, K, Q, R as in IEEE Std 952 and 1293.",
             note=True,
         )
     )

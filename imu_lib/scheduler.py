@@ -189,8 +189,8 @@ def _on_dask(function, tasks, address):
     except (OSError, ValueError) as error:
         raise InputError(
             f"--scheduler {address}: no Dask scheduler answers "
-            f"({str(error).splitlines()[0][:90]}); "
-            "start one with `dask scheduler` and give the address that it prints."
+            f"({str(error).splitlines()[0][:90]}); start one with `dask scheduler` and give the "
+            "address that it prints."
         ) from None
     # a scheduler that goes away is told in one sentence below
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
@@ -220,9 +220,8 @@ def _on_dask(function, tasks, address):
                 submit(1)
         except (futures.CancelledError, asyncio.CancelledError, CommClosedError):
             raise InputError(
-                f"The Dask scheduler at {address} is gone; what has ended until now is kept. "
-                "Start it "
-                "again and give the same command with its address: it goes on from there."
+                f"The Dask scheduler at {address} is gone; what has ended until now is kept. Start "
+                "it again and give the same command with its address: it goes on from there."
             ) from None
 
 

@@ -124,8 +124,7 @@ def write(root: Path) -> None:
     caption = (
         f"The house, drawn from its imports when these pages were built: {len(edges)} rooms, "
         f"{count} imports, of which the {shown} that no chain of others says already are lines. A "
-        "room "
-        "says what it imports when the pointer rests on it."
+        "room says what it imports when the pointer rests on it."
     )
     drawn = drawing(layers(text), edges)
     picture = f'<figure class="house">{drawn}<figcaption>{caption}</figcaption></figure>'

@@ -129,8 +129,8 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
     if singular[-1] < ALIKE * singular[0]:
         raise InputError(
             f"The {len(y)} poses lie in too few directions to tell cross-coupling from scale "
-            "factor and bias; add poses with "
-            "two axes tilted at once, or list what the poses are (--poses)."
+            "factor and bias; add poses with two axes tilted at once, or list what the poses are "
+            "(--poses)."
         )
     matrix, bias = _split(fit.x)
     dof = len(y) - PARAMETERS
@@ -211,8 +211,7 @@ def unexcited(y: np.ndarray, centre: np.ndarray, gravity: float) -> None:
         )
         raise InputError(
             f"The poses do not excite {' and '.join('accel_' + a for a in poor)}: the readings at "
-            f"rest vary by {seen} only; add "
-            f"poses with {' and with '.join(poor)} up and down."
+            f"rest vary by {seen} only; add poses with {' and with '.join(poor)} up and down."
         )
 
 

@@ -116,8 +116,8 @@ def rest_windows(
     if level > REST_LIMIT * gravity:
         raise InputError(
             f"The sensor is never at rest: the accelerometers' standard deviation over {window:g} "
-            "s does "
-            f"not fall below {deviation.min():.3g}; record it standing still in several poses."
+            f"s does not fall below {deviation.min():.3g}; record it standing still in several "
+            "poses."
         )
     if gyro is not None:
         quiet &= _quiet(moving_deviation(np.asarray(gyro, float), width))[0]

@@ -63,9 +63,8 @@ def line(reference: np.ndarray, reading: np.ndarray) -> Line:
     x, y = np.asarray(reference, float), np.asarray(reading, float)
     if len(x) < 3 or np.ptp(x) == 0:
         raise InputError(
-            f"{len(x)} steps with inputs from {x.min():g} to {x.max():g} do not determine bias "
-            "and scale "
-            "factor; use at least three steps with different inputs."
+            f"{len(x)} steps with inputs from {x.min():g} to {x.max():g} do not determine bias and "
+            "scale factor; use at least three steps with different inputs."
         )
     design = np.column_stack([np.ones_like(x), x])
     solution, *_ = np.linalg.lstsq(design, y, rcond=None)

@@ -152,8 +152,7 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
         if not 0 <= s.start < s.stop <= n / fs + 1e-9:
             raise InputError(
                 f"Section {k + 1} of the poses runs from {s.start:g} to {s.stop:g} s, outside the "
-                "record of "
-                f"{n / fs:g} s or backwards; correct its start and stop."
+                f"record of {n / fs:g} s or backwards; correct its start and stop."
             )
 
     def mean(x, s):
@@ -182,8 +181,7 @@ def _known(accel, gyro, fs, sections, gravity, accel_nominal, gyro_nominal) -> C
     if accelerometers is None and gyroscopes is None:
         raise InputError(
             "The poses give no input that this record can be compared with; state x, y, z in g or "
-            "rate_x, "
-            "rate_y, rate_z in deg/s for every row."
+            "rate_x, rate_y, rate_z in deg/s for every row."
         )
     return Calibration(
         accelerometers,

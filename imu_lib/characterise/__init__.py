@@ -185,8 +185,7 @@ def _of_record(record, flat):
     if record.duration < 600:
         notes.append(
             f"The record is {units.duration(record.duration)} long: bias instability, walks and "
-            "correlation times "
-            "take hours; their limits say little."
+            "correlation times take hours; their limits say little."
         )
     return tuple(notes)
 

@@ -82,10 +82,9 @@ def warming(record: Record, names):
     if follow:
         yield (
             f"The temperature moved by {np.ptp(record.temperature):.3g} degC and the slow "
-            f"variation follows it (share it accounts for: {', '.join(follow)}): "
-            "K, R and slow Gauss-Markov processes of these channels describe that warming, not "
-            "noise of the sensor; "
-            "let it settle, or fit a temperature term (imu-lib gap)."
+            f"variation follows it (share it accounts for: {', '.join(follow)}): K, R and slow "
+            "Gauss-Markov processes of these channels describe that warming, not noise of the "
+            "sensor; let it settle, or fit a temperature term (imu-lib gap)."
         )
 
 

@@ -243,10 +243,8 @@ def fitted(stats, variance, fs, candidates, notes):
         share = sum(line[1] ** 2 for line in stats.lines) / variance
         notes.append(
             f"{len(stats.lines)} ordinate{'s' * (len(stats.lines) > 1)} of the spectrum stand out "
-            "as lines and "
-            f"are left out of the fit; the strongest is at {stats.lines[0][0]:.4g} Hz, together "
-            "they have "
-            f"{share:.2g} of the variance."
+            f"as lines and are left out of the fit; the strongest is at {stats.lines[0][0]:.4g} "
+            f"Hz, together they have {share:.2g} of the variance."
         )
     end = likelihood.fast_end(stats, None)
     if end.note:
@@ -259,10 +257,8 @@ def fitted(stats, variance, fs, candidates, notes):
         scores = np.abs(likelihood.residuals(used, choice.fit.model))
         notes.append(
             f"No candidate explains the whole spectrum (p = {choice.p_value:.1g}; the largest "
-            "misfit is near "
-            f"{used.frequency[int(np.argmax(scores))]:.3g} Hz): the intervals hold for the model, "
-            "not for what "
-            "it leaves out; `imu-lib gap` looks for what is missing."
+            f"misfit is near {used.frequency[int(np.argmax(scores))]:.3g} Hz): the intervals hold "
+            "for the model, not for what it leaves out; `imu-lib gap` looks for what is missing."
         )
     parameters = dict(choice.fit.parameters)
     parameters.update(limits(used, choice.fit.model, parameters))

@@ -14,8 +14,8 @@ NAME = "calibrate"
 WRITES = ("calibration.json", "*.png")
 HELP = (
     "Bias, scale factor and cross-coupling of accelerometers and gyroscopes: from poses put down "
-    "by hand (24 or more, each "
-    "axis up, down and level; the rests are found), or from poses or rates that --poses lists."
+    "by hand (24 or more, each axis up, down and level; the rests are found), or from poses or "
+    "rates that --poses lists."
 )
 
 
@@ -25,8 +25,8 @@ def add_arguments(parser):
         "--poses",
         metavar="FILE",
         help="what was done when: CSV with start, stop (s) and x, y, z (g) or rate_x, rate_y, "
-        "rate_z (deg/s) or angle_x, "
-        "angle_y, angle_z (deg); or JSON sections x_p x_a x_rot ... in samples",
+        "rate_z (deg/s) or angle_x, angle_y, angle_z (deg); or JSON sections x_p x_a x_rot ... in "
+        "samples",
     )
     parser.add_argument(
         "--gravity",

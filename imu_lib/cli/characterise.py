@@ -10,8 +10,8 @@ NAME = "characterise"
 WRITES = ("model.json", "result.json", "report.html", "*.png")
 HELP = (
     "Allan variance, spectrum, autocorrelation, autoregressive model and likelihood on every "
-    "channel of a record at "
-    "rest: coefficients with 95 % intervals, an error model, figures, exports."
+    "channel of a record at rest: coefficients with 95 % intervals, an error model, figures, "
+    "exports."
 )
 
 

@@ -14,10 +14,9 @@ NAME = "fleet"
 WRITES = ("fleet.parquet", "fleet.json", "model.json")
 HELP = (
     "Characterise every record of a folder or of a manifest (.csv with the columns file, sensor, "
-    "date) into one "
-    "Parquet table; started again, it goes on where it was. Prints the spread of each coefficient "
-    "over the sensors, "
-    "outliers and drift, and writes a fleet model with typical values and the worst of 95 %."
+    "date) into one Parquet table; started again, it goes on where it was. Prints the spread of "
+    "each coefficient over the sensors, outliers and drift, and writes a fleet model with typical "
+    "values and the worst of 95 %."
 )
 
 
@@ -85,8 +84,7 @@ def _some_there(entries):
         first = entries[0]
         raise InputError(
             f"{first.where + ': ' if first.where else ''}{first.path} does not "
-            f"exist{_nor(entries)}; "
-            "correct the path (it counts from the manifest's folder)."
+            f"exist{_nor(entries)}; correct the path (it counts from the manifest's folder)."
         )
 
 

@@ -125,8 +125,7 @@ def text(found) -> str:
             )
     lines.append(
         f"innovations: mean square {found.before.nis:.2f} before, {found.after.nis:.2f} after (1 "
-        "in a right filter); "
-        f"largest correlation between fixes {found.before.whiteness:.2f} and "
+        f"in a right filter); largest correlation between fixes {found.before.whiteness:.2f} and "
         f"{found.after.whiteness:.2f}"
     )
     if found.outages is not None:

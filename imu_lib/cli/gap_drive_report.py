@@ -93,8 +93,8 @@ def _outages(found):
         parts.append(
             report.paragraph(
                 f"After over before: {ratio['value']:.2g} [{ratio['low']:.2g}, "
-                f"{ratio['high']:.2g}], "
-                f"{len(found.outages.windows)} windows of {found.outages.duration:.0f} s, paired."
+                f"{ratio['high']:.2g}], {len(found.outages.windows)} windows of "
+                f"{found.outages.duration:.0f} s, paired."
             )
         )
     for name in found.outages.study.models:

@@ -52,8 +52,7 @@ def refuse_overwriting(args: argparse.Namespace, read) -> None:
 def _refuse(flag, path, name):
     raise InputError(
         f"{flag} would overwrite {path}, which this call "
-        f"reads{'' if str(path) == str(name) else f' ({name})'}; "
-        "give it another name."
+        f"reads{'' if str(path) == str(name) else f' ({name})'}; give it another name."
     )
 
 

@@ -12,12 +12,10 @@ NAME = "outages"
 WRITES = ("result.json", "*.png")
 HELP = (
     "GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error "
-    "model is followed. "
-    "Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from --model, from --static, "
-    "or from the paper's own tables, "
-    "the bias left at switch-on in a state of its own where none of theirs keeps it; "
-    "each with additions, as in 18AV+scale+road: scale, misalignment, g, time, lever, clock, "
-    "mounting (estimated along), road, speed, robust."
+    "model is followed. Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from "
+    "--model, from --static, or from the paper's own tables, the bias left at switch-on in a state "
+    "of its own where none of theirs keeps it; each with additions, as in 18AV+scale+road: scale, "
+    "misalignment, g, time, lever, clock, mounting (estimated along), road, speed, robust."
 )
 
 

@@ -118,10 +118,9 @@ def _check_room(args, n, rate, model):
     if n > MOST or need > free or in_memory > IN_MEMORY:
         raise InputError(
             f"--hours {args.hours:g} at {rate:g} Hz are {n:,} samples of "
-            f"{len(model.channel_names)} "
-            f"channels, more than memory and disk take ({need / 1e9:.3g} GB; {free / 1e9:.3g} GB "
-            "are "
-            f"free beside {args.out}); draw shorter records."
+            f"{len(model.channel_names)} channels, more than memory and disk take "
+            f"({need / 1e9:.3g} GB; {free / 1e9:.3g} GB are free beside {args.out}); draw shorter "
+            "records."
         )
 
 

@@ -108,15 +108,13 @@ def fetch(name: str, *, progress: bool = False) -> list[Path]:
         ) as error:  # requests, urllib3, ssl and the operating system all have their own
             raise InputError(
                 f"{name} is not at hand and {source['url']} cannot be fetched "
-                f"({type(error).__name__}); set IMU_LIB_DATA to a "
-                f"folder that holds "
+                f"({type(error).__name__}); set IMU_LIB_DATA to a folder that holds "
                 f"{about['files'][0]}, or try again with a network."
             ) from None
     if about["convert"] is None:
         raise InputError(
             f"{name}: the original was fetched to {originals[0].parent} but needs conversion. "
-            f"{about['how']} Put the result at "
-            f"{folder / about['files'][0]}."
+            f"{about['how']} Put the result at {folder / about['files'][0]}."
         )
     targets = [folder / f for f in about["files"]]
     for target in targets:

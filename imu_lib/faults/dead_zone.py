@@ -64,7 +64,7 @@ def _finding(at: float, some: list, time: np.ndarray) -> Finding:
         f"{much} % of the samples of {named(names)} are exactly {at:.4g}, between values on both "
         "sides that are not on a grid.",
         "A dead zone (a threshold in the sensor, the driver or a filter swallows what is small, "
-        "and "
-        "the noise with it), or samples of single channels that are lost and written so. The noise "
-        "of these channels is not what the figures say; look for the threshold and switch it off.",
+        "and the noise with it), or samples of single channels that are lost and written so. The "
+        "noise of these channels is not what the figures say; look for the threshold and switch it "
+        "off.",
     )

@@ -195,8 +195,7 @@ def _finding(names, rows, expected, channels, time) -> Finding:
         {"fraction": fraction, "value": value, "period": period, "channels": list(names)},
         {"rows": len(rows), "runs": len(starts), "expected_by_chance": expected},
         f"{count} ({100 * fraction:.2g} %{how}) stand{'s' * (len(rows) == 1)} at {said} on "
-        f"{named(tuple(names))}, {place}: "
-        "drop-outs of the transport or the driver.",
+        f"{named(tuple(names))}, {place}: drop-outs of the transport or the driver.",
         MEANS,
         rows,
     )

@@ -105,8 +105,7 @@ def _of_table(path, options):
     except (UnicodeDecodeError, csv.Error):
         raise InputError(
             f"{path} is no table of records: give a folder of them, or a .csv with one record a "
-            "line (file, sensor, date); "
-            "`imu-lib characterise` takes a single record."
+            "line (file, sensor, date); `imu-lib characterise` takes a single record."
         ) from None
     if "file" not in known:
         raise InputError(

@@ -81,10 +81,9 @@ class Summary:
             ]
             lines += [
                 "",
-                "typical [95 % interval]; scatter: standard deviation from unit to unit, the "
-                "error of "
-                f"each estimate taken off; worst: {share} % of all units stay below, with {sure} % "
-                "confidence",
+                "typical [95 % interval]; scatter: standard deviation from unit to unit, the error "
+                f"of each estimate taken off; worst: {share} % of all units stay below, with "
+                f"{sure} % confidence",
             ]
         for o in self.outliers:
             lines.append(

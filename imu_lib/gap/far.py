@@ -25,8 +25,7 @@ def sentence(domain: str, measured: Any, rows: Sequence[Any], n: int, fs: float)
         off, scatter = (10 / np.log(10) * v for v in (own[i] - np.median(many[:, i]), scatters[i]))
         return (
             f"{_place(domain, i, n, fs)} is {off:+.2g} dB off that of simulations, which scatter "
-            "by "
-            f"{scatter:.2g} dB"
+            f"by {scatter:.2g} dB"
         )
     what, to = _told(domain, i, len(own) - 1)
     return f"{what} is {to(own[i])} where simulations have {to(low)} to {to(high)}"

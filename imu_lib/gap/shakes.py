@@ -136,9 +136,8 @@ def of_tone(source: Source, transforms: Transforms) -> Shake:
     when = loudest(transforms, name, shake.bands[0])
     shake.doubt = (
         f"a tone at {source.frequency:.4g} Hz, {10 * np.log10(1 + source.strength):.0f} dB above "
-        "the "
-        f"noise: {source.strange}, most of it is there from {when[0]:.0f} to {when[1]:.0f} s; no "
-        "effect of the catalogue does that"
+        f"the noise: {source.strange}, most of it is there from {when[0]:.0f} to {when[1]:.0f} s; "
+        "no effect of the catalogue does that"
     )
     return shake
 

@@ -116,8 +116,7 @@ def _good_for(found: Report) -> str:
     if _moved(found):
         return (
             f"The record, {words.seconds(span)} at {record.rate:.5g} Hz, is not of a sensor at "
-            "rest "
-            "and not good for its noise."
+            "rest and not good for its noise."
         )
     start, stop = found.stretch or (0.0, span)
     whole = max(found.whole or span, span)

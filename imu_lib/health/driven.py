@@ -47,8 +47,8 @@ def frames(drive: Drive) -> tuple[list[str], Drive | None]:
     if fix_faults.upside_down(drive):
         out.append(
             "The heights rise where the fixes' velocities fall: a drive holds north, east, down; "
-            "turn the sign of the third column of "
-            "gnss_velocity, or of the heights if they are depths."
+            "turn the sign of the third column of gnss_velocity, or of the heights if they are "
+            "depths."
         )
     if axes.forces_reversed(drive):
         drive = drive.with_(accel=-drive.accel)
@@ -61,11 +61,10 @@ def frames(drive: Drive) -> tuple[list[str], Drive | None]:
         c = axes.to_body(permutation)
         drive = drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
         out.append(
-            "The axes are not forward, right, down: the fixes' accelerations and turns fit when "
-            "x, y, z of the file point "
-            f"along the body's {', '.join(permutation)} ({gain:.0f} nats); `imu-lib gap` on this "
-            "drive with --out DIR writes a model file that "
-            "holds it, for --model."
+            "The axes are not forward, right, down: the fixes' accelerations and turns fit when x, "
+            f"y, z of the file point along the body's {', '.join(permutation)} ({gain:.0f} nats); "
+            "`imu-lib gap` on this drive with --out DIR writes a model file that holds it, for "
+            "--model."
         )
     return out + _turned(drive) + _clocks(drive), drive
 
@@ -77,10 +76,9 @@ def _turned(drive):
         return []
     roll, pitch, yaw = angles / DEG
     return [
-        f"The sensor's case is turned in the vehicle, by about roll {roll:.0f}, pitch "
-        f"{pitch:.0f}, yaw {yaw:.0f} deg ({gain:.0f} nats): a filter "
-        "that takes its x for forward starts with a wrong heading; `imu-lib gap` on this drive "
-        "with --out DIR writes a model file that holds "
+        f"The sensor's case is turned in the vehicle, by about roll {roll:.0f}, pitch {pitch:.0f}, "
+        f"yaw {yaw:.0f} deg ({gain:.0f} nats): a filter that takes its x for forward starts with a "
+        "wrong heading; `imu-lib gap` on this drive with --out DIR writes a model file that holds "
         "the mounting, for --model."
     ]
 
@@ -198,9 +196,8 @@ def _weight(drive):
     bias = np.sign(down[axis]) * (size - g)  # added to what the file has on that axis
     return [
         f"Gravity reads {size:.3f} m/s^2 in the quietest seconds, {g:.3f} is true there: a scale "
-        "factor of "
-        f"{size / g - 1:+.3f} or a bias of {bias:+.2f} m/s^2 on the accelerometer's {'xyz'[axis]}; "
-        "`imu-lib gap` tells which, where the drive can."
+        f"factor of {size / g - 1:+.3f} or a bias of {bias:+.2f} m/s^2 on the accelerometer's "
+        f"{'xyz'[axis]}; `imu-lib gap` tells which, where the drive can."
     ]
 
 
@@ -217,8 +214,7 @@ def _reference(drive):
         k = jumps[np.argmax(moved[jumps])]
         out.append(
             f"The reference jumps {jumps.size} times, by {moved[k]:.0f} m at {time[k]:.1f} s: "
-            "errors against it there are its own; "
-            "score against the full-GNSS solution."
+            "errors against it there are its own; score against the full-GNSS solution."
         )
     at = np.column_stack(
         [np.interp(drive.gnss_time, time, c) for c in np.asarray(drive.reference_position).T]

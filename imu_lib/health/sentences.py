@@ -120,8 +120,7 @@ def _units(record, channels, motion):
             yield (
                 f"The specific force at rest is {motion.gravity:.4g} m/s^2, {100 * abs(off):.2g} % "
                 f"{'above' if off > 0 else 'below'} gravity: a scale factor, a bias, or a unit "
-                "that "
-                "is not what it is said to be (`imu-lib calibrate` tells the first two)."
+                "that is not what it is said to be (`imu-lib calibrate` tells the first two)."
             )
     if gyros and accels and not 0.3 < np.median(accels) / np.median(gyros) < 250:
         yield (

@@ -34,8 +34,7 @@ def cut(record: LongRecord, start: float | None, stop: float | None) -> LongReco
         end = "its end" if stop is None else f"{stop:g} s"
         raise InputError(
             f"{record.source}: from {start or 0:g} s to {end} there are fewer than two samples of "
-            "a "
-            f"record of {record.duration:.6g} s; choose a part inside it."
+            f"a record of {record.duration:.6g} s; choose a part inside it."
         )
     runs[0, 2] += max(low - runs[0, 0], 0)
     runs[0, 0] = max(runs[0, 0], low)

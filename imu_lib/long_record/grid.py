@@ -122,8 +122,7 @@ def _missing(source, columns, rows):
                 if infinite.size:
                     raise InputError(
                         f"{source.path}, `{column.name}`, row {at + int(infinite[0]) + 1}: the "
-                        "value "
-                        "is infinite; leave the field empty (NaN) where a sample is missing."
+                        "value is infinite; leave the field empty (NaN) where a sample is missing."
                     )
                 gone = np.flatnonzero(np.isnan(x))
                 bad.append(at + gone)

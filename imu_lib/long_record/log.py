@@ -43,8 +43,7 @@ class Log:
         if names != self.names:
             raise InputError(
                 f"{file} has the channels {', '.join(names)}, {self.first} "
-                f"{', '.join(self.names)}; "
-                "logs of one record have the same."
+                f"{', '.join(self.names)}; logs of one record have the same."
             )
         if abs(record.rate / self.rate - 1) > 0.01:
             raise InputError(
@@ -55,8 +54,7 @@ class Log:
         if begin == self.begin and not np.isnan(begin[1:]).any():
             raise InputError(
                 f"{file} holds what the log before it holds, from its first stamp to its last "
-                "value; "
-                "remove one of the two."
+                "value; remove one of the two."
             )
         self.begin = begin
         self.tick = max(self.tick, tick)

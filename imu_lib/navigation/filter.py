@@ -238,8 +238,8 @@ class LooselyCoupled:
         if not np.isfinite(logs.nav[-1:]).all() or not np.isfinite(logs.sd[-1:]).all():
             raise InputError(
                 f"the filter {self.model.name} diverged before {stretch.time[end]:.1f} s: check "
-                "the units of the drive "
-                "and the error model (an unstable process grows without bound)"
+                "the units of the drive and the error model (an unstable process grows without "
+                "bound)"
             )
         innovations = None
         if fixes is not None:

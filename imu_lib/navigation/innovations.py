@@ -101,8 +101,7 @@ class Innovations:
         if recovered.any():
             out.append(
                 f"The covariance was widened {int(recovered.sum())} times because the fixes kept "
-                "disagreeing with the filter, "
-                f"first at {self.time[np.argmax(recovered)]:.1f} s."
+                f"disagreeing with the filter, first at {self.time[np.argmax(recovered)]:.1f} s."
             )
         return out
 

@@ -133,8 +133,7 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
     if index.size < 2:
         raise InputError(
             f"{drive.name or 'the drive'} has {index.size} usable GNSS fixes; the filter needs at "
-            "least two "
-            "(look at gnss_position for NaN and at the accepted fix codes)"
+            "least two (look at gnss_position for NaN and at the accepted fix codes)"
         )
     use = has_position[index] * measurement.POSITION + has_velocity[index] * measurement.VELOCITY
     codes = np.zeros(index.size) if drive.gnss_fix is None else np.asarray(drive.gnss_fix)[index]
@@ -237,8 +236,7 @@ def prepare(
         holes = step[step > LONGEST_BRIDGE]
         notes.append(
             f"The IMU data have {holes.size} holes of {holes.min():.1f} to {holes.max():.1f} s: "
-            "the filter starts anew after each, "
-            "sensor states kept."
+            "the filter starts anew after each, sensor states kept."
         )
     levels = (
         {c: levels for c in CHANNELS}

@@ -70,8 +70,7 @@ def _parts(entry, channel, rate, flicker):
             if space.rate is not None and abs(space.rate / rate - 1.0) > 5e-3:
                 raise InputError(
                     f"the {each.name} process of {channel} steps at {space.rate:g} Hz, the drive "
-                    f"at {rate:g} Hz; "
-                    "fit it at the drive's rate"
+                    f"at {rate:g} Hz; fit it at the drive's rate"
                 )
             step = space.discrete(1.0 / space.rate if space.rate is not None else 1.0 / rate)
             parts.append(Part(each.name, *step, np.ravel(space.H), space.P0.copy()))
@@ -98,9 +97,8 @@ def _states_of(process, channel, flicker):
         return [process]
     if flicker == "refuse":
         raise UndefinedFormError(
-            f"the flicker noise of {channel} has no finite state space: fit a gauss_markov "
-            "process in its place, "
-            "or ask for flicker='markov', one Gauss-Markov process per decade"
+            f"the flicker noise of {channel} has no finite state space: fit a gauss_markov process "
+            "in its place, or ask for flicker='markov', one Gauss-Markov process per decade"
         )
     sigma = process.B * np.sqrt(np.log(10.0) / np.pi)
     return [

@@ -48,9 +48,8 @@ def look(drive: Drive) -> Reference | None:
     if jump.any():
         first = int(np.flatnonzero(jump)[0])
         notes.append(
-            f"The reference jumps {int(jump.sum())} times by up to {size[jump].max():.0f} m, "
-            f"first at {time[first]:.1f} s: "
-            "outages there are not scored against it."
+            f"The reference jumps {int(jump.sum())} times by up to {size[jump].max():.0f} m, first "
+            f"at {time[first]:.1f} s: outages there are not scored against it."
         )
         spans += _displaced(drive, time, position, np.flatnonzero(jump | hole), size[jump].max())
     if hole.any():

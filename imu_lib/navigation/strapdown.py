@@ -130,8 +130,7 @@ def integrate(time, dtheta, dvel, *, position, velocity, attitude_, hold_height=
     if dtheta.shape != dvel.shape or dtheta.shape != (time.size - 1, 3):
         raise ValueError(
             f"`dtheta` and `dvel` must have shape ({time.size - 1}, 3), one row per interval of "
-            "`time`; "
-            f"got {dtheta.shape} and {dvel.shape}"
+            f"`time`; got {dtheta.shape} and {dvel.shape}"
         )
     p, v = np.array(position, float), np.array(velocity, float)
     q = attitude.quaternion(attitude_)

@@ -81,8 +81,7 @@ def assemble(
     if gaps:
         record = record.with_note(
             f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''} in the time stamps, "
-            f"{sum(g.missing for g in gaps):,} samples missing; "
-            "the longest lasts "
+            f"{sum(g.missing for g in gaps):,} samples missing; the longest lasts "
             f"{max(g.duration for g in gaps):.4g} s."
         )
     return record
@@ -181,9 +180,8 @@ def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
     if unit == "counts":
         raise InputError(
             f"{raw.source} states counts for its {kind} columns; give their scale with "
-            f"--{kind}-unit counts:C "
-            f"(C counts per {'deg/s' if kind == 'gyro' else 'g'}, counts:C:ZERO where zero is not "
-            "0)."
+            f"--{kind}-unit counts:C (C counts per {'deg/s' if kind == 'gyro' else 'g'}, "
+            "counts:C:ZERO where zero is not 0)."
         )
     if unit is None:
         raise InputError(

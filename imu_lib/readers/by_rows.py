@@ -156,8 +156,8 @@ def _kinds(raw: Raw, labels: np.ndarray, heading: str):
     if not rows:
         raise Unnamed(
             f"{raw.source}: `{heading}` names no gyro or accelerometer "
-            f"({', '.join(np.unique(labels)[:6])}); "
-            "keep the rows of one sensor and give the file as --gyro FILE or --accel FILE."
+            f"({', '.join(np.unique(labels)[:6])}); keep the rows of one sensor and give the file "
+            "as --gyro FILE or --accel FILE."
         )
     return rows, stated
 

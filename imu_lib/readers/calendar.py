@@ -123,8 +123,8 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
                 continue
             raise InputError(
                 f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is not readable "
-                "as a clock; write it as 15:10:13.25, "
-                "or leave the stamps out with --time-unit none --rate HZ."
+                "as a clock; write it as 15:10:13.25, or leave the stamps out with --time-unit "
+                "none --rate HZ."
             )
         a, b, c, _, fraction, half, zone = found.groups()
         if c is None and fraction is not None:  # mm:ss.f
@@ -135,8 +135,7 @@ def _clocks(raw, text, heading, *, required) -> tuple[np.ndarray, bool]:
         if minute > 59 or second > 60:
             raise InputError(
                 f"{raw.source}, {heading}, {raw.line(row)}: {str(moment)[:30]!r} is no time of a "
-                "clock; correct it, "
-                "or leave the stamps out with --time-unit none --rate HZ."
+                "clock; correct it, or leave the stamps out with --time-unit none --rate HZ."
             )
         if half:
             hour = hour % 12 + (12 if half in "Pp" else 0)
@@ -188,8 +187,7 @@ def _frames(raw, text, heading) -> int | None:
     if most not in FRAME_RATES:
         raise InputError(
             f"{raw.source}, {heading}: the stamps end in frames, {most} of them at most, which is "
-            "no usual number in a second; "
-            "leave the stamps out with --time-unit none --rate HZ."
+            "no usual number in a second; leave the stamps out with --time-unit none --rate HZ."
         )
     raw.notes += (
         f"The stamps are time codes of {most} frames in a second."

@@ -302,6 +302,6 @@ def _question(where, stamp, order, likely, hz, step) -> str:
         readings = ["no usual unit gives a rate between 1 and 20000 Hz"]
     return (
         f"{where} does not state the unit of its time, which steps by {step:.6g}: "
-        f"{'; '.join(readings)}; "
-        "say which with --time-unit s, ms, us, ns, min or ticks:HZ, or give --rate HZ."
+        f"{'; '.join(readings)}; say which with --time-unit s, ms, us, ns, min or ticks:HZ, or "
+        "give --rate HZ."
     )

@@ -113,8 +113,8 @@ def _decided(
         return good[name][index], True, f"dates with the {name}: so the days follow each other"
     raise InputError(
         f"{raw.source}, {heading}: {', '.join(list(which)[:2])} may have the day or the month "
-        "first; write the dates as 2018-04-25, "
-        "or leave the stamps out with --time-unit none --rate HZ."
+        "first; write the dates as 2018-04-25, or leave the stamps out with --time-unit none "
+        "--rate HZ."
     )
 
 

@@ -73,9 +73,8 @@ def check(drive: Drive, gyro_unit="rad/s", accel_unit="m/s^2", factor=(1.0, 1.0)
             if other != gyro_unit and _alike(ratio, scale / factor[0]):
                 raise InputError(
                     f"{drive.source}: the course of the fixes turns {ratio:.3g} times as fast as "
-                    f"the rates stated in {gyro_unit} say; "
-                    f"correct --gyro-unit or the header: --gyro-unit {other}, or --trust-units if "
-                    "it is right."
+                    f"the rates stated in {gyro_unit} say; correct --gyro-unit or the header: "
+                    f"--gyro-unit {other}, or --trust-units if it is right."
                 )
         if 1.0 / ALIKE < ratio < ALIKE:
             units.pop("gyro")

@@ -137,9 +137,9 @@ def behind(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
         out[i : i + 3] = three
         if sorted(axes) != ["x", "y", "z"] or not order:
             raise Unnamed(
-                f"{raw.source}: `{headings[i].name}` and the two columns behind it are three "
-                "axes, and nothing says in what order "
-                f"(a camera's may be z, x, y); {suggestion(out, headings)}{units_too(out)}."
+                f"{raw.source}: `{headings[i].name}` and the two columns behind it are three axes, "
+                "and nothing says in what order (a camera's may be z, x, y); "
+                f"{suggestion(out, headings)}{units_too(out)}."
             )
     return out
 

@@ -101,8 +101,8 @@ def _of_few_axes(size: float, unit: str, read: float, axes: int) -> Told | None:
         return None
     return Told(
         f"the specific force stated in {unit} has a length of {read:.4g} in its {axes} "
-        f"{'axes' if axes > 1 else 'axis'}, "
-        f"which is gravity in {near[0]}; its unit is likely {near[0]}",
+        f"{'axes' if axes > 1 else 'axis'}, which is gravity in {near[0]}; its unit is likely "
+        f"{near[0]}",
         True,
         near[0],
     )

@@ -36,9 +36,8 @@ def numbered(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
         base = 0 if "0" in digits else 1 if "3" in digits else None
         if base is None:
             raise InputError(
-                f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be "
-                "counted from 0 or from 1; "
-                f"{suggestion(told, headings)}."
+                f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be counted "
+                f"from 0 or from 1; {suggestion(told, headings)}."
             )
         for i in there:
             axis = "xyz"[int(told[i].axis) - base]

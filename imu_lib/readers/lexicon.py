@@ -20,21 +20,18 @@ def words(text: str) -> set[str]:
 #: Words that tell what a column is, in the languages in which phone apps and loggers write them.
 GYRO = words(
     "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop giro omg "
-    "gyrometer pqr"
-    " omega w wb wib wibb angvel anglvel angrate turnrate rotationrate winkelgeschwindigkeit "
-    "drehrate drehraten"
-    " hoeksnelheid vinkelhastighet vinkelhastighed kulmanopeus jiroskop uhlovarychlost "
-    "szogsebesseg acisalhiz"
-    " gy гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
+    "gyrometer pqr omega w wb wib wibb angvel anglvel angrate turnrate rotationrate "
+    "winkelgeschwindigkeit drehrate drehraten hoeksnelheid vinkelhastighet vinkelhastighed "
+    "kulmanopeus jiroskop uhlovarychlost szogsebesseg acisalhiz gy гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 "
+    "ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
 ACCEL = words(
     "accelerometer accelerometers accelero accelerometre accel accels accele acc accl acce acel "
-    "acl aceler acceleration"
-    " accelerations xl akzelerometer beschl beschleunigung beschleunigungen beschleunigungssensor"
-    " accelerazione accelerometro aceleracion acelerometro aceleracao versnelling versnellingsmeter"
-    " gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration"
-    " przyspieszenie akcelerometr zrychleni ivme ускорение ускорения акселерометр 加速度 加速度计 加速计 加速度計"
-    " 가속도 accreading ac f fb fib fibb a gforce gf specificforce sf accs"
+    "acl aceler acceleration accelerations xl akzelerometer beschl beschleunigung beschleunigungen "
+    "beschleunigungssensor accelerazione accelerometro aceleracion acelerometro aceleracao "
+    "versnelling versnellingsmeter gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration "
+    "przyspieszenie akcelerometr zrychleni ivme ускорение ускорения акселерометр 加速度 加速度计 加速计 加速度計 "
+    "가속도 accreading ac f fb fib fibb a gforce gf specificforce sf accs"
 )
 ANGULAR = words(
     "угловая угл acisal uhlova angular ang angulaire angolare rotation rotational turn rot katowa "
@@ -48,21 +45,18 @@ SPEED = words(
 LETTERS = words("g w a f ac gy")
 BESIDE_LETTERS = words(
     "rs s b ib imu raw data cal field meas body sensor msg kf r i lsm mpu out filt filtered lpf "
-    "corr corrected calib"
-    " calibrated comp compensated smooth smoothed avg average"
+    "corr corrected calib calibrated comp compensated smooth smoothed avg average"
 )
 DELTA = words("delta d del increment inc dang dvel dtheta dv velinc deltav deltatheta")
 DELTA_ANGLE = words("theta angle ang angles dtheta dang rot deltatheta gyro gyr")
 DELTA_VELOCITY = words("v vel velocity dv dvel velinc deltav acc accel")
 TIME = words(
     "time times timestamp timestamps stamp t zeit zeitstempel temps tiempo tempo tijd czas cas "
-    "zaman"
-    " время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos "
-    "datetime datenum serialdate filetime"
-    " seconds secs sec second nsecs nsec nanosec nanosecs nanoseconds usec usecs microseconds"
-    " frac fraction fractional subsec subsecs subsecond subseconds"
-    " milliseconds msec msecs ms us ns s minutes unix jd mjd julian juliandate timestampstart "
-    "ticks tick sampletimefine"
+    "zaman время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos "
+    "datetime datenum serialdate filetime seconds secs sec second nsecs nsec nanosec nanosecs "
+    "nanoseconds usec usecs microseconds frac fraction fractional subsec subsecs subsecond "
+    "subseconds milliseconds msec msecs ms us ns s minutes unix jd mjd julian juliandate "
+    "timestampstart ticks tick sampletimefine"
 )
 TEMPERATURE = words(
     "temp temps temperature temperatures temperatur temperatura tmp temper температура 温度 온도 "
@@ -178,8 +172,7 @@ SUFFIX_UNIT = {
 }  # fmt: skip
 REMARKS = words(
     "raw calibrated uncalibrated cal uncal imu utc local gps relative boot body sensor device "
-    "filtered lp hp axis"
-    " unix posix since start system host txt text string hex elapsed"
+    "filtered lp hp axis unix posix since start system host txt text string hex elapsed"
 )
 
 

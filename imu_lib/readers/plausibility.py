@@ -153,8 +153,7 @@ def _unlikely(gyro, unit, factor, fit, odds, still, bias, noise) -> Told:
     if noise and still and noise / still > 60:
         worst = (
             f"noise of {still / units.DEG_PER_SQRT_HOUR:.2g} deg/sqrt(h), {noise / still:.0f} "
-            "times less than the accelerometers' "
-            "(m/s^2 per rad/s; 5 to 30 is usual)"
+            "times less than the accelerometers' (m/s^2 per rad/s; 5 to 30 is usual)"
         )
     said = f"the rates stated in {unit} have a {worst}"
     tactical = (

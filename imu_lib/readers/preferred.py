@@ -40,8 +40,7 @@ def one_each(raw: Raw, told, headings, load) -> list[Meaning]:
         skip += time_columns.all_but_best(told, headings, load)
         raise InputError(
             f"{raw.source}: both `{headings[one].name}` and `{headings[other].name}` would be "
-            f"{canonical}; "
-            f"{suggestion(told, headings, skip)}{units_too(told, skip)}."
+            f"{canonical}; {suggestion(told, headings, skip)}{units_too(told, skip)}."
         )
     twins.say(raw, second, headings)
     return _one_temperature(_without_increments(out), headings)

@@ -65,8 +65,7 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
     rate = "" if timed or raw.rate else " and the rate with --rate HZ"
     return Unnamed(
         f"{raw.source} has {many} and {header}{_commas(headings, values)}{damage}; name them by "
-        "position with --columns, as in "
-        f"{named_so}{_units(named_so)}{rate}{one}."
+        f"position with --columns, as in {named_so}{_units(named_so)}{rate}{one}."
     )
 
 
@@ -99,8 +98,7 @@ def _of_several(raw: Raw, told, headings, named, load, values) -> str | None:
     if turns := instances.numbered(headings, values):
         return (
             f"{turns}, as the number of a sensor does: its rows are of several sensors; write "
-            "those of each into a file of its own and give "
-            "--gyro FILE --accel FILE"
+            "those of each into a file of its own and give --gyro FILE --accel FILE"
         )
     return None
 

@@ -59,8 +59,7 @@ def rated(raw, time, keep, tick, given, rate, lenient, whole=False) -> Timing:
         time, repeats = timing.spread_repeats(time)
         raw.notes += (
             f"{repeats:,} of {n:,} time stamps repeat the one before (the clock is coarser than "
-            "the sampling); "
-            "each group was spread evenly up to the next stamp.",
+            "the sampling); each group was spread evenly up to the next stamp.",
         )
     if len(time) < 2:
         raise InputError(f"{raw.source} has only {len(time)} sample; at least two are needed.")
@@ -91,8 +90,7 @@ def _agree(raw, measured, rate) -> None:
     if rate is not None and not 0.95 < rate / measured < 1.05:
         raise InputError(
             f"{raw.source}: its time stamps tell {measured:.6g} Hz, --rate {rate:g} Hz does not "
-            "fit; "
-            "correct it, or leave the stamps out with --time-unit none --rate HZ."
+            "fit; correct it, or leave the stamps out with --time-unit none --rate HZ."
         )
     if raw.rate is None or 0.95 < raw.rate / measured < 1.05:
         return

@@ -107,8 +107,7 @@ class Raw:
         if canonical in self.columns:
             raise InputError(
                 f"{self.source}: both `{self.headings[canonical]}` and `{heading}` would be "
-                f"{canonical}; "
-                "say which is meant with --columns (names by position, - skips)."
+                f"{canonical}; say which is meant with --columns (names by position, - skips)."
             )
         self.columns[canonical] = values
         self.units[canonical] = unit
@@ -166,9 +165,9 @@ class Raw:
             if other and unit in names.UNITS[other]:
                 raise InputError(
                     f"{self.source}: `{heading}` is named a "
-                    f"{'gyro' if kind == 'gyro' else 'accelerometer'} and states {unit}, a unit "
-                    "of the other; say what "
-                    "each column is with --columns (names by position, - skips)."
+                    f"{'gyro' if kind == 'gyro' else 'accelerometer'} and states {unit}, a unit of "
+                    "the other; say what each column is with --columns (names by position, - "
+                    "skips)."
                 )
             if unit == "rps" and kind == "gyro":
                 raise InputError(
@@ -181,8 +180,7 @@ class Raw:
             if scaled and kind != "time" and (whole := spelling.of_range(unit)):
                 raise InputError(
                     f"{self.source}: `{heading}` is in [{unit}]; give {flag} {whole} if that is "
-                    f"the range of the sensor, {flag} {scaled} if it is the size of "
-                    "a count."
+                    f"the range of the sensor, {flag} {scaled} if it is the size of a count."
                 )
             if scaled:
                 raise InputError(
@@ -220,9 +218,8 @@ def numbers(raw: Raw, canonical: str) -> np.ndarray:
         if infinite.size:
             raise InputError(
                 f"{raw.source}, `{raw.headings[canonical]}`, {raw.line(int(infinite[0]))}: the "
-                "value is infinite "
-                f"({infinite.size:,} of them); "
-                "leave the field empty (NaN) where a sample is missing."
+                f"value is infinite ({infinite.size:,} of them); leave the field empty (NaN) where "
+                "a sample is missing."
             )
         if np.isnan(x).all():
             raise InputError(

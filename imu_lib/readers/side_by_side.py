@@ -33,9 +33,8 @@ def merge(
         if shift >= gyro.duration or -shift >= accel.duration:
             notes += (
                 f"The two files do not overlap in time ({accel.source} begins {shift:.6g} s after "
-                f"{gyro.source}); they are laid "
-                "side by side from their first samples, so nothing common to gyros and "
-                "accelerometers can be seen.",
+                f"{gyro.source}); they are laid side by side from their first samples, so nothing "
+                "common to gyros and accelerometers can be seen.",
             )
             shift = 0.0
     ratio = gyro.rate / accel.rate
@@ -122,9 +121,9 @@ def _slower(gyro, accel, t, source, notes) -> Record:
     at, of = _pairs(t[key[0]], t[key[1]], 0.55 / fast.rate)
     if len(at) < 20:
         raise InputError(
-            f"{source}: the gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} "
-            "Hz, and their stamps do not meet; "
-            f"read them one at a time with --only gyro and --only accel."
+            f"{source}: the gyro has {gyro.rate:.6g} Hz and the accelerometer {accel.rate:.6g} Hz, "
+            "and their stamps do not meet; read them one at a time with --only gyro and --only "
+            "accel."
         )
     channels = dict(fast.channels)
     for c, x in slow.channels.items():

@@ -81,9 +81,8 @@ def _doubt(raw: Raw, found: Timing) -> None:
     if bursts > BURSTS:
         raw.notes += (
             f"The rows come in bursts: {100 * bursts:.0f} % of the steps are more than five times "
-            "the usual one. "
-            "Either the stamps are those of arrival, or the rows are of several sensors; keep the "
-            "rows of one.",
+            "the usual one. Either the stamps are those of arrival, or the rows are of several "
+            "sensors; keep the rows of one.",
         )
 
 
@@ -182,9 +181,9 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     raw.epoch = raw.start if raw.start > 1e8 else None
     for i, fall in getattr(raw, "set_back", ()):
         raw.notes += (
-            f"The clock falls back by {-fall * told.factor:.6g} s at {raw.line(i)} (it was set, "
-            "or the logger began anew); the stamps "
-            "go on from there by one interval, what was lost in between is not known.",
+            f"The clock falls back by {-fall * told.factor:.6g} s at {raw.line(i)} (it was set, or "
+            "the logger began anew); the stamps go on from there by one interval, what was lost in "
+            "between is not known.",
         )
     tick, whole = grain(stamp, told.factor), stamp.dtype.kind == "i"
     return rated(raw, relative * told.factor, keep, tick, given, rate, lenient, whole)
@@ -201,8 +200,7 @@ def _slow_contract(raw: Raw, relative: np.ndarray, first: float, where: str) -> 
     if step > 3600.0 and likely not in (None, "s"):
         raise InputError(
             f"{where} steps by {step:.6g} s; time is in seconds in such a file, these look like "
-            f"{likely}; "
-            f"give --time-unit {likely}, or --time-unit s if it is right."
+            f"{likely}; give --time-unit {likely}, or --time-unit s if it is right."
         )
     usual = f" (in {likely} it would be usual: --time-unit {likely})" if likely else ""
     raw.notes += (

@@ -171,8 +171,7 @@ def _say_copies(raw: Raw) -> None:
         rows = round(copies * (raw.rows() - 1))
         raw.notes += (
             f"{rows:,} of {raw.rows():,} rows repeat the row before in every channel: rows logged "
-            "twice, or copies for lost samples; "
-            "without stamps each counts as a sample.",
+            "twice, or copies for lost samples; without stamps each counts as a sample.",
         )
 
 

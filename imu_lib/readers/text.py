@@ -256,15 +256,12 @@ def _explain(path, lines, layout, wanted):
         if len(worded) > 1 and sum(names.meaning(f).quantity is not None for f in worded) > 1:
             raise InputError(
                 f"{path}, line {number}: another header stands there, with other columns than the "
-                f"first ({', '.join(row)[:60]}); "
-                "cut the file in two before that line."
+                f"first ({', '.join(row)[:60]}); cut the file in two before that line."
             )
         if len(row) != width and not (len(row) == width + 1 and row[-1] == ""):
             raise InputError(
                 f"{path}, line {number}: {len(row)} columns where line {layout.first + 1} has "
-                f"{width}; the file is cut off "
-                f"or damaged there: "
-                "complete or remove the line."
+                f"{width}; the file is cut off or damaged there: complete or remove the line."
             )
         for i in wanted:
             want, got = layout.kinds[i], fields.kind(row[i], layout.decimal)

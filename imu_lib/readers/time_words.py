@@ -14,8 +14,7 @@ WHOLE = words("ts gpst utc gpstime unixtime systime hosttime ticktime itow xvalu
 #: Words that name a time only where all the others do, too.
 WEAK = words(
     "cpu cycle cycles systick rtc t s ms us ns sec secs second seconds a tick ticks temps min "
-    "minutes"
-    " frac fraction fractional subsec subsecs subsecond subseconds"
+    "minutes frac fraction fractional subsec subsecs subsecond subseconds"
 )
 BESIDE = words(
     "gps utc since boot start begin header stamp unix ntp in of from the tv ts today midnight"

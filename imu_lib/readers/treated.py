@@ -51,9 +51,8 @@ def refuse_angles(raw: Raw) -> None:
     rate = f"{unit}/s" if unit in ("deg", "rad") else unit or "deg/s"
     raise InputError(
         f"{raw.source}: `{raw.headings[there[0]]}`{said} grows smoothly from row to row, as an "
-        "angle that was integrated does: "
-        f"neither a rate nor an increment; {how}, or give --gyro-unit {rate} --trust-units if it "
-        "is a rate."
+        f"angle that was integrated does: neither a rate nor an increment; {how}, or give "
+        f"--gyro-unit {rate} --trust-units if it is a rate."
     )
 
 

@@ -81,6 +81,5 @@ def say(raw: Raw, second: dict[str, tuple[int, int]], headings) -> None:
         word = "gyro" if kind in ("gyro", "dtheta") else "accelerometer"
         raw.notes += (
             f"`{headings[taken].name}` was taken as the {word}, `{headings[left].name}` beside it "
-            "was not; "
-            "--columns names columns by position where the other is meant.",
+            "was not; --columns names columns by position where the other is meant.",
         )

@@ -35,9 +35,8 @@ def signed(raw: Raw, units: Mapping[str, str | None]) -> None:
             raw.columns[c] = np.where(x >= 2.0 ** (bits - 1), x - 2.0**bits, x)
         word = "gyro" if kind == "gyro" else "accelerometer"
         raw.notes += (
-            f"The counts of the {word} are above 0 and reach into the upper half of 2^{bits}: "
-            "they were read with a sign "
-            f"(two's complement of {bits} bits).",
+            f"The counts of the {word} are above 0 and reach into the upper half of 2^{bits}: they "
+            f"were read with a sign (two's complement of {bits} bits).",
         )
 
 

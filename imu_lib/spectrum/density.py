@@ -109,8 +109,7 @@ def welch(x, fs, *, segment=None, window="hann", detrend="constant"):
     if longest < max(segment, 8) or segment < 8:
         raise ValueError(
             f"`segment` of {segment} samples does not fit: the longest stretch without a missing "
-            "sample "
-            f"has {longest}"
+            f"sample has {longest}"
         )
     step = segment - segment // 2
     total, count = 0.0, 0

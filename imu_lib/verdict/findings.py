@@ -50,8 +50,7 @@ def means(record) -> list[str]:
                 "within what gravity varies over the Earth"
                 if abs(off) < OFF
                 else f"{100 * abs(off):.1f} % {'above' if off > 0 else 'below'} gravity, a scale "
-                "factor or "
-                f"biases of up to {abs(off) * 1e3:.0f} mg; poses tell which"
+                f"factor or biases of up to {abs(off) * 1e3:.0f} mg; poses tell which"
             )
             out.append(f"|f| = {force:.4f} m/s^2 against {units.G:.4f} m/s^2: {judged}.")
     return out

@@ -48,8 +48,7 @@ def grades(result, health) -> list[str]:
         if worst in rough:
             how = (
                 f"some {report.number(value, 2)} {unit} from one sample to the next on {axis}, "
-                "where "
-                "no sum of noises fits"
+                "where no sum of noises fits"
             )
         else:
             how = f"{report.number(value, 3)} {unit} on {axis}"

@@ -50,8 +50,7 @@ def missing(record: Record, sound=None, *, seed: int = 1) -> Missing:
     note = (
         f"Effects were looked for in the first {minutes:.3g} min at the full rate, and over all "
         f"{units.duration(record.duration)} in means of {block} samples, which show drifts and "
-        "jumps "
-        "alone; `imu-lib gap` looks at all of it."
+        "jumps alone; `imu-lib gap` looks at all of it."
     )
     if begins > 0.0:
         note += f" Times in the means count from {begins:.6g} s on."

@@ -75,10 +75,9 @@ def _of_one_code(drive, notes):
     if not rest or kept.sum() < max(FEWEST, 0.3 * codes.size):
         return drive
     notes.append(
-        f"Fixes of code {', '.join(f'{c:g}' for c in rest)} are another solution, whose "
-        "velocities are not those at which "
-        f"its positions move: those of code {', '.join(f'{c:g}' for c in good)} alone are used "
-        "(--accept of `outages`)."
+        f"Fixes of code {', '.join(f'{c:g}' for c in rest)} are another solution, whose velocities "
+        "are not those at which its positions move: those of code "
+        f"{', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
     )
     return _fixes(drive, kept)
 
@@ -117,8 +116,8 @@ def one_solution(drive, notes):
     if unit is not None:
         notes.append(
             f"The velocities are {ratio:.3g} times those at which the positions move, as in "
-            f"{unit}: positions alone are used; "
-            f"divide gnss_velocity by {fix_faults.UNITS[unit]:.4g}."
+            f"{unit}: positions alone are used; divide gnss_velocity by "
+            f"{fix_faults.UNITS[unit]:.4g}."
         )
         return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
     share = float(np.mean(fix_motion.contradicted(drive)))

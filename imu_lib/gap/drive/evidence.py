@@ -16,9 +16,8 @@ def share(found, ridges):
             step["confidence"] = min(step["confidence"], EVEN)
             said = (
                 f"{' and '.join(sorted((effect, rival)))} {axis} cannot be told apart on this "
-                "drive: free, the two would take "
-                "values that sensors do not have and that make up for each other; one stands for "
-                "what they do together."
+                "drive: free, the two would take values that sensors do not have and that make up "
+                "for each other; one stands for what they do together."
             )
             out += [said] if said not in out else []
     return out
@@ -32,8 +31,8 @@ def widening(found):
     told = ", ".join(f"{s['effect']} ({s['gap_before']:.1f} to {s['gap_after']:.1f})" for s in wide)
     return [
         f"The gap index widens with {told}: kept because the likelihood of the innovations grows, "
-        "which decides; the index also "
-        "counts what such an effect had hidden, and what is left is no better known."
+        "which decides; the index also counts what such an effect had hidden, and what is left is "
+        "no better known."
     ]
 
 
@@ -43,6 +42,6 @@ def unproven(found, ratio):
         return []
     return [
         "What was found makes the innovations righter; that it makes withheld outages better is "
-        "not proven: their errors are "
-        f"{ratio['value']:.2g} times those before [{ratio['low']:.2g}, {ratio['high']:.2g}]."
+        f"not proven: their errors are {ratio['value']:.2g} times those before "
+        f"[{ratio['low']:.2g}, {ratio['high']:.2g}]."
     ]

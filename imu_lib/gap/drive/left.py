@@ -108,8 +108,7 @@ def clocks(state):
         return None
     return (
         f"beyond what was found, the fixes are {halves[0]:+.1f} s late in the first half of the "
-        f"drive and {halves[1]:+.1f} s in the second: one of the "
-        "clocks jumps or drifts"
+        f"drive and {halves[1]:+.1f} s in the second: one of the clocks jumps or drifts"
     )
 
 

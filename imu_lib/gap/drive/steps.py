@@ -14,8 +14,7 @@ SUREST = 0.999  # no weight above this is claimed
 ALIKE = 3.0  # nats
 TURNED_BEFORE = (
     "The search turns the axes first: innovations before are those with the axes already turned, "
-    "outages before those "
-    "with the axes as they are in the file."
+    "outages before those with the axes as they are in the file."
 )
 
 

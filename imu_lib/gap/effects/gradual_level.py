@@ -32,8 +32,7 @@ class GradualLevel(ChannelEffect):
     order = 49
     cause = (
         "What makes the noise grows or fades through the record: the sensor warms up, a supply "
-        "sags, "
-        "something begins to shake."
+        "sags, something begins to shake."
     )
     domain = "stationarity"
 
@@ -63,8 +62,7 @@ class GradualLevel(ChannelEffect):
                 process,
                 gain - HANDICAP,
                 f"variance of the innovations: {behaviour(path, view.temperature, wholly=True)}, "
-                "from "
-                f"{max(start, 0.0):.0f} to {min(stop, len(y) / view.fs):.0f} s",
+                f"from {max(start, 0.0):.0f} to {min(stop, len(y) / view.fs):.0f} s",
                 {"ratio": [ratio * np.exp(-1.96 * spread), ratio * np.exp(1.96 * spread)], **when},
                 scale=scale,
                 places=PLACES,

@@ -94,8 +94,7 @@ class HeavyTails(ChannelEffect):
             Stage(freedom=freedom),
             gain,
             f"distribution of the innovations: {np.count_nonzero(np.abs(u) > 4)} of {len(u)} "
-            "beyond four standard deviations, "
-            f"where normal noise has {6.3e-5 * len(u):.1f}",
+            f"beyond four standard deviations, where normal noise has {6.3e-5 * len(u):.1f}",
             {"freedom": [freedom * np.exp(-1.96 * sd), freedom * np.exp(1.96 * sd)]},
         )
         if freedom < LEAST:

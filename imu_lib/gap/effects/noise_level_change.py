@@ -64,8 +64,7 @@ def unsteady(y: Array, fs: float, independent: float = 1.0) -> tuple[float, str]
             worst = (
                 low,
                 f"variance of the innovations over {seconds:g} s: it wanders by {wander:.2g} % "
-                "where "
-                f"chance allows {chance:.2g} %",
+                f"where chance allows {chance:.2g} %",
             )
     return (worst[0], worst[1] + _loudest(*of_worst)) if worst[1] else None
 

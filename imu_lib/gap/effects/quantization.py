@@ -38,8 +38,7 @@ class Quantization(Spectral):
             process,
             None,
             f"power spectral density rising as the square of the frequency, and {levels} distinct "
-            "samples on one grid: "
-            "increments of a rounded integral",
+            "samples on one grid: increments of a rounded integral",
             {"Q": [process.Q * (1 - 1e-6), process.Q * (1 + 1e-6)]},
             doubt=doubt,
         )

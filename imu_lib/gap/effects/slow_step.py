@@ -77,8 +77,7 @@ class SlowStep(Drift):
         p = candidate.process
         return (
             f"mean of the signal: a change from {p.time:.0f} to {p.time + p.duration:.0f} s from "
-            "one "
-            "level to another"
+            "one level to another"
         )
 
 

@@ -168,8 +168,7 @@ class Spikes(Effect):
             Stage(rate=rate, scale=height),
             gain,
             f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard "
-            "deviations, "
-            f"the furthest at {np.abs(y).max() / s:.3g}",
+            f"deviations, the furthest at {np.abs(y).max() / s:.3g}",
             {
                 "rate": [rate * np.exp(-a), rate * np.exp(a)],
                 "scale": [height * np.exp(-b), height * np.exp(b)],

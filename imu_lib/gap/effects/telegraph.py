@@ -193,8 +193,7 @@ class Telegraph(Competitor):
     def where(self, state: State, candidate: Candidate) -> str:
         return (
             f"distribution of the bias: two levels, about {candidate.note['found'].flips:.0f} "
-            "flips "
-            f"in {state.data.duration:.0f} s"
+            f"flips in {state.data.duration:.0f} s"
         )
 
 

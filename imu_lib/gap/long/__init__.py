@@ -245,8 +245,7 @@ def _names(record: LongRecord, channels: Sequence[str] | None) -> list[str]:
     if not names:
         raise InputError(
             f"{record.source}: no channel says anything of its noise (none ever changes); check "
-            "the "
-            "logger."
+            "the logger."
         )
     return names
 
@@ -284,13 +283,11 @@ def _said(record: LongRecord, fast: Report, slow: Report, start: float, block: i
     if covered - used > 1.0:
         out.append(
             f"The longest part without a gap of more than 10 samples was used, {used / 3600:.4g} "
-            "of "
-            f"{covered / 3600:.4g} h."
+            f"of {covered / 3600:.4g} h."
         )
     out.append(
         f"The record was looked at twice: {fast.record.duration / 60:.3g} min at the full rate "
-        "from "
-        f"{units.duration(start)} on, which are most like the rest, and all of it as means of "
+        f"from {units.duration(start)} on, which are most like the rest, and all of it as means of "
         f"{block} samples; the gap of a step is that of the view that shows it."
     )
     return out + [*fast.notes, *(n for n in slow.notes if n not in fast.notes)]
