@@ -217,6 +217,12 @@ def spread_repeats(time: np.ndarray) -> tuple[np.ndarray, int]:
     return out, repeats
 
 
+def runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where each run of True in `mask` (n,) begins, and where the next False stands."""
+    edges = np.diff(np.r_[False, mask, False].astype(np.int8))
+    return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+
+
 def longest_run(good: np.ndarray, breaks: np.ndarray) -> tuple[int, int]:
     """Bounds (low, high) of the longest run of True in `good` that holds none of the `breaks`
     (indices that begin anew).
@@ -237,8 +243,7 @@ def fill(x: np.ndarray, limit: int) -> tuple[np.ndarray, int]:
     gap = np.isnan(x)
     if not gap.any():
         return x, 0
-    edges = np.diff(np.r_[False, gap, False].astype(np.int8))
-    low, high = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    low, high = runs(gap)
     keep = (high - low <= limit) & (low > 0) & (high < len(x))
     mask = np.zeros(len(x) + 1, dtype=np.int64)
     np.add.at(mask, low[keep], 1)

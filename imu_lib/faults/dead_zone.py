@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.faults.finding import Finding, named
 
 #: Share of the samples at one value, times that of the next most frequent one, and share of the
@@ -42,8 +43,8 @@ def value(x: np.ndarray) -> float | None:
     alone = share * len(good) > TIMES * count[order[-2]]
     if not (share > SHARE and alone and sides > SIDE):
         return None
-    edge = np.flatnonzero(np.diff(np.r_[False, good == at, False].astype(np.int8)))
-    visits = edge[1::2] - edge[::2]
+    start, stop = timing.runs(good == at)
+    visits = stop - start
     spread = (visits.sum() - visits.max()) / len(good)
     return float(at) if len(visits) >= VISITS and spread > SHARE else None
 

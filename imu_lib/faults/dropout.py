@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import poisson
 
+from imu_lib import timing
 from imu_lib.faults.chance import (
     IMPROBABLE,
     MANIFOLD,
@@ -140,8 +141,7 @@ def _leaps(x: np.ndarray, mask: np.ndarray, least: float) -> bool:
     """Whether the value is left and reached by leaps: where a sensor is turned, its neighbours are
     near it.
     """
-    edge = np.diff(np.r_[False, mask, False].astype(np.int8))
-    start, stop = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
+    start, stop = timing.runs(mask)
     value = x[start[0]]
     near = np.r_[x[start[start > 0] - 1], x[stop[stop < len(x)]]]
     near = near[~np.isnan(near)]

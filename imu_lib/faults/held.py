@@ -9,7 +9,7 @@ from scipy.ndimage import binary_dilation
 
 from imu_lib.faults.chance import Levels, coincidences, period_of, run_starts
 from imu_lib.faults.finding import Finding, named, seconds
-from imu_lib.faults.standing import STANDS, frozen_rows, together
+from imu_lib.faults.standing import STANDS, frozen_rows, repeats, together
 
 #: Share of repeats from which on a stream may be held all through.
 SHARE = 0.3
@@ -20,11 +20,6 @@ LIFT = 0.3
 REGULAR = 0.42
 #: Share of the copies that the longest run holds, from which on channels stand still together.
 MOST = 0.5
-
-
-def repeats(x: np.ndarray) -> np.ndarray:
-    """Which samples equal the one before, shape (n,), bool."""
-    return np.r_[False, x[1:] == x[:-1]]
 
 
 def find(

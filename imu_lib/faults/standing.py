@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.faults.chance import run_starts
 from imu_lib.faults.finding import Finding, named, seconds
 from imu_lib.record import Record
@@ -33,7 +34,7 @@ def masked(record: Record) -> tuple[Record, tuple[str, ...]]:
     channels, time = dict(record.channels), record.times()
     told: dict[str, list[str]] = {}
     for name, x in record.channels.items():
-        rows = _long_runs(frozen_rows(np.r_[False, x[1:] == x[:-1]], LEAST))
+        rows = _long_runs(frozen_rows(repeats(x), LEAST))
         if not len(rows) or np.nanmin(x) == np.nanmax(x):
             continue
         share, first, last = len(rows) / len(x), run_starts(rows)[0], rows[-1]
@@ -52,11 +53,15 @@ def masked(record: Record) -> tuple[Record, tuple[str, ...]]:
     return (replace(record, channels=channels) if notes and channels else record), notes
 
 
+def repeats(x: np.ndarray) -> np.ndarray:
+    """Which samples equal the one before, shape (n,), bool."""
+    return np.r_[False, x[1:] == x[:-1]]
+
+
 def frozen_rows(again: np.ndarray, chance: float) -> np.ndarray:
     """Rows of runs of equal neighbours that are longer than the grid makes them anywhere near."""
     n = len(again)
-    edge = np.flatnonzero(np.diff(np.r_[False, again, False].astype(np.int8)))
-    start, stop = edge[::2], edge[1::2]
+    start, stop = timing.runs(again)
     length = stop - start
     p = min(max(chance, float(again.mean())), 0.995)
     long = np.flatnonzero(length > max(8.0, np.log(n / FROZEN) / -np.log(p)))

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.fft import irfft, rfft
 from scipy.special import ndtr, ndtri
 
+from imu_lib import timing
 from imu_lib.arrays import Array
 from imu_lib.gap.innovations import trend
 
@@ -91,8 +92,8 @@ def pull(x: Array, inverse: Array) -> Array:
 
 def _runs(mask: Array) -> tuple[Array, Array]:
     """First samples and lengths of the runs in a mask."""
-    edge = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return edge[::2], np.diff(edge)[::2]
+    start, stop = timing.runs(mask)
+    return start, stop - start
 
 
 def _redraw(

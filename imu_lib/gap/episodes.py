@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.arrays import Array
 
 #: Gain that a beginning and an end have to bring; share of the excess that may be left outside.
@@ -76,8 +77,8 @@ def _several(e: Array, dof: float) -> tuple[float, list[tuple[int, int]]] | None
         if state.all() or not state.any():
             return None
         on, off = float(e[state].mean()), float(e[~state].mean())
-        edge = np.flatnonzero(np.diff(np.concatenate([[0], state.astype(np.int8), [0]])))
-        new = list(zip(edge[::2].tolist(), edge[1::2].tolist()))
+        start, stop = timing.runs(state)
+        new = list(zip(start.tolist(), stop.tolist()))
         if new == runs:
             break
         runs = new

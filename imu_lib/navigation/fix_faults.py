@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import detrend
 
+from imu_lib import timing
 from imu_lib.drive import Drive
 
 from . import earth
@@ -131,8 +132,7 @@ def held(drive: Drive):
     same = (position[1:] == position[:-1]).all(axis=1)
     if not same.any():
         return out
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
-    for first, last in edges.reshape(-1, 2):  # rows first to last are alike
+    for first, last in zip(*timing.runs(same), strict=True):  # rows first to last are alike
         if last + 1 >= len(position):
             continue
         moved = float(earth.horizontal(position[last + 1 : last + 2], position[first])[0])

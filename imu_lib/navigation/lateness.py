@@ -17,8 +17,9 @@ def late(drive: Drive) -> tuple[float, float]:
     """Time by which the fixes' stamps are late, s, and the correlation there, of turn rates and of
     accelerations; 0 where the drive does not say, or agrees nearly as well as it stands.
     """
-    offset, likeness, here = best_match(drive)
-    if likeness >= here + 0.05 or _gain(drive, likeness, here) > MATCHED:
+    m = motion(drive)
+    offset, likeness, here = _match(m)
+    if likeness >= here + 0.05 or _gain(m, likeness, here) > MATCHED:
         return offset, likeness
     return 0.0, likeness
 
@@ -28,7 +29,11 @@ def best_match(drive: Drive) -> tuple[float, float, float]:
     s, the correlation there, and as the stamps stand; 0 where nothing matches. A few hundredths of
     a second are what smoothing does differently to the two.
     """
-    m = motion(drive)
+    return _match(motion(drive))
+
+
+def _match(m):
+    """As `best_match`, of a drive's `fix_motion.Motion` or None."""
     if m is None or m.moving.sum() < 200:
         return 0.0, 0.0, 0.0
     seen = [k for k, least in ((2, 0.015), (3, 0.15)) if np.std(m.expected[m.moving, k]) > least]
@@ -82,9 +87,8 @@ def of_halves(drive: Drive):
     return tuple(out)
 
 
-def _gain(drive, likeness, here):
+def _gain(m, likeness, here):
     """Nats by which one correlation explains more than another, of samples WIDTH seconds apart."""
-    m = motion(drive)
     if m is None or not -1.0 < here < likeness < 1.0:
         return 0.0
     left = (1.0 - here**2) / (1.0 - likeness**2)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import poisson
 
+from imu_lib import timing
 from imu_lib.arrays import Array
 from imu_lib.processes import Stuck as Stage
 
@@ -15,9 +16,7 @@ from .base import Effect, Finding
 
 def runs(x: Array) -> tuple[np.ndarray, np.ndarray]:
     """Start and number of repeats of every run of equal neighbours."""
-    same = np.diff(x) == 0
-    edge = np.diff(np.concatenate([[False], same, [False]]).astype(np.int8))
-    start, stop = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
+    start, stop = timing.runs(np.diff(x) == 0)
     return start, stop - start
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.processes import TimeGaps as Process
 from imu_lib.record import Record
 
@@ -23,8 +24,8 @@ class TimeGaps(Effect):
         holes = np.diff(slots) - 1
         holes = holes[holes > 0]
         empty = np.all([np.isnan(x) for x in record.channels.values()], axis=0)
-        edge = np.diff(np.concatenate([[False], empty, [False]]).astype(np.int8))
-        holes = np.concatenate([holes, np.flatnonzero(edge == -1) - np.flatnonzero(edge == 1)])
+        start, stop = timing.runs(empty)
+        holes = np.concatenate([holes, stop - start])
         missing = int(holes.sum())
         if missing == 0:
             return None
