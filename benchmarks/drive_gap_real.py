@@ -129,7 +129,6 @@ def injected(drive, found):
             "limit holds": None if limit is None else bool(limit >= abs(before + value)),
         }  # fmt: skip
         out.append(row)
-        # fmt: skip
         print(
             "  ",
             {

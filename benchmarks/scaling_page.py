@@ -83,7 +83,6 @@ def fleets(rows):
         return ""
     lines = []
     for one in (r for r in own if r["workers"] == 1):
-        # fmt: skip
         two = next(
             (
                 r
@@ -117,7 +116,6 @@ def alone(rows):
 def page(told):
     """The text of the page."""
     rows = [row for row in told["table"] if "hours" in row]
-    # fmt: skip
     own = sorted(
         (r["hours"], r["processor"], r["rss"]) for r in rows if r["command"] == "characterise"
     )

@@ -304,7 +304,6 @@ def test_drive_of_imu_and_gnss_files(tmp_path):
         delimiter=",",
         fmt="%.12f",
         comments="",
-        # fmt: skip
         header="time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]",
     )
     rows = [

@@ -43,7 +43,6 @@ def _takes_back(step: Step, term: Any, duration: float) -> bool:
     change = p.get("amplitude", 0.0) / amplitude
     if "frequency" in p:  # its phase says that it is the opposite
         turn = np.cos(p.get("phase", 0.0) - (getattr(term, "phase", None) or 0.0))
-        # fmt: skip
         return (
             turn < 0
             and abs(change - 1) < ALIKE

@@ -158,7 +158,6 @@ class Numpy:
         with open(self.path, "rb") as file:
             for key, (offset, shape, dtype) in members.items():
                 whole = not shape or shape[0] != total
-                # fmt: skip
                 first, count = (
                     (0, shape[0] if shape else 1) if whole else (start, min(stop, total) - start)
                 )

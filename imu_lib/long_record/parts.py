@@ -121,7 +121,6 @@ def _members(path, place):
         files = {key: archive.open(f"{key}.npy") for key in shapes}
         for file in files.values():
             columns.shape_of(file)
-        # fmt: skip
         whole = {
             k: _taken(files[k], shapes[k], None)
             for k, (s, _) in shapes.items()

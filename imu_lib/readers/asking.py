@@ -184,7 +184,6 @@ def suggestion(told, headings, skip: Sequence[int] = ()) -> str:
 def units_too(told, skip: Sequence[int] = ()) -> str:
     """A word on the units and the rate that the columns of `suggestion` leave open."""
     left = [m for i, m in enumerate(told) if i not in skip]
-    # fmt: skip
     kinds = [
         k for k in ("gyro", "accel") if any(m.quantity == k and m.axis and not m.unit for m in left)
     ]

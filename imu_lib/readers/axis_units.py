@@ -38,7 +38,6 @@ def one_each(raw: Raw, flags: Mapping[str, str | None]) -> None:
                 raw.units[c] = first
             each = ", ".join(f"`{raw.headings[c]}` {said[c]}" for c in there)
             word = "gyro" if kind == "gyro" else "accelerometer"
-            # fmt: skip
             raw.notes += (
                 f"The axes of the {word} state different units ({each}); each was read in its own.",
             )

@@ -179,7 +179,6 @@ def example(headings: Sequence[Heading], load: Callable) -> str | None:
     """Names by position of a table without a header whose rows begin with the name of a sensor,
     None where it is none.
     """
-    # fmt: skip
     label = next(
         (
             i

@@ -17,7 +17,6 @@ _FLOAT = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _LIST = re.compile(rf"^\s*[\[({{]\s*({_FLOAT}(?:[\s,;]+{_FLOAT})+)\s*[\])}}]\s*$")
 _HEX = re.compile(r"^0[xX]([0-9A-Fa-f]{2,8})$")
 _UNIT = re.compile(rf"^({_FLOAT})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
-# fmt: skip
 _THOUSANDS = {
     ",": re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+(?:\.\d+)?$"),
     ".": re.compile(r"^[+-]?\d{1,3}(?:\.\d{3})+(?:,\d+)?$"),
@@ -110,7 +109,6 @@ def _rewritten(rows, width: int, how: list[str | None]) -> Table | None:
     if len(rows) < 2:
         return None
     first = rows[0][0]
-    # fmt: skip
     size = [
         len(_LIST.match(c)[1].replace(",", " ").replace(";", " ").split())
         if h == "list" and _LIST.match(c)
@@ -188,7 +186,6 @@ def _long(text: str, sample: str) -> Table | None:
     body = [[f.strip().strip('"') for f in x.split(delimiter)] for x in lines[1:-1]]
     if not 3 <= len(head) <= 12 or any(len(r) != len(head) for r in body[:SOME]):
         return None
-    # fmt: skip
     label = next(
         (
             i
@@ -201,7 +198,6 @@ def _long(text: str, sample: str) -> Table | None:
         (i for i, h in enumerate(head) if re.fullmatch(r"(?i)values?|val|reading|data|wert|y", h)),
         None,
     )
-    # fmt: skip
     stamp = next(
         (
             i

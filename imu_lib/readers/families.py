@@ -63,7 +63,6 @@ _VALUE = re.compile(r"([xyz])[ _.-]?(val(?:ue)?|axis|data|reading)", re.IGNORECA
 
 def values(told: list[Meaning], headings) -> list[Meaning]:
     """X_Value beside Y_Value and Z_Value is an axis, no abscissa."""
-    # fmt: skip
     there = {
         m[1].lower(): i for i, h in enumerate(headings) if (m := _VALUE.fullmatch(h.name.strip()))
     }
@@ -98,7 +97,6 @@ def _following(told: list[Meaning], headings) -> list[Meaning]:
         empty = headings[i].kind == "empty" and m.quantity in SIGNALS and not m.axis
         if empty and bare[i + 1 : i + 4] == ["x", "y", "z"]:
             for k, axis in enumerate("xyz", i + 1):
-                # fmt: skip
                 out[k] = Meaning(
                     m.quantity, axis, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`"
                 )
@@ -106,7 +104,6 @@ def _following(told: list[Meaning], headings) -> list[Meaning]:
         if m.quantity in SIGNALS and m.axis == "x" and bare[i + 1 : i + 3] == ["y", "z"]:
             if all(told[k].quantity is None for k in (i + 1, i + 2)):
                 for k, axis in ((i + 1, "y"), (i + 2, "z")):
-                    # fmt: skip
                     out[k] = Meaning(
                         m.quantity, axis, m.unit, m.rank, why=f"behind `{headings[i].name.strip()}`"
                     )
@@ -129,7 +126,6 @@ def behind(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
             continue
         order = _ORDER.search(headings[i].name)
         axes = [a.lower() for a in order.groups()] if order else ["x", "y", "z"]
-        # fmt: skip
         three = [
             Meaning(m.quantity, a, m.unit, m.rank, why=f"under `{headings[i].name.strip()}`")
             for a in axes
@@ -200,7 +196,6 @@ def body_rates(told: list[Meaning], headings) -> list[Meaning]:
     """p, q, r are the body rates of aeronautics where all three stand there, no other column is the
     gyro, and they may not be part of a quaternion.
     """
-    # fmt: skip
     heads = [
         lexicon.SUFFIX.sub("", re.sub(r"[\[(].*", "", h.name).strip().lower()) for h in headings
     ]

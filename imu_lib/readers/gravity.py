@@ -129,7 +129,6 @@ def _far_from_gravity(size: float, unit: str, read: float, axes: int) -> Told | 
         )
     if size < 0.5:
         return None  # what is left when gravity was taken out
-    # fmt: skip
     how = (
         f"if these are counts, counts:{read:.5g} (per g) is near"
         if read > 50

@@ -69,7 +69,6 @@ def letter_g(raw: Raw, told: list[Meaning], headings, values) -> None:
     gravity in g all the time, and the file has no accelerometer: a g-force, or a gyro.
     """
     there = [i for i, m in enumerate(told) if m.quantity == "gyro" and m.axis in ("x", "y", "z")]
-    # fmt: skip
     lone = all(
         re.fullmatch(r"g[_ ]?[\[(]?[xyz][\])]?", headings[i].name.strip().lower()) for i in there
     )
@@ -82,7 +81,6 @@ def letter_g(raw: Raw, told: list[Meaning], headings, values) -> None:
     middle = float(np.nanmedian(size))
     if abs(middle - 1.0) > 0.05 or not np.nanmean(np.abs(size - middle)) < 0.05 * middle:
         return
-    # fmt: skip
     force = [
         replace(m, quantity="accel", unit="g") if i in there else m for i, m in enumerate(told)
     ]

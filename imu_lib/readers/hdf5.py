@@ -50,7 +50,6 @@ def arrays(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
 def _refuse_empty_promise(path, name, item) -> None:
     """InputError where a data set announces what it does not store."""
     stored = item.id.get_storage_size()
-    # fmt: skip
     if (
         item.size > 1000
         and stored * 20_000 < item.size * item.dtype.itemsize

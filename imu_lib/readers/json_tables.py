@@ -153,7 +153,6 @@ def _unpacked(row: dict) -> list[dict]:
     """A message as the samples that it holds: lists of dicts (`ArrayAcc: [{x, y, z}, ...]`) one by
     one, each with what else the message says.
     """
-    # fmt: skip
     lists = {
         k: v
         for k, v in row.items()

@@ -12,7 +12,6 @@ from imu_lib.readers import names
 from imu_lib.readers.fields import COMMENTS, STAMPS, decode, fields, kind
 from imu_lib.readers.header import header_of, rate_said, units_said
 
-# fmt: skip
 _DATA_MARK = re.compile(
     r"^\s*(?:\*+End_of_Header\*+|@data|endheader|DATA_START|\[data\])\s*$", re.IGNORECASE
 )

@@ -45,7 +45,6 @@ def read_oxts(path: Path) -> Raw:
             f"{path}/data: its rows are no {WIDTH} numbers each; unpack the drive again."
         )
     raw = Raw(str(path), line=lambda row: f"data/{files[row].name}")
-    # fmt: skip
     raw.add(
         "date",
         np.array([re.sub(r"(\.\d{9})\d*$", r"\1", s) for s in stamps], dtype=object),

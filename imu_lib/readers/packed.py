@@ -16,7 +16,6 @@ MOST = 8_000_000_000  # bytes unpacked: no log of an IMU
 MAGIC = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz"}
 CLOSED = {b"7z\xbc\xaf": "7-Zip", b"\x28\xb5\x2f\xfd": "Zstandard", b"Rar!": "RAR"}
 _OPEN = {"gzip": gzip.open, "bzip2": bz2.open, "xz": lzma.open}
-# fmt: skip
 _DATA = (
     ".csv",
     ".txt",

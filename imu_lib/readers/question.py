@@ -46,7 +46,6 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
             f"{raw.source} has {many} and {header}, and none of them holds numbers that could be "
             "one; give the file with the readings."
         )
-    # fmt: skip
     free = [
         i
         for i, h in enumerate(headings)

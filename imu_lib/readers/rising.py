@@ -103,7 +103,6 @@ def _refuse_intervals(raw: Raw, stamp: np.ndarray, fall: float, where: str) -> N
     if fall < 0.2 or stamp.min() <= 0 or float(stamp.std()) > 0.5 * mean:
         return
     per = TIME_UNITS.get(raw.units["time"] or "")
-    # fmt: skip
     told = (
         f" --rate {1.0 / (mean * per):.4g}, if each row came so long after the one before"
         if per

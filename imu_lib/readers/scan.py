@@ -22,7 +22,6 @@ _UNIT = re.compile(r"\s*[\])}]?\s*([A-Za-z°µ][\w°/^²*-]*(?:\s?s\^?-?[12])?)(
 _ABUTS = re.compile(r"[\])}]?([A-Za-zµ°][^\s,;=:]*)(?=\s|$)")
 _SAID = re.compile(r"[\s,;]*units?\s*[:=]\s*([^\s,;]+)", re.IGNORECASE)
 #: Whose line it is, where several sensors print one each: `IMU2: GyX = 1`.
-# fmt: skip
 _TAG = re.compile(
     r"^\s*[\[<(]?((?:imu|mpu|sensor|dev|device|node|unit)[ _#-]?\d{1,2})[\]>)]?\s*[:|"
     r">]\s*(?=[A-Za-z])",

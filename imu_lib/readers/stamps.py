@@ -97,7 +97,6 @@ def _untimed(raw: Raw, rate, n) -> Timing:
     count = "counter" in raw.columns
     if rate is None:
         beside = f" (`{raw.headings['counter']}` counts the samples)" if count else ""
-        # fmt: skip
         unread = [
             c.name
             for c in raw.described

@@ -148,7 +148,6 @@ def _drop_events(raw: Raw, stamps: list[np.ndarray]) -> None:
     same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
     shared = empty & (np.r_[same, False] | np.r_[False, same])
     if shared.any():
-        # fmt: skip
         raw.notes += (
             f"{int(shared.sum()):,} rows hold no reading and the stamp of a row beside them: they "
             "were left out.",

@@ -118,7 +118,6 @@ def _messages(lines: list[str], fields: dict[str, list[str]]) -> Table | None:
         places.append(number)
     if len(rows) < 2:
         return None
-    # fmt: skip
     note = (
         (f"{others:,} lines of other messages than {' and '.join(useful)} were left out.",)
         if others

@@ -156,7 +156,6 @@ def all_but_best(told, headings, load) -> list[int]:
     if not values:
         return []
     usable = [i for i in values if not _empty(values[i]) and _moves(values[i])] or times
-    # fmt: skip
     rank = {
         i: (_unevenness(values[i]) == float("inf"), told[i].rank, told[i].unit is None, i)
         for i in usable

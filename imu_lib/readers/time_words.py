@@ -99,7 +99,6 @@ def _time(tokens: list[str], joined: str, name: str) -> Meaning:
     group = "gyro" if of_gyro else "accel" if of_accel else ""
     if tokens[-1] in CYCLES and len(tokens) < 3:
         unit = "ticks"
-    # fmt: skip
     return Meaning(
         "time",
         unit=unit,

@@ -134,7 +134,6 @@ def _refused(words: list[str], have: set[str], axis: str | None) -> Meaning | No
 def _increment(have: set[str], axis: str | None) -> str | None:
     """dtheta, dv, or t for an interval of time; None where a heading names no increment."""
     if have & lexicon.DELTA:
-        # fmt: skip
         for kind, named in (
             ("dtheta", lexicon.DELTA_ANGLE),
             ("dv", lexicon.DELTA_VELOCITY),

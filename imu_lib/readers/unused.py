@@ -19,7 +19,6 @@ def unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
     """
     if raw.rate or any(m.quantity in ("time", "date", "clock", "counter") for m in told):
         return None
-    # fmt: skip
     free = [
         i
         for i, (m, h) in enumerate(zip(told, headings))
@@ -59,7 +58,6 @@ def say(raw: Raw, told: list[Meaning], headings) -> None:
     for kind, word in (("gyro", "gyro"), ("accel", "accelerometer")):
         there = {m.axis for m in told if m.quantity == kind and m.axis}
         if there:
-            # fmt: skip
             unknown = [
                 h.name
                 for m, h in zip(told, headings)
@@ -81,7 +79,6 @@ def say(raw: Raw, told: list[Meaning], headings) -> None:
         if lost:
             said = list(told)
             for axis, i in zip("xyz", [i for i, h in enumerate(headings) if h.name in lost]):
-                # fmt: skip
                 said[i] = Meaning(
                     kind,
                     axis,
