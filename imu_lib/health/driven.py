@@ -23,16 +23,23 @@ def disagreements(drive: Drive) -> list[str]:
     that jumps or lies elsewhere, standard deviations that are not true, velocities in another
     frame.
     """
-    out, right = frames(drive)
+    out, right = _put_right(drive)
     if right is None:
         return out
-    return out + _time(right) + _turns(right) + _weight(right) + _reference(drive) + _fixes(drive)
+    clocks, late = _clocks(right), lateness.late(right)
+    out += clocks or _time(right, late)
+    return out + _turns(right, late[0]) + _weight(right) + _reference(drive) + _fixes(drive)
 
 
 def frames(drive: Drive) -> tuple[list[str], Drive | None]:
-    """What is said of axes and signs, and the drive with them put right; None where the fixes are
-    not even of one frame.
+    """What is said of axes, signs and clocks, and the drive with its axes put right; None where the
+    fixes are not even of one frame.
     """
+    out, right = _put_right(drive)
+    return out if right is None else out + _clocks(right), right
+
+
+def _put_right(drive):
     if fix_faults.positions_swapped(drive):
         return [
             "The fixes' positions are longitude, latitude; a drive holds latitude, longitude: "
@@ -66,7 +73,7 @@ def frames(drive: Drive) -> tuple[list[str], Drive | None]:
             "`imu-lib gap` on this drive with --out DIR writes a model file that holds it, for "
             "--model."
         )
-    return out + _turned(drive) + _clocks(drive), drive
+    return out + _turned(drive), drive
 
 
 def _turned(drive):
@@ -133,10 +140,8 @@ def _held(drive):
     ]
 
 
-def _time(drive):
-    offset, likeness = lateness.late(drive)
-    if _clocks(drive):
-        return []
+def _time(drive, late):
+    offset, likeness = late
     if abs(offset) < LATE:
         return []
     flags = f"--latency {offset:.1f}"
@@ -155,11 +160,11 @@ def _late(offset):
     return f"about {abs(offset):.1f} s {'late' if offset > 0 else 'early'}"
 
 
-def _turns(drive):
+def _turns(drive, late):
     m = fix_motion.motion(drive)
     if m is None or m.moving.sum() < 200 or np.std(m.expected[m.moving, 2]) < 0.02:
         return []
-    steps = int(round(lateness.late(drive)[0] / fix_motion.STEP))
+    steps = int(round(late / fix_motion.STEP))
     expected, felt = np.roll(m.expected[:, 2], -steps)[m.moving], m.readings[m.moving, 2]
     if np.corrcoef(expected, felt)[0, 1] < 0.7:
         return []
