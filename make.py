@@ -3,16 +3,15 @@
 later.
 
 Standard library only. Each task first makes sure that `.venv` holds what environment.txt lists and
-the
-project itself (editable, with its command `imu-lib`); that takes a minute or two once and nothing
-afterwards.
+the project itself (editable, with its command `imu-lib`); that takes a minute or two once and
+nothing afterwards.
 
   book                    execute the chapters on the embedded data, then build book/_build/html
-  test [PYTEST ARGS]      all tests and the notebooks' stored outputs; with arguments, just what
-  they name refresh [NOTEBOOKS]     re-execute chapters (default: all) and store their outputs
-  bench [NAMES]           run benchmarks/NAME.py (default: all) and store their tables pdf
-  the whole book as one PDF (needs Chromium or Chrome) lint                    ruff over the code,
-  rules and format; mypy over the rooms that are typed
+  test [PYTEST ARGS]      all tests and the notebooks' stored outputs; with arguments, just these
+  refresh [NOTEBOOKS]     re-execute chapters (default: all) and store their outputs
+  bench [NAMES]           run benchmarks/NAME.py (default: all) and store their tables
+  pdf                     the whole book as one PDF (needs Chromium or Chrome)
+  lint                    ruff over the code, rules and format; mypy over the rooms that are typed
 """
 
 import contextlib
@@ -55,8 +54,7 @@ def main(arguments):
     return TASKS[task](arguments[1:])
 
 
-# ---- tasks
-# -------------------------------------------------------------------------------------------------
+# ---- tasks --------------------------------------------------------------------------------------
 
 
 def book(arguments):
@@ -128,8 +126,7 @@ def lint(arguments):
 TASKS = {"book": book, "test": test, "refresh": refresh, "bench": bench, "pdf": pdf, "lint": lint}
 
 
-# ---- set-up
-# ------------------------------------------------------------------------------------------------
+# ---- set-up -------------------------------------------------------------------------------------
 
 
 def set_up():
@@ -243,8 +240,7 @@ def lock():
         yield
 
 
-# ---- helpers
-# -----------------------------------------------------------------------------------------------
+# ---- helpers ------------------------------------------------------------------------------------
 
 
 def environment():

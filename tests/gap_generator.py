@@ -53,8 +53,7 @@ class Case:
         np.savez(path, **keys)
 
 
-# -- spectra of samples, one-sided
-# ---------------------------------------------------------------------------
+# -- spectra of samples, one-sided ----------------------------------------------------------------
 
 
 def _spectrum(entry, f, fs):
@@ -155,8 +154,7 @@ def _gain_line(d, s0, fs):
     return float(np.sum(np.abs(np.fft.rfft(d))[1:] ** 2 * 2 / (fs * len(d)) / s0))
 
 
-# -- base models
-# -----------------------------------------------------------------------------------------------
+# -- base models ----------------------------------------------------------------------------------
 
 
 def _base(channel, rng, kind):

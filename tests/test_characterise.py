@@ -188,8 +188,7 @@ def test_real_records(data_dir, name, tmp_path):
         assert channel["likelihood"]["N"]["high"] > 0
 
 
-# -- exports
-# -------------------------------------------------------------------------------------------------------
+# -- exports --------------------------------------------------------------------------------------
 
 
 def test_equivalents_give_a_process_itself():
@@ -247,8 +246,7 @@ def test_export_of_a_gyro_alone_says_what_is_missing():
     assert "no gyro_y" in text(model, "gnss-ins-sim")[1]
 
 
-# -- report
-# --------------------------------------------------------------------------------------------------------
+# -- report ---------------------------------------------------------------------------------------
 
 
 def test_estimates_in_words():

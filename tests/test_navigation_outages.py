@@ -183,8 +183,7 @@ def test_ensembles_do_not_depend_on_who_runs_them():
         ensemble.monte_carlo(_square, 0, seed=1)
 
 
-# -- what real drives throw at a filter
-# ---------------------------------------------------------------------------
+# -- what real drives throw at a filter -----------------------------------------------------------
 MODEL = FilterModel("18AV", PAPER, turn_on_sd=(3e-3, 0.05))
 
 
@@ -295,8 +294,7 @@ def test_alignment_levels_and_finds_the_heading(drive):
     assert alignment.level(np.array([0.0, 0.0, -9.8])) == (0.0, 0.0)
 
 
-# -- real drives
-# ---------------------------------------------------------------------------------------------------
+# -- real drives ----------------------------------------------------------------------------------
 VEHICLE = Model(
     {
         c: WhiteNoise(N=3e-4 if c.startswith("gyro") else 0.05)
