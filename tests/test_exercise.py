@@ -144,7 +144,9 @@ def answer(effect, parameters):
         ('{"student": "01", "channels": {"gyro_x": [{"name": "step"}]}}', 'has no "effect"'),
         ("", "is empty"),
         ("3", "are no answers"),
-        ('{"student": "01", "channels": {"gyrox": []}}', "is gyro_x meant?"),
+        ('{"student": "01", "channels": {"gyros_x": []}}', "is gyro_x meant?"),
+        ('{"student": "01", "channels": [{"effect": "step"}]}', 'has no "channel"'),
+        (answer("step", '{"time": "5:10"}'), 'time is "5:10"; a number in SI units'),
         (answer("sinus", "{}"), "is sinusoid meant?"),
         (answer("step", '{"time": "12 min"}'), 'time is "12 min"; a number in SI units'),
         (answer("step", '{"time": "1,180"}'), 'time is "1,180"; a number in SI units'),
@@ -179,6 +181,51 @@ def test_what_is_meant_is_marked(tmp_path, encoding):
     (tmp_path / "answers.json").write_bytes(json.dumps(given).encode(encoding))
     marks = mark_all(tmp_path, tmp_path / "key.json")
     assert marks["01"].points == pytest.approx(100.0)
+
+
+STEP, TONE = (p for _, _, p in HIDDEN)
+
+
+@pytest.mark.parametrize(
+    "channels",
+    [
+        [{"channel": c, "effect": e, "parameters": p} for c, e, p in HIDDEN],
+        {"gyro_x": {"effect": "step", **STEP}, "accel_z": [{"effect": "sinusoid", **TONE}]},
+        {"GyroX": [{"effect": "Step", **STEP}], "accel.z": [{"effect": "SINUSOID", **TONE}]},
+        {
+            "gyro-x": [{"effect": "step", "parameters": {"amplitude": "1e-4 rad/s", "TIME": 700}}],
+            "Accel Z": {"steps": [{"effect": "sinusoid", "parameters": TONE}]},
+        },
+        {
+            "gyro_x": [{"effect": "step", "parameters": STEP}],
+            "accel_z": [{"effect": "sinusoid", "amplitude": -2e-3, "Frequency": "7 Hz"}],
+        },
+    ],
+)
+def test_odd_forms_of_the_right_answer_get_full_marks(channels):
+    """A flat list, parameters beside the effect, capitals and hyphens, the other phase of a wave."""
+    assert mark(HIDDEN, {"channels": channels}, length=LENGTH).points == pytest.approx(100.0)
+
+
+def test_of_an_effect_named_twice_the_nearer_counts():
+    far = ("gyro_x", "step", {"amplitude": 9.0, "time": 3.0})
+    for given in ((far, *HIDDEN), (*HIDDEN, far)):
+        found = mark(HIDDEN, answered(*given), length=LENGTH)
+        assert (found.named, found.wrong) == (2, 1) and found.points == pytest.approx(90.0)
+
+
+def test_an_empty_sheet_beside_the_answers_is_passed_over(tmp_path):
+    hidden = [{"channel": c, "effect": e, "parameters": p} for c, e, p in HIDDEN]
+    key = {"minutes": 30.0, "students": {"01": hidden, "02": hidden}}
+    (tmp_path / "key.json").write_text(json.dumps(key))
+    for number in ("01", "02"):
+        (tmp_path / f"student_{number}").mkdir()
+        sheet = json.dumps({"student": number, "channels": {}})
+        (tmp_path / f"student_{number}/answers.json").write_text(sheet)
+    given = json.dumps({"student": "Student 1", **answered(*HIDDEN)})
+    (tmp_path / "student_01/Answers final.json").write_text(given)
+    marks = mark_all(tmp_path, tmp_path / "key.json")
+    assert {name: round(m.points) for name, m in marks.items()} == {"01": 100, "02": 0}
 
 
 def test_one_faulty_file_does_not_stop_a_class(tmp_path, capsys):

@@ -39,7 +39,15 @@ SYNONYMS = {
 #: A number with a comma for its point (1,180 may be of thousands, and is asked about), or with the
 #: SI unit that was asked for.
 COMMA = re.compile(r"[+-]?(0*,\d+|\d+,(?!\d{3}(e|$))\d+)(e[+-]?\d+)?", re.IGNORECASE)
-SI = re.compile(r"(.*\d\.?)\s*(s|Hz|1/s|m|rad|rad/s|m/s\^?2|m/s²)")
+SI = re.compile(
+    r"(.*\d\.?)\s*(?:1/s|Hz|(?:s|m|rad)?(?:/s(?:\^?[23]|²|³)?)?(?:/sqrt\(Hz\)|/√Hz)?)",
+    re.IGNORECASE,
+)
+#: What stands beside an answer without being a parameter, as in what `imu-lib gap --json` writes.
+BESIDE = {
+    "channel", "effect", "parameters", "intervals", "where", "confidence", "runner_up",
+    "indistinguishable", "gap_before", "gap_after", "log_likelihood_gain",
+}  # fmt: skip
 
 FORM = '{"channels": {"gyro_x": [{"effect": "step", "parameters": {"time": 12.0}}]}}'
 
@@ -75,13 +83,14 @@ def student_of(given, path: Path, students, key) -> str:
     if not isinstance(given, Mapping):
         raise InputError(f"{path}: these are no answers; answers look like {FORM}.")
     folder = path.parent.name
-    name = given.get("student", folder.removeprefix("student_") if "student_" in folder else None)
+    name = given.get("student", folder if "student_" in folder else None)
     if name is None:
         raise InputError(f'{path}: "student" is missing; it is the number on the sheet.')
-    found = [s for s in students if s == str(name) or s.lstrip("0") == str(name)]
+    name = str(name).strip().lower().removeprefix("student").lstrip("_ ")
+    found = [s for s in students if s == name or s.lstrip("0") == name]
     if len(found) != 1:
         raise InputError(
-            f"{path}: there is no student {str(name)!r} in {key}; "
+            f"{path}: there is no student {name!r} in {key}; "
             '"student" has to be the number on the sheet.'
         )
     return found[0]
@@ -90,6 +99,8 @@ def student_of(given, path: Path, students, key) -> str:
 def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
     """(channel, effect, parameters) of every answer; InputError where one cannot be meant."""
     channels = answers.get("channels") if isinstance(answers, Mapping) else None
+    if isinstance(channels, Sequence) and not isinstance(channels, str):
+        channels = _by_channel(channels, where)
     if isinstance(answers, Mapping) and "drive" in answers:
         channels = {"drive": answers["drive"], **(channels or {})}
     if not isinstance(channels, Mapping):
@@ -104,7 +115,7 @@ def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
             raise InputError(f"{where}: the answers for {channel} are no list of effects.")
         for step in steps:
             effect = step.get("effect") if isinstance(step, Mapping) else None
-            parameters = (step.get("parameters") or {}) if isinstance(step, Mapping) else {}
+            parameters = _parameters(step) if isinstance(step, Mapping) else {}
             if not isinstance(effect, str) or not isinstance(parameters, Mapping):
                 raise InputError(
                     f'{where}: an answer for {channel} has no "effect", or parameters that are '
@@ -116,13 +127,35 @@ def listed(answers: Mapping, where: str) -> list[tuple[str, str, dict]]:
     return out
 
 
+def _by_channel(steps: Sequence, where: str) -> dict[str, list]:
+    """One list of answers, each with its channel, sorted by channel."""
+    out: dict[str, list] = {}
+    for step in steps:
+        if not isinstance(step, Mapping) or not isinstance(step.get("channel"), str):
+            raise InputError(f'{where}: an answer has no "channel"; answers look like {FORM}.')
+        out.setdefault(step["channel"], []).append(step)
+    return out
+
+
+def _parameters(step: Mapping):
+    """The parameters of an answer, which may stand beside its effect as well."""
+    given = step.get("parameters")
+    return {k: v for k, v in step.items() if k not in BESIDE} if given is None else given
+
+
 def plain_name(name: str) -> str:
     """A name as the sheet writes it: `Gyro X` is `gyro_x`."""
-    return name.strip().lower().replace(" ", "_").replace("-", "_")
+    return re.sub(r"[\s.-]+", "_", name.strip().lower())
+
+
+def same_name(name: str, names) -> str | None:
+    """That of the names which differs from this one in capitals, spaces and hyphens alone."""
+    letters = re.sub(r"[\W_]", "", name).lower()
+    return next((n for n in names if n.replace("_", "").lower() == letters), None)
 
 
 def _known(name: str, names, what: str, where: str) -> str:
-    plain = plain_name(name)
+    plain = same_name(name, names) or plain_name(name)
     if plain not in names:
         meant = SYNONYMS.get(plain)
         near = [meant] if meant in names else get_close_matches(plain, names, 1, 0.5)
@@ -133,8 +166,8 @@ def _known(name: str, names, what: str, where: str) -> str:
 
 def _effect(name: str, channel: str, where: str) -> str:
     sheet = tuple(drives.EFFECTS if channel == "drive" else hidden.EFFECTS)
-    plain = plain_name(name)
-    return plain if plain in sheet or plain in _others() else _known(name, sheet, "effect", where)
+    same = same_name(name, sheet) or same_name(name, _others())
+    return same or _known(name, sheet, "effect", where)
 
 
 def _others():

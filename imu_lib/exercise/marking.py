@@ -12,13 +12,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from imu_lib.exercise.answers import listed, plain_name
+from imu_lib.exercise.answers import listed, same_name
 
 NAME_SHARE, FALSE_COST, NONE_FROM = 0.6, 0.2, 3.0
 #: Tolerances, relative to the true value; those of times are relative to the record's length.
 TOLERANCE = {"frequency": 0.005, "time": 0.02, "time_constant": 0.25, "K": 0.3, "rate": 0.3}
 TOLERANCE |= {"N_per_speed": 0.3, "fraction": 0.3}
 USUAL = 0.15
+#: Parameters of which either sign says the same: the phase, or which of two levels comes first.
+EITHER_SIGN = {("sinusoid", "amplitude"), ("telegraph", "amplitude"), ("random_walk", "K")}
 VECTOR = 0.25  # of three values together, relative to the length of the true vector
 
 
@@ -53,22 +55,20 @@ def mark(hidden: Sequence, answers: Mapping, *, length: float, where: str = "the
     given = listed(answers, where)
     earned, named, feedback, used = 0.0, 0, [], set()
     for channel, effect, parameters in hidden:
-        found = next(
-            (
-                i
-                for i, (c, e, _) in enumerate(given)
-                if i not in used and (c, e) == (channel, effect)
-            ),
-            None,
-        )
-        if found is None:
+        judged = {
+            i: _parameters(effect, parameters, told, length)
+            for i, (c, e, told) in enumerate(given)
+            if i not in used and (c, e) == (channel, effect)
+        }
+        if not judged:
             there = [e for i, (c, e, _) in enumerate(given) if c == channel and i not in used]
             said = f"you named {', '.join(there)}" if there else "you named nothing there"
             feedback.append(f"{channel}: there was {effect}; {said}.")
             continue
-        used.add(found)
+        best = max(judged, key=lambda i: judged[i][0])  # of one that is named twice the nearer
+        used.add(best)
         named += 1
-        shares, words = _parameters(parameters, given[found][2], length)
+        shares, words = judged[best]
         earned += NAME_SHARE + (1.0 - NAME_SHARE) * shares
         feedback.append(f"{channel}: {effect} named; {words}.")
     wrong = [(c, e) for i, (c, e, _) in enumerate(given) if i not in used]
@@ -83,14 +83,14 @@ def mark(hidden: Sequence, answers: Mapping, *, length: float, where: str = "the
     return Mark(100.0 * earned / len(hidden), len(hidden), named, len(wrong), tuple(feedback))
 
 
-def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, str]:
+def _parameters(effect: str, true: Mapping, given: Mapping, length: float) -> tuple[float, str]:
     """Share of the parameters' mark, and what to tell the student."""
     shares, words = [], []
-    plain = {name.strip().lower(): value for name, value in given.items()}
+    plain = {same_name(name, true) or name: value for name, value in given.items()}
     for name, value in true.items():
-        answer = given.get(name, plain.get(name.lower()))
+        answer = given.get(name, plain.get(name))
         if isinstance(value, str):  # where it acts
-            right = isinstance(answer, str) and plain_name(answer) == value
+            right = isinstance(answer, str) and same_name(answer, [value]) == value
             shares.append(float(right))
             words.append(f"{name} {'right' if right else 'wrong'}, it was {value}")
             continue
@@ -101,10 +101,12 @@ def _parameters(true: Mapping, given: Mapping, length: float) -> tuple[float, st
             continue
         if not isinstance(answer, (int, float)) or isinstance(answer, bool):
             shares.append(0.0)
-            other = ", ".join(k for k in given if k not in true)
+            other = ", ".join(k for k in plain if k not in true)
             said = f" (given: {other})" if other else ""
             words.append(f"{name} is missing{said}, it was {value:.4g}")
             continue
+        if (effect, name) in EITHER_SIGN and answer * value < 0:
+            answer = -answer
         tolerance = TOLERANCE.get(name, USUAL)
         scale = length if name == "time" else abs(value)
         share, judged = _share(abs(answer - value) / scale / tolerance)

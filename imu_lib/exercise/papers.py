@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -145,7 +147,7 @@ def mark_all(answers, key, *, faulty: dict | None = None) -> dict:
 
     With `faulty` a file that cannot be marked does not stop the others: it becomes path -> sentence
     there, and where none can be marked InputError says all of them. Without `faulty` the first
-    raises it.
+    raises it. The empty sheet of a student who answered in another file is passed over.
     """
     answers = Path(answers)
     if not answers.exists():
@@ -153,13 +155,15 @@ def mark_all(answers, key, *, faulty: dict | None = None) -> dict:
     content = read_json(Path(key))
     if not isinstance(content, dict) or not isinstance(content.get("students"), dict):
         raise InputError(f"{key} is no key of an exercise; name the one that was written with it.")
-    paths = sorted(answers.rglob("answers*.json")) if answers.is_dir() else [answers]
+    paths = _files(answers) if answers.is_dir() else [answers]
     if not paths:
         raise InputError(f"{answers} holds no file answers*.json.")
     marks, faults = {}, {}
     for path in paths:
         try:
             name, found = _marked(path, content, key)
+            if name in marks and _empty(path):
+                continue  # the sheet as it was handed out, beside the one that was filled in
             if name in marks:
                 raise InputError(f"{path}: student {name} has answered in another file already.")
             marks[name] = found
@@ -171,7 +175,24 @@ def mark_all(answers, key, *, faulty: dict | None = None) -> dict:
         raise InputError("\n".join(faults.values()))
     if faulty is not None:
         faulty |= faults
-    return marks
+    return dict(sorted(marks.items()))
+
+
+def _files(folder: Path) -> list[Path]:
+    """Every file of answers below a folder, empty sheets last."""
+    found = [
+        p for p in folder.rglob("*") if re.fullmatch(r"answers.*\.json", p.name, re.IGNORECASE)
+    ]
+    return sorted(found, key=lambda path: (_empty(path), path))
+
+
+def _empty(path: Path) -> bool:
+    """Whether it is the sheet as it was handed out; what cannot be read is not."""
+    with contextlib.suppress(InputError):
+        given = read_json(path)
+        if isinstance(given, dict):
+            return "student" in given and not (given.get("channels") or given.get("drive"))
+    return False
 
 
 def _marked(path: Path, content: dict, key) -> tuple:
