@@ -246,7 +246,9 @@ def test_a_word_of_the_glossary_explains_itself(pages, window):
     assert left >= 0 and right <= WIDTHS[1]
     page, _, name = address.partition("#")
     target = (pages / "nbs" / page).resolve()
-    assert f'id="{name}"' in target.read_text(encoding="utf-8")
+    explained = target.read_text(encoding="utf-8")
+    assert f'id="{name}"' in explained
+    assert all(f'id="term-{word.replace(" ", "-")}"' in explained for word in glossary.terms(ROOT))
     assert not window.problems
 
 

@@ -70,7 +70,8 @@
     const longest = Object.keys(words).sort((a, b) => b.length - a.length);
     const nodes = texts(article);
     for (const word of longest) {
-      const search = new RegExp("(?<![\\w-])" + pattern(word) + "s?(?![\\w-])", "i");
+      const any = word === word.toUpperCase() ? "" : "i";  // SURE is not sure
+      const search = new RegExp("(?<![\\w-])" + pattern(word) + "s?(?![\\w-])", any);
       for (let place = 0; place < nodes.length; place++) {
         const hit = search.exec(nodes[place].data);
         if (!hit) continue;

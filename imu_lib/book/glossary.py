@@ -4,7 +4,7 @@ import json
 import re
 from pathlib import Path
 
-ENTRY = re.compile(r"^(?P<words>\S.*)\n(?P<meaning>(?:[ \t]+\S.*\n?)+)", re.MULTILINE)
+ENTRY = re.compile(r"^(?P<words>(?:\S.*\n)+)(?P<meaning>(?:[ \t]+\S.*\n?)+)", re.MULTILINE)
 
 
 def terms(root: Path) -> dict[str, str]:
@@ -14,7 +14,7 @@ def terms(root: Path) -> dict[str, str]:
     found = {}
     for entry in ENTRY.finditer(body):
         meaning = " ".join(plain(entry["meaning"]).split())
-        for word in entry["words"].split(", "):
+        for word in entry["words"].splitlines():
             found[word] = meaning
     return found
 
