@@ -46,6 +46,7 @@ def order_criteria(choice, *, ax=None):
             label=f"{label}: {choice.orders[label.lower()]}",
         )
     ax.set_yscale("log")
+    ax.xaxis.get_major_locator().set_params(integer=True)
     ax.legend(title="picks")
     return ax
 

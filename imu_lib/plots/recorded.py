@@ -5,9 +5,10 @@ deviation.
 import numpy as np
 from scipy.signal import welch
 
-from imu_lib import allan
+from imu_lib import allan, units
 from imu_lib.errors import UndefinedFormError
 from imu_lib.plots import style
+from imu_lib.plots.record import UNIT
 from imu_lib.processes import Sum
 
 #: Segments of the spectrum, and points of the time series and of the spectrum, at the most.
@@ -27,10 +28,11 @@ def recorded(found, channel, *, axes=None):
         axes = style.grid(1, 3, size=(10.5, 3.0))
     axes = np.ravel(axes)
     curves = found if isinstance(found, dict) else recorded_curves(found, channel)
-    _in_time(axes[0], curves)
-    _spectrum(axes[1], curves)
-    _deviation(axes[2], curves)
-    axes[0].set_title(channel, loc="left")
+    factor, unit = units.datasheet("signal", channel)
+    _in_time(axes[0], curves, *UNIT[channel.partition("_")[0]])
+    _spectrum(axes[1], curves, factor, unit)
+    _deviation(axes[2], curves, factor, unit)
+    axes[0].set_title(style.channel_label(channel), loc="left")
     return axes
 
 
@@ -87,19 +89,20 @@ def _binned(f, power):
     return f[keep], power[keep]
 
 
-def _in_time(ax, c):
-    ax.fill_between(c["time"], c["least"], c["most"], color=style.SKY, lw=0)
-    ax.plot(c["time"], c["mean"], color=style.BLUE, lw=0.6)
+def _in_time(ax, c, factor, unit):
+    least, most, mean = (np.divide(c[name], factor) for name in ("least", "most", "mean"))
+    ax.fill_between(c["time"], least, most, color=style.SKY, lw=0)
+    ax.plot(c["time"], mean, color=style.BLUE, lw=0.6)
     for start, stop in zip(c["spans"][::2], c["spans"][1::2]):
         ax.axvspan(start, stop, color=style.ORANGE, alpha=0.3, lw=0)
     ax.set_xlabel("time, s")
-    ax.set_ylabel("signal less its mean, SI")
+    ax.set_ylabel(f"signal less its mean, {unit}")
 
 
-def _spectrum(ax, c):
-    ax.loglog(c["frequency"], c["power"], color=style.DATA, lw=0.7)
-    if c["model_power"]:
-        ax.loglog(c["frequency"], c["model_power"], color=style.THEORY, lw=1.2)
+def _spectrum(ax, c, factor, unit):
+    for name, colour, width in (("power", style.DATA, 0.7), ("model_power", style.THEORY, 1.2)):
+        if c[name]:
+            ax.loglog(c["frequency"], np.divide(c[name], factor**2), color=colour, lw=width)
     low, high = ax.get_ylim()
     if len(c["lines"]) < MANY:
         for line in c["lines"]:
@@ -108,12 +111,13 @@ def _spectrum(ax, c):
         ax.vlines(c["lines"], low, high, color=style.ORANGE, lw=0.6, alpha=0.1, zorder=0)
     ax.set_ylim(low, high)
     ax.set_xlabel("frequency, Hz")
-    ax.set_ylabel("one-sided PSD, SI/Hz")
+    ax.set_ylabel(f"one-sided density, ({unit})²/Hz")
 
 
-def _deviation(ax, c):
-    ax.loglog(c["tau"], c["deviation"], color=style.DATA, marker=".", ls="none")
+def _deviation(ax, c, factor, unit):
+    ax.loglog(c["tau"], np.divide(c["deviation"], factor), color=style.DATA, marker=".", ls="none")
     if c["model_deviation"]:
-        ax.loglog(c["tau"], c["model_deviation"], color=style.THEORY, lw=1.2)
+        model = np.divide(c["model_deviation"], factor)
+        ax.loglog(c["tau"], model, color=style.THEORY, lw=1.2)
     ax.set_xlabel("averaging time, s")
-    ax.set_ylabel("Allan deviation, SI")
+    ax.set_ylabel(f"Allan deviation, {unit}")

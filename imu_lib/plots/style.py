@@ -1,8 +1,7 @@
 """The look that all figures share, and the few things that every plot function needs.
 
 Colours are those of Okabe and Ito, told apart by colour-blind readers; sizes keep an executed
-chapter small. A plot
-function is decorated with `styled`, takes `ax=None`, and returns the axes:
+chapter small. A plot function is decorated with `styled`, takes `ax=None`, and returns the axes:
 
     @style.styled
     def curve(result, *, ax=None):
@@ -17,8 +16,7 @@ import numpy as np
 from imu_lib import units
 
 # Choosing a backend also switches interactive display on; done inside `styled` that would be
-# undone with the look,
-# and a notebook would show its first figure alone.
+# undone with the look, and a notebook would show its first figure alone.
 plt.switch_backend(plt.get_backend())
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -53,7 +51,10 @@ RC = {
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.3,
     "lines.markersize": 4,
-    "legend.frameon": False,
+    "legend.frameon": True,  # white and without an edge: words are read where they cover a curve
+    "legend.facecolor": "white",
+    "legend.edgecolor": "none",
+    "legend.framealpha": 0.8,
     "legend.fontsize": "small",
     "font.size": 10,
     "font.family": "DejaVu Sans",
