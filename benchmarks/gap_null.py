@@ -1,19 +1,15 @@
 """False alarms of the gap workflow on channels and on whole records in which nothing is hidden.
 
     python benchmarks/gap_null.py --channels 1000 --first 500000
-    python benchmarks/gap_null.py --wide --channels 300 --first 700000     # 20 s to 24 h, 4 Hz to
-    1 kHz python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl
-    # resumes; stores the table python benchmarks/gap_null.py --records 200 --first 600000 --log
-    null.jsonl --part 0/2    # one half, into the log only
+    python benchmarks/gap_null.py --wide --channels 300 --first 700000    # 20 s to 24 h, 4 to 1000 Hz
+    python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl    # goes on from it
+    python benchmarks/gap_null.py --records 200 --first 600000 --log null.jsonl --part 0/2  # a half
 
-Single channels, or whole records of six channels (one hour, 100 Hz, even time stamps, all checks
-of the record: noise in
-common, missing samples, jitter, coherence), drawn from base models of six kinds by the generator
-of the blind tests. What is
-named or left unexplained is a false alarm; a record is one alarm whatever raised it, and so is one
-on which the workflow
-fails. The results go to benchmarks/results/gap_null.json or gap_null_records.json with the
-command, the date and the seeds.
+Single channels, or whole records of six channels (one hour, 100 Hz, even time stamps, all checks of
+the record: noise in common, missing samples, jitter, coherence), drawn from base models of six
+kinds by the generator of the blind tests. What is named or left unexplained is a false alarm; a record is
+one alarm whatever raised it, and so is one on which the workflow fails. The results go to
+benchmarks/results/gap_null.json or gap_null_records.json with the command, the date and the seeds.
 """
 
 from __future__ import annotations

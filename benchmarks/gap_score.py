@@ -1,14 +1,15 @@
 """Score of the gap workflow on records in which effects are hidden.
 
-    python benchmarks/gap_score.py --cases 30 --first 10000 --log cases.jsonl    # every effect,
-    pairs, none, unknown; resumes python benchmarks/gap_score.py --cases 2 --simulations 100 --name
-    gap_score_index   # with the gap index, before and after python benchmarks/gap_score.py --kinds
-    step,telegraph --cases 5 --print
+    python benchmarks/gap_score.py --cases 30 --first 10000 --log cases.jsonl    # goes on from it
+    python benchmarks/gap_score.py --cases 2 --simulations 100 --name gap_score_index
+    python benchmarks/gap_score.py --kinds step,telegraph --cases 5 --print
 
-The generator (tests/gap_generator.py) shares no code with the package. A case counts for the
-naming rate if the hidden
-effect is detectable: a log-likelihood gain of 20 or more at its true parameters. Results go to
-benchmarks/results/gap_score.json with the command, the date and the seeds.
+Each effect of the catalogue, pairs, none, and effects without a name; with `--simulations` the gap
+index before and after as well. The generator (tests/gap_generator.py) shares no code with the
+package. A case counts for the naming rate if the hidden effect is detectable: a log-likelihood gain
+of 20 or more at its true parameters. Results go to benchmarks/results/gap_score.json with the
+command, the date and the seeds. A run that `--minutes` stops keeps its cases in the `--log`; the
+same command goes on from there, and the table is that of all cases in the log.
 """
 
 from __future__ import annotations
@@ -284,6 +285,7 @@ def main(argv=None):
             "command": command,
             "date": date.today().isoformat(),
             "first_seed": args.first,
+            "planned": len(cases),
             "free_base": args.free,
             "table": rows,
             "cases": results,

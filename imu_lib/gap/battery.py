@@ -2,8 +2,7 @@
 simulation.
 
 They are of the raw output, electronics and all. Each is on a scale on which simulations scatter
-about
-normally (logarithms of powers), so that standardising by their scatter makes them comparable.
+about normally (logarithms of powers), so that standardising by their scatter makes them comparable.
 """
 
 from __future__ import annotations

@@ -49,13 +49,12 @@ class ChannelResult:
     """What was found in a channel.
 
     `base` is the model it started from (fitted where none was given), `model` the grown one,
-    `evidence` its log evidence for
-    the cleaned record, `steps` the effects in the order found, `absorbed` what a free base may
-    have swallowed, `unexplained`
-    None or a sentence, `small` departures beyond chance that are too small to matter, `refit`
-    models fitted to the first part of the record, one a simulation, empty where that part does not
-    show every effect, `filled` the number of samples that were filled in, `likely` grown models
-    that stand for what the fit leaves uncertain.
+    `evidence` its log evidence for the cleaned record, `steps` the effects in the order found,
+    `absorbed` what a free base may have swallowed, `unexplained` None or a sentence, `small`
+    departures beyond chance that are too small to matter, `refit` models fitted to the first part
+    of the record, one a simulation, empty where that part does not show every effect, `filled` the
+    number of samples that were filled in, `likely` grown models that stand for what the fit leaves
+    uncertain.
     """
 
     name: str

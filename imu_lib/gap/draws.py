@@ -20,8 +20,7 @@ class Draws:
     every model that has it.
 
     The second process of a kind in a model has a draw of its own; a process of that kind with
-    another time constant is made
-    of the same normal numbers.
+    another time constant is made of the same normal numbers.
     """
 
     def __init__(

@@ -2,9 +2,8 @@
 samples, spikes, missing samples.
 
 Everything else assumes a Gaussian signal, so that these come first; the samples they touch are
-drawn
-anew given the others under the spectrum of the record itself, not of the base model, which may be
-wrong.
+drawn anew given the others under the spectrum of the record itself, not of the base model, which
+may be wrong.
 """
 
 from __future__ import annotations
@@ -39,14 +38,12 @@ EMPTY = 3e-3
 class Clean:
     """A channel with the electronics undone.
 
-    `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside
-    meanwhile, `findings` what was
-    found, `white` the variance of rounding left in every sample, `smooth` the spectrum of `x -
-    coarse`, `step` the grid,
-    `of_integral` the quantization where it is the integral that is rounded, `blind` the bins of
-    the spectrum where samples
-    that were filled in (`filled` many) are stronger than the signal, `swing` how a coarse grid
-    lets the noise rise and fall (n,), 1 where it does not.
+    `x` is clean, `coarse` the deterministic part (lines, gross jumps) that was set aside meanwhile,
+    `findings` what was found, `white` the variance of rounding left in every sample, `smooth` the
+    spectrum of `x - coarse`, `step` the grid, `of_integral` the quantization where it is the
+    integral that is rounded, `blind` the bins of the spectrum where samples that were filled in
+    (`filled` many) are stronger than the signal, `swing` how a coarse grid lets the noise rise and
+    fall (n,), 1 where it does not.
     """
 
     x: np.ndarray
@@ -87,9 +84,8 @@ def undo(
     the channel's model (`Sum`).
 
     `known`, shape (n,), is what the record is known to put into the channel (vibration): it is in
-    the samples that are rounded and clipped, and not in what is clean.
-    A grid is taken for that of a rounded integral whose increments are read out where `integral`
-    is set.
+    the samples that are rounded and clipped, and not in what is clean. A grid is taken for that of
+    a rounded integral whose increments are read out where `integral` is set.
     """
     missing = np.isnan(raw)
     held: dict[str, Any] = {s.name: s for s in base.stages} if base is not None else {}

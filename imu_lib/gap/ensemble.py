@@ -126,8 +126,7 @@ def simulate(
     mask or None) one list over the seeds.
 
     A job has one model, or several that stand for what is uncertain in it: they take turns, by the
-    last number of the seed.
-    `filtered`: the shared noise enters before the low-pass filter.
+    last number of the seed. `filtered`: the shared noise enters before the low-pass filter.
     """
     t = np.arange(n) / fs
     ready = {}
@@ -188,10 +187,9 @@ def index(measured: Battery, rows: list[Battery]) -> Index:
     from the others.
 
     Either is standardised by simulations that it is not itself one of. The distance is the root
-    mean square over all
-    statistics, some 190, in which those that move together count as one; a record's index scatters
-    by 0.06 about 1 where the
-    model is right (0.09 with spikes), a domain's own index, of a few statistics, by more.
+    mean square over all statistics, some 190, in which those that move together count as one; a
+    record's index scatters by 0.06 about 1 where the model is right (0.09 with spikes), a domain's
+    own index, of a few statistics, by more.
     """
     many = stack(rows)
     domains = [d for d, s in many.items() if s.shape[1]]
@@ -217,8 +215,7 @@ def _weights(s: Array) -> np.ndarray:
     statistics).
 
     The mean of correlated squares scatters the least, nearly, where each has the weight 1 / sum of
-    its squared correlations
-    with all; those that chance allows (1 %) are left out.
+    its squared correlations with all; those that chance allows (1 %) are left out.
     """
     moves = s.std(axis=0) > 1e-6 * (1 + np.abs(s.mean(axis=0)))
     out = np.ones(s.shape[1])

@@ -20,15 +20,15 @@ from imu_lib.faults.finding import named, seconds
 from imu_lib.faults.soundness import Sound
 from imu_lib.faults.standing import stands
 from imu_lib.gap import record_level
+from imu_lib.gap.silent import MOST_LOST, says_nothing
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
 from imu_lib.processes import Process, from_json
 from imu_lib.record import Record
 
-#: Beyond these shares a channel is left out (missing; stuck at one value; one value scattered all
-#: over), and a record is cut to its longest stretch: there is no noise left to compare, or a filled
-#: hole would be taken for what the sensor does.
-MOST_LOST, LONGEST_STUCK, MOST_ALIKE, LONGEST_HOLES = 0.5, 0.1, 0.95, 0.2
+#: Share of the record that is missing in holes beyond which it is cut to its longest stretch: a
+#: filled hole would be taken for what the sensor does.
+LONGEST_HOLES = 0.2
 #: Samples that the workflow needs; means of bursts that it needs (24 of 830 normal samples raised
 #: no alarm, with a model and without).
 LEAST, LEAST_BURSTS = 2000, 800
@@ -80,35 +80,16 @@ def ready(record: Record, model: Model | None = None) -> Ready:
             "or more."
         )
     findings = faults.find(record)
-    still = {c for f in findings if stands(f) for c in f.channels}
-    left_out = _silent(record, still) | {
-        f.channels[0]: f"is {f.parameters['of']} again"
-        + (" with the sign reversed" if f.parameters["sign"] < 0 else "")
-        + ", one measurement in two columns"
-        for f in findings
-        if f.kind == "copied"
-    }
-    left_out |= {
-        c: f"stands at {f.parameters['value']:.4g} in "
-        f"{np.mean(record.channels[c] == f.parameters['value']):.0%} "
-        "of its samples between values on both sides, a dead zone that hides its noise"
-        for f in findings
-        if f.kind == "dead_zone"
-        for c in f.channels
-    }
-    kept = {c: x for c, x in record.channels.items() if c not in left_out}
-    if not kept:
-        raise InputError(_nothing(record, left_out))
+    left_out = says_nothing(record, findings)
+    kept = _kept(record, left_out, record)
     whole = replace(record, channels=kept)
     sound = faults.sound(whole, _of(findings, kept), holes=_hollow(whole))
     masked = sound.record
-    for c in list(masked.channels):  # what is held or dropped most of the time
-        lost = float(np.isnan(masked.channels[c]).mean())
+    for c, x in masked.channels.items():  # what is held or dropped most of the time
+        lost = float(np.isnan(x).mean())
         if lost > MOST_LOST:
             left_out[c] = f"is no measurement in {lost:.0%} of the samples" + _still(findings, c)
-    kept = {c: x for c, x in masked.channels.items() if c not in left_out}
-    if not kept:
-        raise InputError(_nothing(record, left_out))
+    kept = _kept(masked, left_out, record)
     _enough(masked.n, record, findings)
     masked = replace(masked, channels=kept)
     held = {p.name for p in model.record} if model is not None else set()
@@ -129,6 +110,24 @@ def ready(record: Record, model: Model | None = None) -> Ready:
         tuple(_notes(left_out, sound, travelling.sentence(masked))),
         doubt,
         findings,
+    )
+
+
+def _kept(part: Record, left_out: dict[str, str], record: Record) -> dict[str, Array]:
+    """The channels of a part of `record` that are not left out.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
+    kept = {c: x for c, x in part.channels.items() if c not in left_out}
+    if kept:
+        return kept
+    why = "; ".join(f"{c} {reason}" for c, reason in left_out.items())
+    raise InputError(
+        f"{_name(record)}: no channel says anything of its noise (stuck, missing or rounded away: "
+        f"{why}); check the logger."
     )
 
 
@@ -160,14 +159,6 @@ def _name(record: Record) -> str:
     return record.source or record.name or "the record"
 
 
-def _nothing(record: Record, left_out: dict[str, str]) -> str:
-    why = "; ".join(f"{c} {reason}" for c, reason in left_out.items())
-    return (
-        f"{_name(record)}: no channel says anything of its noise (stuck, missing or rounded away: "
-        f"{why}); check the logger."
-    )
-
-
 def _of(findings: tuple[Finding, ...], channels: dict[str, Array]) -> tuple[Finding, ...]:
     """Findings that concern the channels kept."""
     return tuple(f for f in findings if not f.channels or set(f.channels) & set(channels))
@@ -189,32 +180,6 @@ def _still(findings: tuple[Finding, ...], channel: str) -> str:
     """From when to when a channel stands still, in words."""
     spans = [(f.start, f.stop) for f in findings if stands(f) and channel in f.channels]
     return "".join(f", frozen from {seconds(a)} to {seconds(b)} s" for a, b in spans)
-
-
-def _silent(record: Record, still: set[str]) -> dict[str, str]:
-    """Channels that say next to nothing, and why; those of `still` stand still for a part that is
-    known and masked.
-    """
-    out = {}
-    for channel, x in record.channels.items():
-        lost = np.isnan(x).mean()
-        edges = np.flatnonzero(np.concatenate([[True], np.diff(x) != 0, [True]]))
-        run = np.diff(edges).max() / len(x)
-        same = (x == np.nanmedian(x)).mean()
-        reason = (
-            f"is missing in {lost:.0%} of the samples"
-            if lost > MOST_LOST
-            else "never changes"
-            if same == 1
-            else f"is stuck at one value for {run:.0%} of the record"
-            if run > LONGEST_STUCK and channel not in still
-            else f"has one value in {same:.0%} of its samples, which hides its noise"
-            if same > MOST_ALIKE
-            else None
-        )
-        if reason:
-            out[channel] = reason
-    return out
 
 
 def _hollow(record: Record) -> bool:

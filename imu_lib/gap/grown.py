@@ -37,8 +37,7 @@ def grown(
     amplitudes, stages.
 
     `shared` terms after the base's own stand for noise that the record accounts for; they are left
-    out. `fit` takes the
-    place of the state's own.
+    out. `fit` takes the place of the state's own.
     """
     fit = state.fit if fit is None else fit
     terms = [t for t in base.terms]
@@ -86,9 +85,8 @@ def refits(
     the record alone.
 
     The distribution is normal about the fit, in logarithms but for the amplitudes of drifts: what
-    is predicted from the first
-    part scatters by the noise and by what the first part leaves open. Empty where an effect
-    happens only in the rest.
+    is predicted from the first part scatters by the noise and by what the first part leaves open.
+    Empty where an effect happens only in the rest.
     """
     data = state.data
     n = int(FITTED * data.n)

@@ -31,14 +31,12 @@ def spike_odds(y: Array, p: float, scale: float) -> np.ndarray:
 def deconvolved(
     y: Array, smooth: Smooth, *, least: float = 5.0, reach: int = 256, rounds: int = 10
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Surprises of which each stands for its own sample alone, shape (n,), and the samples that
-    may be off in place of
-    another, mask (n,).
+    """Surprises of which each stands for its own sample alone, shape (n,), and the samples that may
+    be off in place of another, mask (n,).
 
     In coloured noise a sample that is thrown off makes its neighbours surprising, too, as the
-    correlation of the surprises
-    says. The heights of those beyond `least` are estimated together, the strongest first, and the
-    rest is freed of them.
+    correlation of the surprises says. The heights of those beyond `least` are estimated together,
+    the strongest first, and the rest is freed of them.
     """
     size = 4096
     response = irfft(1.0 / smooth.on(size), size)[: reach + 1]

@@ -1,5 +1,5 @@
-"""A record made ready, and what its channels have in common, found before any of them is
-looked at.
+"""A record made ready, and what its channels have in common, found before any of them is looked
+at.
 """
 
 from __future__ import annotations

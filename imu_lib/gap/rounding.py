@@ -37,10 +37,9 @@ class Rounding:
     """Rounded samples `x`, shape (n,), of fast noise `smooth` on a `grid` (step, offset).
 
     `base` (n,) is the slow part before the rounding and `variance` that of the fast noise before
-    it, both in steps;
-    `slope` is how much faster the variance after it grows, `swing` (n,) how the noise after it
-    rises and falls as the slow
-    part moves between two levels (1 where that is less than a per cent).
+    it, both in steps; `slope` is how much faster the variance after it grows, `swing` (n,) how the
+    noise after it rises and falls as the slow part moves between two levels (1 where that is less
+    than a per cent).
     """
 
     def __init__(self, x: Array, smooth: Smooth, grid: tuple[float, float]) -> None:

@@ -113,8 +113,7 @@ DOUBTFUL = 1.5
 
 def resonances(state: State, y: Array) -> list[Check]:
     """Whether a noise that was added at a place in the spectrum is there all the time and all over
-    its width: a tone that
-    wanders or sweeps fills the same place on average."""
+    its width: a tone that wanders or sweeps fills the same place on average."""
     places = [state.assembly.place(c) for c in state.items if c.effect.local]
     found = [state.fit.terms[at] for at in places]
     if not found:

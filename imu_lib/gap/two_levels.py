@@ -29,9 +29,8 @@ def _cosines(x: Array) -> Array:
 
 def _amplitude(y: Array, w: Array, v: float, var: float, quiet: Any) -> tuple[float, float]:
     """Distance of the two levels by generalised least squares of `y` on the expected states `w` -
-    of variance `v` each - and its
-    standard deviation; `quiet` is the share of white noise, of variance `var`, in the noise at
-    each ordinate.
+    of variance `v` each - and its standard deviation; `quiet` is the share of white noise, of
+    variance `var`, in the noise at each ordinate.
 
     `y` and `w` are given by their cosine transforms.
     """
@@ -45,11 +44,9 @@ def _beyond_spectrum(
     """Log-likelihood of two levels beyond that of the Gaussian process of the same spectrum.
 
     The first is a lower bound: the expectation over the paths, of probability `ll` under white
-    noise of variance `var` in
-    `rest` = `y` less its drift, of the likelihood of `y` under the noise with its drift, less
-    their divergence from what
-    the flips foretell. The second is Whittle's, on the same cosine transform. Equal where the
-    noise is white.
+    noise of variance `var` in `rest` = `y` less its drift, of the likelihood of `y` under the noise
+    with its drift, less their divergence from what the flips foretell. The second is Whittle's, on
+    the same cosine transform. Equal where the noise is white.
     """
     n = len(y)
     power, left = _cosines(y)[1:] ** 2, _cosines(y - a * w)[1:] ** 2

@@ -2,10 +2,8 @@
 goodness-of-fit test.
 
 BIC = k log(b) - 2 log L with b the number of statistics: the samples of one flat spectrum say
-nothing about the slow
-end, so counting them would ask for too much. The winner of a comparison is the best of what was
-offered, no more: its
-p-value says whether the record could have come from it.
+nothing about the slow end, so counting them would ask for too much. The winner of a comparison is
+the best of what was offered, no more: its p-value says whether the record could have come from it.
 """
 
 from __future__ import annotations
@@ -161,11 +159,9 @@ def fast_end(x: Any, fs: Any) -> FastEnd:
     spectrum.
 
     A moving average (its length found on a ten times finer grid than the sampling), Butterworth
-    filters of orders
-    1 and 2 and quantization compete against a flat end; a slow slack (flicker and a walk) absorbs
-    what is below.
-    Where none of them fits, the spectrum is used up to the frequency where it stops being
-    explicable.
+    filters of orders 1 and 2 and quantization compete against a flat end; a slow slack (flicker and
+    a walk) absorbs what is below. Where none of them fits, the spectrum is used up to the frequency
+    where it stops being explicable.
     """
     stats = x if isinstance(x, Statistics) else Statistics.of(x, fs)
     fs = stats.rate

@@ -1,13 +1,11 @@
 """The likelihood of a model, given the statistics of a record, and how well the model fits.
 
-With P_b the summed ordinates of band b, m_b their number and S_b their expectation under the
-model,
+With P_b the summed ordinates of band b, m_b their number and S_b their expectation under the model,
 
     log L = -1/2 sum_b [ m_b log S_b + P_b / S_b ]
 
 up to a constant that no model changes: a Gaussian likelihood of single coefficients at the slow
-end, the gamma
-likelihood of the frequency-averaged periodogram at the fast end, in one formula.
+end, the gamma likelihood of the frequency-averaged periodogram at the fast end, in one formula.
 """
 
 from __future__ import annotations
@@ -88,8 +86,7 @@ def log_likelihood(stats: Statistics, model: Any, *, temperature: Array | None =
     stats : Statistics
     model : Sum or Process
         Every parameter has a value. Random terms enter by their spectrum (behind the low-pass
-        filter, with the
-        variance that spikes and rounding add), deterministic ones by their mean.
+        filter, with the variance that spikes and rounding add), deterministic ones by their mean.
     temperature : ndarray, shape (n,), optional
         For a temperature term, degC.
 
@@ -127,8 +124,7 @@ def goodness(
     """p-value of the hypothesis that the record has this spectrum.
 
     Chi-square sums of normal scores over all bands and over `per_decade` bands a decade, where a
-    smooth misfit adds
-    up; the smallest of their p-values counts as the smallest of three (Sidak).
+    smooth misfit adds up; the smallest of their p-values counts as the smallest of three (Sidak).
 
     Parameters
     ----------

@@ -23,10 +23,8 @@ def flat_level(fit: Fit) -> Estimate:
     interval by profile.
 
     The standard error of a flat level grows with the level, so that an interval from the fit's
-    covariance would be too
-    short upwards. The profile holds the level and lets all parameters go along with it; drifts
-    stay as they were
-    fitted.
+    covariance would be too short upwards. The profile holds the level and lets all parameters go
+    along with it; drifts stay as they were fitted.
     """
     stats, theta, noise = fit.statistics, fit.theta, fit.template.noise
     problem = Problem.of(replace(stats, power=fit.power), noise)

@@ -1,8 +1,7 @@
 """What a spectrum makes of the first cosine coefficients of a finite record.
 
 The p-th cosine coefficient of a record of length T gathers the one-sided density S(f) with the
-weight
-|W_p(u)|^2, u = f T, of its window w_p(s) = sqrt(2) cos(pi p s), 0 <= s <= 1:
+weight |W_p(u)|^2, u = f T, of its window w_p(s) = sqrt(2) cos(pi p s), 0 <= s <= 1:
 
     |W_p(u)|^2 = 4 a^2 (1 - (-1)^p cos a) / (a^2 - pi^2 p^2)^2,   a = 2 pi u,
 

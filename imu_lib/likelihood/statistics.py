@@ -1,25 +1,20 @@
 """A whole record, compressed once into some hundred numbers that are nearly independent.
 
 The record is taken through one discrete cosine transform (DCT-II). Its coefficients c_p, p = 1 ..
-n-1, leave the
-mean out (turn-on bias, gravity, Earth rate: a nuisance), and they diagonalise the covariance of
-the noises that make
-up an error model: exactly for white noise and for the random walk (the differences of both have
-tridiagonal
-covariances, whose eigenvectors are sines), nearly for flicker and Gauss-Markov. In units of a
-one-sided density,
+n-1, leave the mean out (turn-on bias, gravity, Earth rate: a nuisance), and they diagonalise the
+covariance of the noises that make up an error model: exactly for white noise and for the random
+walk (the differences of both have tridiagonal covariances, whose eigenvectors are sines), nearly
+for flicker and Gauss-Markov. In units of a one-sided density,
 
     I_p = 2 c_p^2 / fs,    E I_p = S(p fs / 2n)  (`kernel` for the first ones),    I_p / E I_p ~
     chi-square, 1 dof.
 
-The slow end is kept coefficient by coefficient; from `1/WIDTH` on, neighbours are summed over
-bands of relative width
-`WIDTH`, in which the density is a constant: seven hours at 100 Hz become about 450 numbers, and
-nothing is lost that a
-smooth spectrum could show. Slow and fast need no seam: they are one orthogonal transform
-(`Statistics.of`). Where a filter may be, the bare transform would fill its stop band with what it
-lets through, some 1/n of it: `Statistics.split` takes the fast end from a tapered periodogram, in
-the same units and the same formula.
+The slow end is kept coefficient by coefficient; from `1/WIDTH` on, neighbours are summed over bands
+of relative width `WIDTH`, in which the density is a constant: seven hours at 100 Hz become about
+450 numbers, and nothing is lost that a smooth spectrum could show. Slow and fast need no seam: they
+are one orthogonal transform (`Statistics.of`). Where a filter may be, the bare transform would fill
+its stop band with what it lets through, some 1/n of it: `Statistics.split` takes the fast end from
+a tapered periodogram, in the same units and the same formula.
 """
 
 from __future__ import annotations
@@ -92,8 +87,7 @@ class Statistics:
             end).
         exclude_lines : bool
             Leave out single ordinates that stand out of their band as one in 1e9 would (mains,
-            vibration), and list
-            them in `lines`.
+            vibration), and list them in `lines`.
         width : float
             Relative width of a band.
 

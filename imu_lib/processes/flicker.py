@@ -25,10 +25,9 @@ class Flicker(Process):
     """Bias instability: noise with two-sided density B^2 / (2 pi f).
 
     Its samples are the half-integrated white noise of Kasdin (1995), (1 - z^-1)^(-1/2) w with
-    standard deviation B: density B^2 dt / (2 sin(pi f dt)), which is the same at low frequency.
-    The increments over d samples then have the variance
-    (2 B^2 / pi) (digamma(d + 1/2) - digamma(1/2)), and the Allan variance tends to
-    (2 ln2 / pi) B^2, the square of 0.664 B.
+    standard deviation B: density B^2 dt / (2 sin(pi f dt)), which is the same at low frequency. The
+    increments over d samples then have the variance (2 B^2 / pi) (digamma(d + 1/2) - digamma(1/2)),
+    and the Allan variance tends to (2 ln2 / pi) B^2, the square of 0.664 B.
 
     Parameters
     ----------

@@ -8,7 +8,9 @@ from scipy.ndimage import median_filter
 
 from imu_lib.arrays import Array
 from imu_lib.gap.data import Data
+from imu_lib.gap.state import MIN_EVIDENCE
 from imu_lib.likelihood import tapered
+from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH
 from imu_lib.processes import Sinusoid as Process
 from imu_lib.processes import Sum
 
@@ -16,12 +18,28 @@ from .base import Finding, SignalEffect
 
 #: First ordinate that is searched: slower oscillations are drifts.
 FIRST = 32
-#: Independent frequencies per sample: n / 2 ordinates, and the largest of a periodogram between
-#: them exceeds that on them as if there were 2.5 times as many (oversampled twice).
-INDEPENDENT = 1.25
-#: Gain in log-likelihood of a line among all frequencies: exceeded by noise in one of a thousand
-#: channels of an hour at 100 Hz, 1.25 n exp(-20).
-THRESHOLD = 20.0
+#: Gain in log-likelihood below which a line is not told however short the record.
+LEAST_GAIN = 20.0
+
+
+def occam(gain: float, n: int) -> float:
+    """Log evidence that the freedom of a line costs: its amplitude log-uniform over the width of
+    all amplitudes, its phase and its frequency anything, against what is left of each where the
+    line has that gain (Cramer and Rao: 1 / snr of the amplitude and of the phase, sqrt(3) / (pi T
+    snr) Hz of the frequency, snr^2 twice the gain).
+    """
+    volume = np.sqrt(2 * np.pi) ** 3 * np.sqrt(3.0) / np.pi * (2.0 * gain) ** -1.5
+    return float(np.log(volume / (AMPLITUDE_WIDTH * 2 * np.pi * n / 2)))
+
+
+def threshold(n: int) -> float:
+    """Gain from which on a line is told: its evidence is what any other effect has to add. Noise
+    alone reaches it in one of six thousand channels of an hour at 100 Hz (Rice 1944).
+    """
+    gain = LEAST_GAIN
+    for _ in range(10):  # a change of the gain by one moves the right side by 1.5 / gain
+        gain = MIN_EVIDENCE - occam(gain, n)
+    return max(gain, LEAST_GAIN)
 
 
 def local_level(power: Array) -> np.ndarray:
@@ -115,14 +133,17 @@ class Sinusoid(SignalEffect):
         return any(abs(f - finding.process.frequency) < 2 / data.duration for f in known)
 
     def find(
-        self, data: Data, *, most: int = 6, threshold: float = THRESHOLD
+        self, data: Data, *, most: int = 6, least: float | None = None
     ) -> tuple[list[tuple[Finding, Array]], Data]:
-        """All lines, strongest first: list of (Finding, signal) and the data without them."""
+        """All lines of a gain of `least` (the `threshold` of the record where not given), strongest
+        first: list of (Finding, signal) and the data without them.
+        """
         found: list[tuple[Finding, Array]] = []
+        least = threshold(data.n) if least is None else least
         level = local_level(np.abs(data.z) ** 2 / data.fs)
         for _ in range(most):
             f, ratio = self.strongest(data, level)
-            if ratio < 0.6 * threshold:
+            if ratio < 0.6 * least:
                 break
             process, signal = self.refine(data, f)
             size = tapered.padded(data.n)
@@ -132,12 +153,12 @@ class Sinusoid(SignalEffect):
                 level[i], *(_around(data, i, level[i], reach) for reach in (30, min(400, i // 3)))
             )
             gain = process.amplitude**2 * data.n / (2 * data.fs * density)
-            if gain < threshold:
+            if gain < least:
                 break
             decibel = 10 * np.log10(ratio)
             sd_a = np.sqrt(density * data.fs / data.n)
             snr = process.amplitude / sd_a
-            sd_f = np.sqrt(6) / (np.pi * data.duration * snr)
+            sd_f = np.sqrt(3) / (np.pi * data.duration * snr)
             item = Finding(
                 self,
                 process,
@@ -150,7 +171,7 @@ class Sinusoid(SignalEffect):
                     "phase": [process.phase - 3.92 / snr, process.phase + 3.92 / snr],
                 },
             )
-            item.places = INDEPENDENT * data.n
+            item.places = np.exp(-occam(gain, data.n))
             item.doubt = self.doubt(clean, process, level)
             near = any(
                 abs(other.process.frequency - process.frequency) < 20 * data.fs / size

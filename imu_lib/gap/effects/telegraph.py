@@ -14,6 +14,7 @@ from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, State
 from imu_lib.gap.two_levels import TwoLevels, decoded
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.likelihood.evidence import Maximum, amplitude_occam
+from imu_lib.likelihood.slot import FILTER
 from imu_lib.processes import Telegraph as Process
 
 from .competitor import Competitor, factor, process_parameters
@@ -48,19 +49,26 @@ class Telegraph(Competitor):
     process = Process
 
     def candidates_beside(self, state: State, weighed: list[Weighed]) -> list[Candidate]:
-        """Two levels instead of the noises that would otherwise explain a red spectrum."""
-        return self._decoded(state, self._starts(state, weighed))
+        """Two levels instead of the noises that would otherwise explain a red spectrum, and beside
+        a noise that has taken them for its own: one whose parameters an item has set free.
+        """
+        free = set(state.assembly.slots) - {s.index for s in state.base_slots} - {FILTER}
+        noises = [state.fit.terms[place] for place in free]
+        beside = [c for term in noises for c in self.candidates_in_place(state, term, state)]
+        return self._decoded(state, self._starts(state, weighed)) + beside
 
     def candidates_in_place(self, state: State, term: Any, without: State) -> list[Candidate]:
         if not isinstance(term, TWIN.process):
             return []
         start = Process(amplitude=2 * term.sigma, rate=0.5 / term.correlation_time)
-        item = self._item(without, decoded(*self._seen(state, start, term)))
+        held = self._held(without)
+        item = self._item(without, decoded(*self._seen(state, start, term)), held)
         for _ in range(AGAIN):
             if item is None:
                 return []
             fit = without.plus(item).fit
-            item = self._item(without, decoded(*self._seen(without, item.process, fit=fit)))
+            again = decoded(*self._seen(without, item.process, fit=fit))
+            item = self._item(without, again, held)
         return [] if item is None else [item]
 
     def path(self, state: State, term: Any) -> Array | None:
