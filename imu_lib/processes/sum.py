@@ -15,6 +15,7 @@ from imu_lib.errors import InputError, UndefinedFormError
 from . import filter_memory, realisation
 from .base import Process, StateSpace
 from .heavy_tails import HeavyTails
+from .images import images
 from .low_pass import LowPass
 from .sampled import avar_from_short_memory, cluster_size
 from .stage import Stage
@@ -182,13 +183,9 @@ class Sum:
         if low_pass is None or fs is None:
             out = self._psd_of_terms(f, fs, behind=False)
         else:
-            ratio = low_pass.ratio(fs)
-            rate = ratio * fs
-            out = np.zeros(f.shape)
-            for k in range(ratio):  # the images that the sampling folds onto f
-                image = np.mod(f + k * fs, rate)
-                image = np.minimum(image, rate - image)
-                out = out + low_pass.gain(image, fs) * self._psd_of_terms(image, rate, behind=False)
+            rate, out = low_pass.ratio(fs) * fs, np.zeros(f.shape)
+            for image, gain in images(low_pass, f, fs):
+                out = out + gain * self._psd_of_terms(image, rate, behind=False)
         out = out + self._psd_of_terms(f, fs, behind=True)
         return out + 2.0 * self._added(fs) / (fs or 1.0)
 
