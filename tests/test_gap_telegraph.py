@@ -17,7 +17,7 @@ from imu_lib.gap.two_levels import (
 )
 from imu_lib.processes import Sum, Telegraph, from_json
 
-FS, N = 100.0, 360_000
+FS, N = 100.0, 180_000
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -98,6 +98,26 @@ def test_levels_lost_in_the_noise_are_told_from_a_gauss_markov_process(rate, see
             Sum.of(from_json(e) for e in base),
         )
         assert [s.effect for s in found.steps if s.effect in truth] == [name]
+
+
+@pytest.mark.parametrize("flips", [True, False])
+def test_levels_beside_a_changed_parameter_are_not_taken_for_it(flips):
+    """A Gauss-Markov process of the base that is four times as strong as the model says follows the
+    levels, too: alone in the record, it has no levels.
+    """
+    rng, fs, n = np.random.default_rng(5), 50.0, 90_000
+    white = {"process": "white_noise", "N": 2e-4}
+    slow = {"process": "gauss_markov", "sigma": 3e-5, "correlation_time": 60.0}
+    parts = [white, {**slow, "sigma": 1.2e-4}]
+    if flips:
+        parts += [{"process": "telegraph", "amplitude": 4e-4, "rate": 0.02}]
+    x = sum(generator._noise(entry, n, fs, rng) for entry in parts)
+    found = analyse("gyro_x", x, fs, Sum.of(from_json(e) for e in (white, slow)))
+    sure = {s.effect for s in found.steps if s.confidence > 0.9}
+    assert sure == ({"telegraph"} if flips else set())
+    # of the change a record of half an hour shows that, and not surely which noise has changed
+    (other,) = (s for s in found.steps if s.effect != "telegraph")
+    assert "parameter_change" in (other.effect, *other.indistinguishable)
 
 
 def test_the_spread_of_the_rate_is_that_of_many_records():

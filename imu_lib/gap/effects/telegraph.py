@@ -15,6 +15,7 @@ from imu_lib.gap.two_levels import TwoLevels, decoded
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.likelihood.evidence import Maximum, amplitude_occam
 from imu_lib.likelihood.slot import FILTER
+from imu_lib.processes import GaussMarkov2
 from imu_lib.processes import Telegraph as Process
 
 from .competitor import Competitor, factor, process_parameters
@@ -58,7 +59,7 @@ class Telegraph(Competitor):
         return self._decoded(state, self._starts(state, weighed)) + beside
 
     def candidates_in_place(self, state: State, term: Any, without: State) -> list[Candidate]:
-        if not isinstance(term, TWIN.process):
+        if not isinstance(term, (TWIN.process, GaussMarkov2)):
             return []
         start = Process(amplitude=2 * term.sigma, rate=0.5 / term.correlation_time)
         held = self._held(without)
