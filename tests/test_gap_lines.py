@@ -28,8 +28,9 @@ def test_chance_makes_no_more_lines_than_rice_foretells():
     for gain in (9.0, 10.0, 11.0):
         expected = records * by_chance(gain, n)
         count = np.sum(np.array(gains) >= gain)
-        # levels around a line are taken from the loudest of three widths: fewer, not more
-        assert 0.2 * expected < count < expected + 3 * np.sqrt(expected)
+        # near the least gain of the search a louder place may hide the next; of a density that is
+        # known from 2 x 400 ordinates a gain g is exceeded exp(g^2 / 1600) times as often
+        assert 0.4 * expected < count < 1.1 * expected + 3 * np.sqrt(expected)
 
 
 @pytest.mark.parametrize("n", [2_000, 60_000, 360_000, 8_640_000])
