@@ -7,6 +7,8 @@ import numpy as np
 from statsmodels.stats.proportion import proportion_confint
 
 SURE = 0.9
+#: Noises of which two are one of another strength.
+SAME = ("flicker", "random_walk", "quantization", "white_noise")
 #: Parameters that describe an effect and are not estimated.
 DESCRIBES = ("process", "name", "from", "reference", "channels", "taps", "order", "phi")
 
@@ -31,11 +33,18 @@ def same_spectrum(step, truth):
     if step["channel"] != truth["channel"]:
         return False
     a, b = (step["parameters"].get("process") or step["effect"]), truth["effect"]
-    return (
-        step["effect"] == "parameter_change"
-        and a == b
-        and b in ("flicker", "random_walk", "quantization", "white_noise")
-    )
+    return step["effect"] == "parameter_change" and a == b and b in SAME
+
+
+def _lists(step, truth):
+    """Whether a step of its channel lists a truth: by name, or as the change of the parameter that
+    has the same spectrum.
+    """
+    changed = {(p["process"], p["name"]) for p in step.get("changes", ())}
+    if truth["effect"] == "parameter_change" and changed:
+        return (truth["parameters"]["process"], truth["parameters"]["name"]) in changed
+    alike = truth["effect"] in SAME and truth["effect"] in {process for process, _ in changed}
+    return alike or truth["effect"] in step["indistinguishable"]
 
 
 def judge(r):
@@ -58,10 +67,7 @@ def judge(r):
     fits = lambda s, t: matches(s, t) or same_spectrum(s, t)  # noqa: E731
     named = [any(fits(s, t) for s in r["steps"]) for t in known]
     listed = [
-        any(
-            fits(s, t) or s["channel"] == t["channel"] and t["effect"] in s["indistinguishable"]
-            for s in r["steps"]
-        )
+        any(fits(s, t) or s["channel"] == t["channel"] and _lists(s, t) for s in r["steps"])
         for t in known
     ]
     extra = [s for s in r["steps"] if not any(fits(s, t) for t in r["truths"])]

@@ -105,6 +105,7 @@ def run(case, *, free=False, simulations=0):
             "parameters": s.to_json()["parameters"],
             "intervals": s.to_json()["intervals"],
             "indistinguishable": s.indistinguishable,
+            "changes": s.to_json()["changes"],
             "runner_up": s.runner_up["effect"],
             "calibrated": True,
         }

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imu_lib.gap import measured
+from imu_lib.gap import measured, steps
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step
-from imu_lib.processes import Sum, WhiteNoise
+from imu_lib.processes import RandomWalk, Sum, WhiteNoise
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT / "benchmarks"))
@@ -82,3 +83,14 @@ def test_the_weights_of_a_winner_and_its_rivals_are_shares():
     sure = [measured.calibrated(w) for w in weights]
     assert sure == sorted(sure) and 0 <= sure[0] and sure[-1] <= 1
     assert abs(measured.calibrated(0.9) - 0.9) < 0.02
+
+
+def test_a_change_that_is_as_likely_is_told_with_its_parameter():
+    base = Sum((WhiteNoise(N=1e-3), RandomWalk(K=4e-5)))
+    weights = {"flicker": 0.4, "parameter_change:0:N": 0.01, "parameter_change:1:K": 0.3, "": 0.0}
+    changes = steps._changes(State(None, base.terms), weights, 0.05)
+    assert changes == (("random_walk", "K"),)
+    known = {"runner_up": {}, "indistinguishable": ["flicker", "parameter_change"]}
+    step = Step("gauss_markov", {}, {}, "somewhere", 0.5, **known, changes=changes)
+    assert step.rivals == ["flicker", "parameter_change (K of random_walk)"]
+    assert step.to_json()["changes"] == [{"process": "random_walk", "name": "K"}]

@@ -105,7 +105,7 @@ def _steps(steps, name):
         for key, (low, high) in _intervals(s):
             lines.append(f"95 % interval of {key}: {low:.4g} to {high:.4g} (SI).")
         if s.indistinguishable:
-            lines.append("This record cannot tell it from: " + ", ".join(s.indistinguishable) + ".")
+            lines.append("This record cannot tell it from: " + ", ".join(s.rivals) + ".")
         if s.gap_before is not None:
             lines.append(f"Gap index {s.gap_before:.2f} before it, {s.gap_after:.2f} with it.")
         out += [report.heading(describe(s, name), 3), report.bullets(lines)]

@@ -12,6 +12,11 @@ from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.state import State
 from imu_lib.processes import Process
 
+#: The effect of which a report says what has changed.
+CHANGE = "parameter_change"
+#: Share of the winner's confidence from which on a rival is listed.
+LISTED = 0.05
+
 
 @dataclass(frozen=True)
 class Step:
@@ -19,7 +24,8 @@ class Step:
     came second.
 
     `gain` is in log-likelihood; None for what was `detected` without one, by its `evidence`: then
-    the confidence is the measured share of right names among such findings.
+    the confidence is the measured share of right names among such findings. `changes` are the
+    (process, name) of the parameters whose change is one of the `indistinguishable`.
     """
 
     effect: str
@@ -35,6 +41,16 @@ class Step:
     cause: str = ""
     detected: bool = False
     evidence: str = ""
+    changes: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def rivals(self) -> list[str]:
+        """What the record cannot tell it from, in words: of a changed parameter also which."""
+        which = ", ".join(f"{name} of {process}" for process, name in self.changes)
+        return [
+            f"{effect} ({which})" if which and effect == CHANGE else effect
+            for effect in self.indistinguishable
+        ]
 
     def capped(self, most: float) -> Step:
         """The same step with no more than that confidence."""
@@ -49,6 +65,7 @@ class Step:
             "confidence": round(float(self.confidence), 4),
             "runner_up": _plain(self.runner_up),
             "indistinguishable": list(self.indistinguishable),
+            "changes": [{"process": process, "name": name} for process, name in self.changes],
             "gain": None if self.gain is None else round(float(self.gain), 2),
             "detected": self.detected,
             "evidence": self.evidence,
@@ -125,7 +142,7 @@ def steps_of_items(state: State, rivals: list[dict[str, float]]) -> list[Step]:
         by_name = {n: min(w * rest, 1.0 - sure) for n, w in by_name.items()}
         second = max(by_name, key=by_name.__getitem__) if by_name else "none"
         near = sorted(
-            (n for n, w in by_name.items() if n != "none" and w > 0.05 * max(sure, 1e-9)),
+            (n for n, w in by_name.items() if n != "none" and w > LISTED * max(sure, 1e-9)),
             key=lambda n: -by_name[n],
         )
         out.append(
@@ -139,6 +156,16 @@ def steps_of_items(state: State, rivals: list[dict[str, float]]) -> list[Step]:
                 near,
                 gain=float(state.ll - state.without(item).ll),
                 cause=item.effect.cause,
+                changes=_changes(state, {k: w * rest for k, w in weights.items()}, LISTED * sure),
             )
         )
     return out
+
+
+def _changes(state: State, weights: dict[str, float], least: float) -> tuple[tuple[str, str], ...]:
+    """(process, name) of the parameters of the base whose change weighs more than `least`, the
+    likeliest first.
+    """
+    keys = sorted((k for k, w in weights.items() if w > least), key=lambda k: -weights[k])
+    parts = [k.split(":") for k in keys if k.count(":") == 2]
+    return tuple((state.base[int(at)].name, name) for _, at, name in parts)

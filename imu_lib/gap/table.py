@@ -88,5 +88,5 @@ def _steps(steps: list[Step], name: str) -> list[str]:
         out.append(f"{'':<11}{describe(s, name)}   (confidence {s.confidence:.3g})")
         out += _folded(13, f"where: {s.where}")
         if s.indistinguishable:
-            out += _folded(13, f"this record cannot tell it from: {', '.join(s.indistinguishable)}")
+            out += _folded(13, f"this record cannot tell it from: {', '.join(s.rivals)}")
     return out
