@@ -38,8 +38,15 @@
     const columns = lines.filter((line) => /\S {2,}\S/.test(line.trim())).length;
     pre.classList.toggle("wraps", 2 * columns <= lines.length);
   }
+  // a drawing of several panels is marked: on a phone it keeps its size
+  function mark(img) {
+    const wide = () => img.classList.toggle("panels", img.naturalWidth > 700);
+    if (img.complete) wide();
+    else img.addEventListener("load", wide);
+  }
   document.addEventListener("DOMContentLoaded", () => {
     document.querySelectorAll(".cell_output pre").forEach(wrap);
+    document.querySelectorAll(".cell_output img").forEach(mark);
     document.querySelectorAll("table.computed").forEach((table, number) => {
       const heads = table.tHead ? table.tHead.rows : [];
       if (heads.length) {
