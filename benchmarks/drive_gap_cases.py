@@ -95,11 +95,12 @@ KNOWN = (
 KINDS = (*KNOWN, "pair", "none", *UNKNOWN)
 
 
-def case(kind, seed, judged=False):
-    """One drive made and searched: a row of the log."""
+def case(kind, seed, judged=False, given=True):
+    """One drive made and searched, with the model of its sensors or without: a row of the log."""
     rng = np.random.default_rng([seed, 17])
     if kind == "pair":
-        pool = [k for k in KNOWN if k not in ("axes", "mounting", "heading")]
+        out = ("axes", "mounting", "heading", *(() if given else ("bias_model",)))
+        pool = [k for k in KNOWN if k not in out]
         effects = [(k, draw(k, rng)) for k in rng.choice(pool, 2, replace=False)]
     else:
         effects = [(kind, draw(kind, rng))] if kind in KNOWN else []
@@ -121,14 +122,15 @@ def case(kind, seed, judged=False):
     unknown = [kind] if kind in UNKNOWN else []
     arrays = generator.make(seed, effects=[*effects, *beside], unknown=unknown, **options)
     drive = from_arrays(arrays, f"{kind} {seed}")
-    given = None
+    heading = None
     if kind == "heading":
-        given = float(arrays["reference_attitude"][0, 2])
+        heading = float(arrays["reference_attitude"][0, 2])
     begin = time.process_time()
-    found = gap_drive.close(drive, MODEL, judge=False, heading=given)
+    model = MODEL if given else None
+    found = gap_drive.close(drive, model, judge=False, heading=heading)
     seconds = time.process_time() - begin
     return {
-        "kind": kind, "seed": seed, "effects": effects, "beside": beside,
+        "kind": kind, "seed": seed, "given": given, "effects": effects, "beside": beside,
         **{f"option {k}": v for k, v in options.items()},
         "gain": gain(drive, effects) if len(effects) == 1 else None,
         "steps": [

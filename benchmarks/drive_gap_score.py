@@ -2,13 +2,15 @@
 
     python benchmarks/drive_gap_score.py --cases 3 --first 5000 --log drives.jsonl    # resumes
     python benchmarks/drive_gap_score.py --kinds none,pair --cases 5 --print
+    python benchmarks/drive_gap_score.py --cases 3 --minutes 20 --free     # without an error model
 
 The generator (tests/drive_generator.py) shares no code with the navigation package. A single effect
 counts for the naming rate if it is detectable: the innovations' log-likelihood gained by the true
 effect at its true parameters is 20 or more. Two drives of three are strange: other vehicles, rough
 roads, turned cases, gaps, tunnels, centimetre fixes, a sky that changes, 200 Hz. With --outages,
-errors in withheld outages under the model found are held against those under the true one. Results
-go to benchmarks/results/NAME.json (--store).
+errors in withheld outages under the model found are held against those under the true one. --free
+gives the search no error model. Results go to benchmarks/results/NAME.json (--store): all that the
+log holds, of one call or of many, drives without an error model apart under `without_model`.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import sys
+import time
 from datetime import date
 from pathlib import Path
 
@@ -164,18 +168,30 @@ def main():
     parser.add_argument("--log", default="drive_gap_cases.jsonl")
     parser.add_argument("--store", default="drive_gap_score", metavar="NAME")
     parser.add_argument("--outages", action="store_true")
+    parser.add_argument("--free", action="store_true", help="without an error model")
+    parser.add_argument(
+        "--minutes", type=float, default=float("inf"), help="then no drive is begun"
+    )
     parser.add_argument("--print", action="store_true", dest="show")
     args = parser.parse_args()
     log = Path(args.log)
     rows = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
-    done = {(r["kind"], r["seed"]) for r in rows}
-    kinds = args.kinds.split(",")
+    done = {(r["kind"], r["seed"], r["given"]) for r in rows}
+    kinds = [k for k in args.kinds.split(",") if not (args.free and k == "bias_model")]
+    own = ("--log", "--store", "--minutes", "--print")
+    words = [
+        w for a, w in zip(["", *sys.argv[1:]], sys.argv[1:]) if w not in own and a not in own[:3]
+    ]
+    call, end = (
+        " ".join(["python benchmarks/drive_gap_score.py", *words]),
+        time.monotonic() + 60.0 * args.minutes,
+    )
     for i in range(args.cases):
-        for k, kind in enumerate(kinds):
-            seed = args.first + 1000 * k + i
-            if (kind, seed) in done:
+        for kind in kinds:
+            seed = args.first + 1000 * KINDS.index(kind) + i
+            if (kind, seed, not args.free) in done or time.monotonic() > end:
                 continue
-            row = case(kind, seed, args.outages)
+            row = case(kind, seed, args.outages, given=not args.free) | {"call": call}
             rows.append(row)
             with open(log, "a", encoding="utf-8") as handle:
                 handle.write(json.dumps(row) + "\n")
@@ -183,9 +199,12 @@ def main():
                 print(
                     kind, seed, row["gain"], row["effects"], "->", row["steps"], row["unexplained"]
                 )
-    result = score(rows)
+    free = [r for r in rows if not r["given"]]
+    result = score([r for r in rows if r["given"]]) | {
+        "without_model": score(free) if free else None
+    }
     result |= {
-        "command": f"python benchmarks/drive_gap_score.py --cases {args.cases} --first {args.first}",
+        "command": "; ".join(dict.fromkeys(r["call"] for r in rows)),
         "date": date.today().isoformat(), "cases": len(rows),
     }  # fmt: skip
     print(json.dumps(result, indent=1))

@@ -13,7 +13,16 @@ from scipy.spatial.transform import Rotation
 from imu_lib.cli import gap_drive as told
 from imu_lib.drive import from_arrays
 from imu_lib.errors import InputError
-from imu_lib.gap.drive import admission, columns, evidence, left, posterior, reliability, select
+from imu_lib.gap.drive import (
+    admission,
+    columns,
+    evidence,
+    left,
+    posterior,
+    reliability,
+    searched,
+    select,
+)
 from imu_lib.health.driven import disagreements
 from imu_lib.navigation import axes, windows
 
@@ -144,6 +153,22 @@ def test_no_mirror_image_is_a_rival_of_a_rigid_case(first, monkeypatch):
     found, _, rival, _, _ = axes.of(None)
     # a file with a wrong sign has left-handed axes: then every case is a rival
     assert found == first and rival == (mirror if axes.mirrored(first) else other)
+
+
+@pytest.mark.parametrize("first", [axes.IDENTITY, ("-z", "+y", "+x")])
+def test_a_case_turned_by_a_right_angle_has_other_axes(first):
+    there = Rotation.from_matrix(axes.to_body(("+y", "-x", "+z")))
+    askew = Rotation.from_euler("ZYX", [0.1, 0.05, -0.1]) * there
+    found = (first, 0.9, axes.IDENTITY, 9.0, ())
+
+    def turned(rotation):
+        return rotation.as_euler("ZYX")[::-1], np.full(3, 0.02)
+
+    both = searched._askew(found, turned(askew))[0]
+    assert np.array_equal(axes.to_body(both), there.as_matrix().round() @ axes.to_body(first))
+    # a case a little askew, or one that stands across, is no file with other axes
+    assert searched._askew(found, turned(Rotation.from_euler("z", 0.2))) is None
+    assert searched._askew(found, turned(Rotation.from_euler("z", 0.8))) is None
 
 
 def test_accelerometers_with_all_signs_turned_are_refused():

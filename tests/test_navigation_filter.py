@@ -17,6 +17,7 @@ from imu_lib.navigation import (
     covariance,
     earth,
     models,
+    propagation,
     simulation,
     smoother,
     strapdown,
@@ -172,7 +173,7 @@ def test_propagation_agrees_with_full_van_loan(model):
     covariance.fill_transition(f, c, dt, a, d, room)
     for _ in range(steps):
         covariance.add_white(nn, c, sensors.white, 0.5 * dt)
-        covariance.propagate(Pieces(nn, ns, ss), Room(*w), a, d, weight, sensors.arrays())
+        propagation.propagate(Pieces(nn, ns, ss), Room(*w), a, d, weight, sensors.arrays())
         covariance.add_white(nn, c, sensors.white, 0.5 * dt)
     fast = np.block([[nn, ns], [ns.T, ss]])
     # the whole system at once: continuous where every process is; a difference equation (AR) steps

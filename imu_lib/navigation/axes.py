@@ -2,12 +2,14 @@
 sign are held against what the fixes expect (`fix_motion`).
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import permutations, product
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 
 from .fix_motion import STEP, WIDTH, motion
@@ -22,7 +24,12 @@ CLEAR = 6.0  # least gain of other axes, after tempering, nats
 MIRRORED = 3.0  # nats against left-handed axes: no sensor has them, a wrong sign in a file does
 
 
-def of(drive: Drive):
+Names = tuple[str, ...]
+#: Permutation, how sure, runner-up, gain in nats, those that cannot be told apart from it.
+Found = tuple[Names, float, Names, float, tuple[Names, ...]]
+
+
+def of(drive: Drive) -> Found:
     """The order and signs of the axes: (permutation, confidence, runner-up, gain in nats,
     indistinguishable).
     """
@@ -99,7 +106,7 @@ def _temper(m, least):
     return WIDTH / STEP * 5.0 * max(1.0, least / max(m.moving.sum() * 3.0, 1.0))
 
 
-def turn(drive: Drive):
+def turn(drive: Drive) -> tuple[Array, float]:
     """How the case is turned in the vehicle, by the fixes' own motion: (roll, pitch, yaw rad, gain
     in nats over a case that is not turned); zeros where the drive does not say.
     """
@@ -131,7 +138,7 @@ def turn(drive: Drive):
     return best[1].as_euler("ZYX")[::-1], float(gain)
 
 
-def to_body(permutation):
+def to_body(permutation: Sequence[str]) -> Array:
     """Matrix from the file's axes into the body's: column i is where the file's axis i points."""
     c = np.zeros((3, 3))
     for i, entry in enumerate(permutation):
@@ -139,12 +146,28 @@ def to_body(permutation):
     return c
 
 
-def mirrored(permutation) -> bool:
+def of_matrix(c: Array) -> tuple[str, ...]:
+    """The axes whose matrix (`to_body`) is c (3, 3), of noughts and ones with their signs."""
+    rows = np.abs(c).argmax(axis=0)
+    return tuple(("+" if c[r, i] > 0.0 else "-") + "xyz"[r] for i, r in enumerate(rows))
+
+
+def nearest(turn: Rotation) -> tuple[tuple[str, ...], float]:
+    """The rigid axes nearest to a rotation of the file's axes into the body's, and how far it is
+    from them, rad.
+    """
+    rigid = [p for p in everything() if not mirrored(p)]
+    apart = [float((Rotation.from_matrix(to_body(p)).inv() * turn).magnitude()) for p in rigid]
+    k = int(np.argmin(apart))
+    return rigid[k], apart[k]
+
+
+def mirrored(permutation: Sequence[str]) -> bool:
     """Whether the axes are left-handed."""
     return bool(np.linalg.det(to_body(permutation)) < 0.0)
 
 
-def everything():
+def everything() -> Iterator[tuple[str, ...]]:
     """All 48 orders and signs of three axes."""
     for order in permutations("xyz"):
         for signs in product("+-", repeat=3):

@@ -17,8 +17,9 @@ def _speed(nav):
 
 
 @njit(cache=True)
-def learn(nav, c, how, road):
-    """Adds the unit velocity in the body frame to road (4,), after a fix."""
+def learn(live, how):
+    """Adds the unit velocity in the body frame to live.road (4,), after a fix."""
+    nav, c, road = live.nav, live.c, live.road
     if how.constraint[0] <= 0.0 or how.known:
         return
     speed = _speed(nav)
@@ -40,11 +41,13 @@ def due(nav, how, road, epoch):
 
 
 @njit(cache=True)
-def use(nav, x, c, pieces, how, tail, road, spin, h, gain, ph, dx):
-    """Two measurements of no velocity, sideways and up; the correction is made and left in dx (n,).
+def use(live, how, spin, room):
+    """Two measurements of no velocity, sideways and up; the correction is made and left in
+    room.dx (n,).
 
     spin (3,) rad/s: the standard deviation grows by the turn rate times a metre.
     """
+    nav, x, c, h, dx = live.nav, live.x, live.c, room.h, room.dx
     sd = how.constraint[0] + abs(spin[2])
     at = how.at[MOUNTING]
     cv, nudged, angles = np.empty((3, 3)), np.empty((3, 3)), how.mounting.copy()
@@ -53,7 +56,7 @@ def use(nav, x, c, pieces, how, tail, road, spin, h, gain, ph, dx):
             angles[i] += x[at + i]
     measurement.fill_mounting(angles[0], angles[1], angles[2], cv)
     if not how.known:
-        fill_learnt(road, cv)
+        fill_learnt(live.road, cv)
     v = np.empty(3)
     for i in range(dx.size):
         dx[i] = 0.0
@@ -82,9 +85,9 @@ def use(nav, x, c, pieces, how, tail, road, spin, h, gain, ph, dx):
         residual = w[0] * nav[3] + w[1] * nav[4] + w[2] * nav[5]
         for j in range(h.size):
             residual -= h[j] * dx[j]
-        covariance.update(pieces, h, tail, sd * sd, gain, ph)
+        covariance.update(live.pieces, h, room.tail, sd * sd, room.gain, room.ph)
         for j in range(dx.size):
-            dx[j] += gain[j] * residual
+            dx[j] += room.gain[j] * residual
     measurement.apply(nav, x, dx)
     attitude.fill_matrix(nav[6:10], c)
 

@@ -27,7 +27,7 @@ from .innovations import Innovations
 from .preparation import Gnss, prepare
 from .solution import Moments, Solution
 from .states import SensorStates, sensor_states
-from .structures import Imu, Logs, Measurements, Nodes, State
+from .structures import Given, Imu, Logs, Measurements, Nodes, State, Written
 from .tables import across, fix_table, parked, speed_table
 
 __all__ = ["FilterModel", "LooselyCoupled", "Moments", "Solution", "run"]
@@ -222,19 +222,13 @@ class LooselyCoupled:
         table, rows = fix_table(stretch, begin, end, fixes, self.drive.time[0])
         logs = Logs.empty(end - begin, rows.size)
         nodes = Nodes.empty(nodes, self.states, smooth)
-        kernel.run(
-            begin,
-            end,
-            state,
+        given = Given(
             Imu(stretch.dt, dtheta, stretch.dvel, stretch.extra_noise),
-            self.arrays,
             table,
             speed_table(stretch, begin, end, self.model.speed),
-            self.measurements,
-            logs,
-            nodes,
-            smooth,
         )
+        written = Written(logs, nodes)
+        kernel.run((begin, end), state, self.arrays, self.measurements, given, written, smooth)
         if not np.isfinite(logs.nav[-1:]).all() or not np.isfinite(logs.sd[-1:]).all():
             raise InputError(
                 f"the filter {self.model.name} diverged before {stretch.time[end]:.1f} s: check "

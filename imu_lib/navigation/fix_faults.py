@@ -19,7 +19,7 @@ UNITS = {"km/h": 3.6, "knots": 1.9438, "mph": 2.2369, "ft/s": 3.2808, "cm/s": 10
 ROLLING, OPPOSED = 1.0, -0.7  # m of heights that tell, and a correlation that no road has
 
 
-def wild(drive: Drive):
+def wild(drive: Drive) -> tuple[float, float] | None:
     """(share, standard deviation m) of positions that lie far off between their neighbours; None
     where there are hardly any, or so many that they are the receiver's usual ones.
     """
@@ -118,7 +118,7 @@ def speed_ratio(drive: Drive) -> float:
     return ratio if not 0.8 < ratio < 1.25 else 1.0
 
 
-def unit_of(ratio) -> str | None:
+def unit_of(ratio: float) -> str | None:
     """The unit whose speeds are so many times those in m/s, or None."""
     return next((u for u, factor in UNITS.items() if abs(ratio / factor - 1.0) < 0.06), None)
 

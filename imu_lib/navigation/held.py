@@ -8,11 +8,13 @@ case, and `mounting` says where the vehicle is. Of two effects alike the later o
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from imu_lib import processes
+from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect, off_diagonal, permutation_matrix
 from imu_lib.errors import InputError
@@ -32,10 +34,10 @@ _MANY = {
 class Held:
     """The effects by name; those that may come several times by name and what they are of."""
 
-    effects: dict
+    effects: dict[tuple[str, ...], DriveEffect]
 
     @classmethod
-    def of(cls, effects):
+    def of(cls, effects: Iterable[DriveEffect]) -> Held:
         """From DriveEffects, in order."""
         found = {}
         for effect in effects:
@@ -61,7 +63,7 @@ class Held:
         return np.eye(3) if effect is None else permutation_matrix(effect["permutation"])
 
     @property
-    def mounting(self):
+    def mounting(self) -> Array | None:
         """Roll, pitch, yaw (3,) of the case against the vehicle, or None where it is not held."""
         effect = self.get("mounting")
         if effect is None:

@@ -10,26 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from . import attitude, constraint, covariance, measurement, strapdown
-from .measurement import POSITION, RECOVERED, REJECTED_POSITION, REJECTED_VELOCITY, VELOCITY, WILD
+from . import attitude, constraint, covariance, measurement, propagation, strapdown
+from .fix_update import take_fix
 from .pieces import accumulate, add, copy, pack, unpack, zero
-from .structures import MOUNTING, Pieces, Room
+from .structures import MOUNTING, Body, Correction, Live, Pieces, Room
 
-__all__ = ["POSITION", "RECOVERED", "REJECTED_POSITION", "REJECTED_VELOCITY", "VELOCITY", "WILD"]
 AVERAGE = 0.2  # s over which motion is averaged for the rows of the measurements' states
-
-
-class Body(NamedTuple):
-    """Motion over an interval: before (3,) velocity at its begin, middle (3, 3) mean attitude,
-    force (3,) specific force NED, spin (3,) turn rate, motion (3, 3) acceleration of the interval,
-    its average and the turn rate's over the last tenths of a second.
-    """
-
-    before: np.ndarray
-    middle: np.ndarray
-    force: np.ndarray
-    spin: np.ndarray
-    motion: np.ndarray
 
 
 class Work(NamedTuple):
@@ -48,30 +34,34 @@ class Work(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def run(begin, end, state, imu, sensors, fixes, speeds, how, logs, nodes, smooth):
-    """Epochs begin+1 .. end (epoch k ends interval k-1 of `imu`); epoch `begin` is the state given.
+def run(span, state, sensors, how, given, written, smooth):
+    """Epochs span[0]+1 .. span[1] (epoch k ends interval k-1 of the IMU); epoch span[0] is the
+    state given.
 
-    The arguments are those of `structures`, fixes and speeds sorted by epoch; logs and nodes are
-    written. nodes' prior, phi and dx are for the smoother.
+    The arguments are those of `structures`, `written` included; prior, phi and dx of its nodes are
+    for the smoother.
     """
-    nav, x, p, road = state
-    m, n = x.size, 9 + x.size
-    c, cv, turn, push = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3)
-    body, work = _body(), _work(m, sensors)
+    begin, end = span
+    imu, fixes, speeds = given
+    logs, nodes = written
+    m, n = state.x.size, 9 + state.x.size
     pieces = Pieces(np.empty((9, 9)), np.empty((9, m)), np.empty((m, m)))
-    unpack(p, pieces)
-    h, h6 = np.empty(n), np.empty((6, n))
-    gain, ph, dx, total, phi = np.empty(n), np.empty(n), np.empty(n), np.zeros(n), np.eye(n)
-    rejected, tail = np.zeros(2, np.int64), sensors.first[6]
+    unpack(state.p, pieces)
+    live = Live(state.nav, state.x, state.road, pieces, np.empty((3, 3)), np.empty((3, 3)))
+    nav, x, c = live.nav, live.x, live.c
+    body, work, room = _body(), _work(m, sensors), _correction(n, sensors.first[6])
+    turn, push, dx = np.empty(3), np.empty(3), room.dx
+    total, phi, rejected = np.zeros(n), np.eye(n), np.zeros(2, np.int64)
     driven, moving = (sensors.driver >= 0).any(), (sensors.white_speed > 0.0).any()
     fix = np.searchsorted(fixes.epoch, begin, side="right")
     speed_fix = np.searchsorted(speeds.epoch, begin, side="right")
     node = np.searchsorted(nodes.epoch, begin, side="right")
     attitude.fill_matrix(nav[6:10], c)
-    measurement.fill_mounting_now(how, x, cv)
+    measurement.fill_mounting_now(how, x, live.cv)
     for k in range(begin, end):
         step, epoch = imu.dt[k], k + 1
-        correct(imu.dtheta[k], imu.dvel[k], step, x, sensors, driven, work.weight, turn, push)
+        reading = imu.dtheta[k], imu.dvel[k], step
+        correct(reading, x, sensors, driven, work.weight, turn, push)
         _move(nav, c, turn, push, step, body)
         _spread(nav, x, pieces, body, (step, imu.extra_noise[k], moving), sensors, work)
         at_node = node < nodes.epoch.size and nodes.epoch[node] == epoch
@@ -81,35 +71,38 @@ def run(begin, end, state, imu, sensors, fixes, speeds, how, logs, nodes, smooth
             if at_node:
                 pack(pieces, nodes.prior[node])
         while fix < fixes.epoch.size and fixes.epoch[fix] <= epoch:
-            moment = (c, cv, body.spin, body.motion, work.white, step)
-            if take_fix(
-                nav, x, pieces, how, tail, fixes, fix, moment, rejected, h6, gain, ph, dx, logs
-            ):
+            if take_fix(live, how, fixes, fix, (body, work.white, step), rejected, room, logs):
                 measurement.apply(nav, x, dx)
                 attitude.fill_matrix(nav[6:10], c)
                 if how.at[MOUNTING] >= 0:
-                    measurement.fill_mounting_now(how, x, cv)
+                    measurement.fill_mounting_now(how, x, live.cv)
                 add(total, dx)
-                constraint.learn(nav, c, how, road)
+                constraint.learn(live, how)
             fix += 1
         while speed_fix < speeds.epoch.size and speeds.epoch[speed_fix] <= epoch:
-            measurement.take_speed(nav, x, pieces, how, tail, speeds, speed_fix, h, gain, ph, dx)
+            measurement.take_speed(live, how, speeds, speed_fix, room)
             attitude.fill_matrix(nav[6:10], c)
             add(total, dx)
             speed_fix += 1
-        if constraint.due(nav, how, road, epoch):
-            constraint.use(nav, x, c, pieces, how, tail, road, body.spin, h, gain, ph, dx)
+        if constraint.due(nav, how, live.road, epoch):
+            constraint.use(live, how, body.spin, room)
             add(total, dx)
         _log(nav, pieces.nn, logs, k - begin)
         if at_node:
-            _keep(x, road, pieces, total, phi, nodes, node, smooth)
+            _keep(live, total, phi, nodes, node, smooth)
             node += 1
-    pack(pieces, p)
+    pack(pieces, state.p)
 
 
 @njit(cache=True)
 def _body():
     return Body(np.empty(3), np.empty((3, 3)), np.empty(3), np.zeros(3), np.zeros((3, 3)))
+
+
+@njit(cache=True)
+def _correction(n, tail):
+    dx = np.empty(n)
+    return Correction(dx, np.empty(n), np.empty((6, n)), np.empty(n), np.empty(n), tail)
 
 
 @njit(cache=True)
@@ -131,7 +124,8 @@ def _move(nav, c, turn, push, step, body):
         body.before[i] = nav[3 + i]
         for j in range(3):
             middle[i, j] = c[i, j]
-    strapdown.step(nav[0:3], nav[3:6], nav[6:10], c, turn, push, nav[10:13], nav[13:16], step)
+    now, last = (nav[0:3], nav[3:6], nav[6:10], c), (nav[10:13], nav[13:16])
+    strapdown.step(now, (turn, push), last, step)
     share = min(step / AVERAGE, 1.0)
     for i in range(3):
         nav[10 + i], nav[13 + i] = turn[i], push[i]
@@ -161,7 +155,7 @@ def _spread(nav, x, pieces, body, interval, sensors, work):
             work.white[i] = sensors.white[i] + sensors.white_speed[i] * square
     noise = 0.5 * step * extra
     covariance.add_white(pieces.nn, body.middle, work.white, noise)
-    covariance.propagate(pieces, work.room, work.a, work.d, work.weight, sensors)
+    propagation.propagate(pieces, work.room, work.a, work.d, work.weight, sensors)
     covariance.add_white(pieces.nn, body.middle, work.white, noise)
     carry(x, work.x_new, sensors)
 
@@ -176,11 +170,11 @@ def _log(nav, nn, logs, row):
 
 
 @njit(cache=True)
-def _keep(x, road, pieces, total, phi, nodes, node, smooth):
+def _keep(live, total, phi, nodes, node, smooth):
     """What the filter knows at a node."""
-    copy(x, nodes.x[node])
-    copy(road, nodes.road[node])
-    pack(pieces, nodes.p[node])
+    copy(live.x, nodes.x[node])
+    copy(live.road, nodes.road[node])
+    pack(live.pieces, nodes.p[node])
     if smooth:
         copy(total, nodes.dx[node])
         copy_square(phi, nodes.phi[node])
@@ -198,12 +192,14 @@ def copy_square(given, out):
 
 
 @njit(cache=True, inline="always")
-def correct(dtheta, dvel, step, x, sensors, driven, weight, turn, push):
-    """The channels' errors as estimated, taken out of the increments, into turn and push (3,); the
-    weights of the states that multiply readings, into weight (m,).
+def correct(reading, x, sensors, driven, weight, turn, push):
+    """The channels' errors as estimated, taken out of a reading (increments of angle and velocity
+    (3,) over a step, s), into turn and push (3,); the weights of the states that multiply
+    readings, into weight (m,).
 
     With states that multiply readings twice: the second time they multiply what is left.
     """
+    dtheta, dvel, step = reading
     first, output, driver = sensors.first, sensors.output, sensors.driver
     for i in range(3):
         turn[i], push[i] = dtheta[i], dvel[i]
@@ -235,64 +231,3 @@ def carry(x, x_new, sensors):
                 x_new[i] += s[i, j] * x[j]
         for i in range(first[ch], static[ch]):
             x[i] = x_new[i]
-
-
-@njit(cache=True)
-def take_fix(nav, x, pieces, how, tail, fixes, f, moment, rejected, h6, gain, ph, dx, logs):
-    """One fix: tests, then the updates with what passed, one number after the other. The correction
-    goes into dx (n,); whether there is one is returned.
-    """
-    c, cv, spin, motion, white, step = moment
-    y, arm, variance = logs.innovation[f], np.empty(3), np.empty(6)
-    s, use = logs.covariance[f], fixes.use[f]
-    measurement.innovation(nav, x, c, cv, how, spin, motion, fixes, f, y, arm)
-    measurement.fill_rows(h6, nav, x, c, cv, how, motion, arm, fixes.delay[f], fixes.time[f])
-    measurement.fill_variance(fixes.variance[f], c, arm, white, step, variance)
-    measurement.fill_covariance(pieces, h6, tail, variance, ph, s)
-    copy(nav[3:6], logs.velocity[f])
-    bits, likelihood = 0, 0.0
-    for part in range(2):
-        if not use & (POSITION << part):
-            continue
-        if part == 0 and how.outliers[0] > 0.0:
-            wild, density = measurement.wild_probability(s, y, how.outliers)
-            bits |= POSITION
-            likelihood += density
-            if wild > 0.5:
-                bits |= WILD
-                for i in range(3):
-                    variance[i] += how.outliers[1] ** 2
-            continue
-        square, _ = measurement.distance(s, y, 3 * part, 0.0)
-        if square > how.gates[part]:
-            rejected[part] += 1
-            bits |= REJECTED_POSITION << part
-            # the fixes agree among themselves, so it is the filter that is lost
-            if rejected[part] > how.patience:
-                for i in range(3 * part, 3 * part + 3):
-                    pieces.nn[i, i] += y[i] * y[i]
-                bits |= RECOVERED | (POSITION << part)
-                rejected[part] = 0
-        else:
-            rejected[part] = 0
-            bits |= POSITION << part
-    zero(dx)
-    nis, freedom = 0.0, 0
-    for i in range(6):
-        if (i < 3 and bits & POSITION) or (i >= 3 and bits & VELOCITY):
-            residual = y[i]
-            for j in range(dx.size):
-                residual -= h6[i, j] * dx[j]
-            sigma2 = covariance.update(pieces, h6[i], tail, variance[i], gain, ph)
-            for j in range(dx.size):
-                dx[j] += gain[j] * residual
-            nis += residual * residual / sigma2
-            freedom += 1
-            logs.normalised[f, i] = residual / np.sqrt(sigma2)
-            if i >= 3 or how.outliers[0] == 0.0:
-                likelihood -= 0.5 * (
-                    residual * residual / sigma2 + np.log(sigma2) + measurement.LOG_2_PI
-                )
-    logs.nis[f], logs.freedom[f], logs.bits[f] = nis, freedom, bits
-    logs.likelihood[f] = likelihood
-    return freedom > 0

@@ -69,7 +69,7 @@ def _alike(m, column, shift):
     return float(np.corrcoef(m.expected[a, column][keep], m.readings[b, column][keep])[0, 1])
 
 
-def of_halves(drive: Drive):
+def of_halves(drive: Drive) -> tuple[float, ...] | None:
     """`late` of the first and of the second half of a drive, s; None where one of them does
     not say.
     """

@@ -51,13 +51,12 @@ def delays(how, x, delay, time):
 
 
 @njit(cache=True)
-def innovation(nav, x, c, cv, how, spin, motion, fixes, f, y, arm):
+def innovation(live, how, body, fixes, f, y, arm):
     """Predicted minus measured antenna position (m) and velocity (m/s) at the fix's own time into
-    y (6,); the lever arm in the case's axes into arm (3,).
-
-    cv (3, 3) the mounting; spin (3,) turn rate; motion (3, 3) acceleration of the interval and its
-    average over the last tenths of a second, NED, and the turn rate's average before this interval
+    y (6,); the lever arm in the case's axes into arm (3,). body : `structures.Body`
     """
+    nav, x, c, cv = live.nav, live.x, live.c, live.cv
+    spin, motion = body.spin, body.motion
     late, late_v = delays(how, x, fixes.delay[f], fixes.time[f])
     delay = fixes.delay[f] + late
     at = how.at[LEVER]
@@ -96,10 +95,11 @@ def innovation(nav, x, c, cv, how, spin, motion, fixes, f, y, arm):
 
 
 @njit(cache=True)
-def fill_rows(h, nav, x, c, cv, how, motion, arm, delay, time):
+def fill_rows(h, live, how, motion, arm, delay, time):
     """The six rows (6, n) of the measurement matrix: position with [arm x] on the attitude error
     and the delay on the velocity error, and the states of the measurements.
     """
+    nav, x, c, cv = live.nav, live.x, live.c, live.cv
     late, _ = delays(how, x, delay, time)
     delay = delay + late
     for i in range(6):
@@ -224,10 +224,11 @@ def apply(nav, x, dx):
 
 
 @njit(cache=True)
-def take_speed(nav, x, pieces, how, tail, speeds, f, h, gain, ph, dx):
-    """Speed over ground of the wheels: (1 + scale) |v|, at an epoch; dx (n,) receives the
+def take_speed(live, how, speeds, f, room):
+    """Speed over ground of the wheels: (1 + scale) |v|, at an epoch; room.dx (n,) receives the
     correction, which is made.
     """
+    nav, x, h, dx = live.nav, live.x, room.h, room.dx
     v = np.sqrt(nav[3] ** 2 + nav[4] ** 2 + nav[5] ** 2)
     if v < 1.0:
         return
@@ -240,8 +241,8 @@ def take_speed(nav, x, pieces, how, tail, speeds, f, h, gain, ph, dx):
         h[3 + i] = scale * nav[3 + i] / v
     if at >= 0:
         h[9 + at] = -v
-    covariance.update(pieces, h, tail, speeds.variance[f], gain, ph)
+    covariance.update(live.pieces, h, room.tail, speeds.variance[f], room.gain, room.ph)
     residual = scale * v - speeds.value[f]
     for j in range(dx.size):
-        dx[j] = gain[j] * residual
+        dx[j] = room.gain[j] * residual
     apply(nav, x, dx)

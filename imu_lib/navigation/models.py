@@ -152,26 +152,26 @@ def five(
         made["18AVWD"] = FilterModel("18AVWD", plain, levels=levels_at(rate), causal=causal, **bias)
     orders = {"15AR": 1, "27AR": 3}
     if any(n in orders for n in names):
-        if static is None:
-            record = model.simulate(
-                int(AR_SECONDS * rate),
-                rate,
-                np.random.default_rng(2013) if rng is None else rng,
-                channels=CHANNELS,
-            )
-        else:
-            if abs(static.rate / rate - 1.0) > 0.02:
-                raise InputError(
-                    f"the static record is at {static.rate:g} Hz, the drive at {rate:g} Hz; the "
-                    "autoregressive models need one rate"
-                )
-            still = static.continuous()
-            record = {c: still[c] for c in CHANNELS}
+        record = _standstill(model, static, rate, rng)
         white = {c: plain[c].find("white_noise") for c in CHANNELS}
         for n in names:
             if n in orders:
                 made[n] = FilterModel(n, fit_autoregressive(record, rate, orders[n], white), **bias)
     return {n: made[n] for n in names}
+
+
+def _standstill(model, static, rate, rng):
+    """A standstill for the autoregressive models: that of `static`, or an hour drawn."""
+    if static is None:
+        rng = np.random.default_rng(2013) if rng is None else rng
+        return model.simulate(int(AR_SECONDS * rate), rate, rng, channels=CHANNELS)
+    if abs(static.rate / rate - 1.0) > 0.02:
+        raise InputError(
+            f"the static record is at {static.rate:g} Hz, the drive at {rate:g} Hz; the "
+            "autoregressive models need one rate"
+        )
+    still = static.continuous()
+    return {c: still[c] for c in CHANNELS}
 
 
 def read_off(record, rate) -> Model:

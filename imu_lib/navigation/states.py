@@ -130,11 +130,32 @@ def sensor_states(
     for group, sd in zip(("gyro_scale", "accel_scale"), scale_sd):
         if sd > 0.0:
             free.setdefault(group, sd)
-    extra, vibration = on_channels(free), dict(vibration or {})
+    of_each = (rate, flicker), turn_on_sd, constant
+    blocks, places, white, ignored = _of_channels(model, of_each, free, dict(vibration or {}))
+    first, static = places
+    more, at = _of_measurements(free, correlated, rate)
+    blocks += more
+    at = np.where(at >= 0, at + first[-1], -1)
+    # the correlated errors of the fixes move, the rest of the measurements' states keep still: all
+    # are taken as moving where there are some
+    static.append(first[-1] + (len(more) if correlated is not None else 0))
+    first.append(first[-1] + len(more))
+    return _assembled(blocks, places, white, at, ignored)
+
+
+def _of_channels(model, of_each, free, vibration):
+    """States of the six channels; where each channel's, and those of them that keep still, begin;
+    white densities and what is added per squared speed; processes without a state.
+
+    of_each : (rate and what becomes of flicker noise), (bias at switch-on of gyro, accelerometer),
+    and whether it is kept
+    """
+    how, turn_on_sd, constant = of_each
+    extra = on_channels(free)
     blocks, first, static, white, white_speed, ignored = [], [0], [], [], [], []
     for number, channel in enumerate(CHANNELS):
         density, moving, still, left = of_channel(
-            model[channel], channel, (rate, flicker), turn_on_sd[number // 3], constant
+            model[channel], channel, how, turn_on_sd[number // 3], constant
         )
         ignored += left
         still += [
@@ -146,14 +167,7 @@ def sensor_states(
         white_speed.append(per_speed**2)
         static.append(first[-1] + sum(p.output.size for p in moving))
         first.append(static[-1] + sum(p.output.size for p in still))
-    more, at = _of_measurements(free, correlated, rate)
-    blocks += more
-    at = np.where(at >= 0, at + first[-1], -1)
-    # the correlated errors of the fixes move, the rest of the measurements' states keep still: all
-    # are taken as moving where there are some
-    static.append(first[-1] + (len(more) if correlated is not None else 0))
-    first.append(first[-1] + len(more))
-    return _assembled(blocks, (first, static), (white, white_speed), at, ignored)
+    return blocks, (first, static), (white, white_speed), ignored
 
 
 def _of_measurements(free, correlated, rate):

@@ -30,13 +30,15 @@ class Navigation:
 
 
 @njit(cache=True)
-def step(p, v, q, c, dtheta, dvel, dtheta_before, dvel_before, dt):
-    """One interval, in place on position p, velocity v, quaternion q and its matrix c.
+def step(now, increments, before, dt):
+    """One interval of dt s, in place on `now`: position, velocity, quaternion and its matrix.
 
-    dtheta, dvel : angle (rad) and velocity (m/s) increments of this interval in the body frame,
-    `_before` those of the one before
-    (zeros at the start: the correction is then of first order only).
+    increments, before : of angle (rad) and velocity (m/s) in the body frame over this interval and
+    the one before (zeros at the start: the correction is then of first order only)
     """
+    p, v, q, c = now
+    dtheta, dvel = increments
+    dtheta_before, dvel_before = before
     a0, a1, a2 = dtheta[0], dtheta[1], dtheta[2]
     w0, w1, w2 = dvel[0], dvel[1], dvel[2]
     b0, b1, b2 = dtheta_before[0], dtheta_before[1], dtheta_before[2]
@@ -91,13 +93,16 @@ def step(p, v, q, c, dtheta, dvel, dtheta_before, dvel_before, dt):
 
 
 @njit(cache=True)
-def _integrate(dt, dtheta, dvel, p, v, q, hold_height, position, velocity, quaternion):
+def _integrate(dt, dtheta, dvel, start, hold_height, out):
+    """Into out, (n + 1, 3 and 4) of position, velocity and quaternion, from those at the start."""
+    p, v, q = start
+    position, velocity, quaternion = out
     c = np.empty((3, 3))
     attitude.fill_matrix(q, c)
     before_theta, before_vel = np.zeros(3), np.zeros(3)
     height = p[2]
     for k in range(dt.size):
-        step(p, v, q, c, dtheta[k], dvel[k], before_theta, before_vel, dt[k])
+        step((p, v, q, c), (dtheta[k], dvel[k]), (before_theta, before_vel), dt[k])
         if hold_height:
             p[2], v[2] = height, 0.0
         before_theta, before_vel = dtheta[k], dvel[k]
@@ -137,5 +142,5 @@ def integrate(time, dtheta, dvel, *, position, velocity, attitude_, hold_height=
     out = np.empty((time.size, 3)), np.empty((time.size, 3)), np.empty((time.size, 4))
     for array, first in zip(out, (p, v, q)):
         array[0] = first
-    _integrate(np.diff(time), dtheta, dvel, p, v, q, hold_height, *out)
+    _integrate(np.diff(time), dtheta, dvel, (p, v, q), hold_height, out)
     return Navigation(time, out[0], out[1], attitude.euler(out[2]))

@@ -44,6 +44,47 @@ class Pieces(NamedTuple):
     ss: np.ndarray
 
 
+class Live(NamedTuple):
+    """What the filter holds while it runs, changed in place: nav, x and road of `State`; the
+    covariance in pieces; c (3, 3) the attitude as a matrix, cv (3, 3) the mounting.
+    """
+
+    nav: np.ndarray
+    x: np.ndarray
+    road: np.ndarray
+    pieces: Pieces
+    c: np.ndarray
+    cv: np.ndarray
+
+
+class Body(NamedTuple):
+    """Motion over an interval: before (3,) velocity at its begin, middle (3, 3) mean attitude,
+    force (3,) specific force NED, spin (3,) turn rate, motion (3, 3) acceleration of the interval
+    and its average over the last tenths of a second, NED, and the turn rate's average before this
+    interval.
+    """
+
+    before: np.ndarray
+    middle: np.ndarray
+    force: np.ndarray
+    spin: np.ndarray
+    motion: np.ndarray
+
+
+class Correction(NamedTuple):
+    """Of n states: dx (n,) the correction that is made; h (n,), h6 (6, n) rows of measurements,
+    gain, ph (n,) room to work in; tail : how many of the states are the channels', on which the
+    rows are zero.
+    """
+
+    dx: np.ndarray
+    h: np.ndarray
+    h6: np.ndarray
+    gain: np.ndarray
+    ph: np.ndarray
+    tail: int
+
+
 class Room(NamedTuple):
     """Room to work in: w9 (9, 9), vs (9, m), es (6, m), vh (9, 6), ts (m, m)."""
 
@@ -104,6 +145,14 @@ class SpeedTable(NamedTuple):
     epoch: np.ndarray
     value: np.ndarray
     variance: np.ndarray
+
+
+class Given(NamedTuple):
+    """What a run is given to work on, fixes and speeds sorted by epoch."""
+
+    imu: Imu
+    fixes: FixTable
+    speeds: SpeedTable
 
 
 class Measurements(NamedTuple):
@@ -178,6 +227,7 @@ class Nodes(NamedTuple):
 
     @classmethod
     def empty(cls, epoch, states, smooth):
+        """Room for so many states; for the smoother too where that is asked for."""
         k, m, full = epoch.size, states - 9, epoch.size if smooth else 0
         return cls(
             epoch,
@@ -188,3 +238,10 @@ class Nodes(NamedTuple):
             np.empty((full, states, states)),
             np.empty((full, states)),
         )
+
+
+class Written(NamedTuple):
+    """What a run writes."""
+
+    logs: Logs
+    nodes: Nodes

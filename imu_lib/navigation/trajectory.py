@@ -203,23 +203,7 @@ def from_waypoints(
     path = np.column_stack([np.convolve(column, kernel, mode="same") for column in padded.T])[
         width:-width
     ]
-    d1, d2 = (
-        np.gradient(path, 0.5, axis=0),
-        np.gradient(np.gradient(path, 0.5, axis=0), 0.5, axis=0),
-    )
-    curvature = (
-        np.abs(d1[:, 0] * d2[:, 1] - d1[:, 1] * d2[:, 0])
-        / np.maximum(np.hypot(d1[:, 0], d1[:, 1]), 1e-6) ** 3
-    )
-    fastest = np.minimum(speed, np.sqrt(lateral / np.maximum(curvature, 1e-6)))
-    fastest[0] = fastest[-1] = 0.05
-    for order in (
-        range(1, s.size),
-        range(s.size - 2, -1, -1),
-    ):  # what braking and starting allow, forwards and backwards
-        for i in order:
-            before = i - 1 if order.step > 0 else i + 1
-            fastest[i] = min(fastest[i], np.sqrt(fastest[before] ** 2 + acceleration))
+    fastest = _fastest(path, speed, lateral, acceleration)
     arrival = standstill + np.concatenate([[0.0], np.cumsum(1.0 / (fastest[1:] + fastest[:-1]))])
     time = np.arange(0.0, arrival[-1] + 2 * standstill, 0.5)
     distance = np.interp(time, arrival, s)
@@ -228,6 +212,24 @@ def from_waypoints(
     return from_points(
         time, np.column_stack([np.interp(distance, s, path[:, i]) for i in range(3)]), origin
     )
+
+
+def _fastest(path, speed, lateral, acceleration):
+    """Speed along a path (n, 3) with a point every half metre, m/s, from rest to rest."""
+    d1 = np.gradient(path, 0.5, axis=0)
+    d2 = np.gradient(d1, 0.5, axis=0)
+    curvature = (
+        np.abs(d1[:, 0] * d2[:, 1] - d1[:, 1] * d2[:, 0])
+        / np.maximum(np.hypot(d1[:, 0], d1[:, 1]), 1e-6) ** 3
+    )
+    fastest = np.minimum(speed, np.sqrt(lateral / np.maximum(curvature, 1e-6)))
+    fastest[0] = fastest[-1] = 0.05
+    # what starting and braking allow, forwards and backwards
+    for order in (range(1, len(path)), range(len(path) - 2, -1, -1)):
+        for i in order:
+            before = i - 1 if order.step > 0 else i + 1
+            fastest[i] = min(fastest[i], np.sqrt(fastest[before] ** 2 + acceleration))
+    return fastest
 
 
 def from_navigation(navigation, *, knot_spacing=0.5, angles="course"):

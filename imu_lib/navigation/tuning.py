@@ -25,7 +25,9 @@ from .preparation import Gnss
 PARAMETERS = ("gyro N", "accelerometer N", "gyro K", "accelerometer K")
 
 
-def vehicle_model(gyro_n, accel_n, gyro_k, accel_k, name="in motion") -> Model:
+def vehicle_model(
+    gyro_n: float, accel_n: float, gyro_k: float, accel_k: float, name: str = "in motion"
+) -> Model:
     """White noise and a random walk on every channel, alike on the three axes: rad/s and m/s^2 per
     sqrt(Hz), and per s and sqrt(Hz).
     """

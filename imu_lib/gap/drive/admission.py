@@ -1,7 +1,11 @@
 """What of a drive can be searched: enough of it, in SI units, and the fixes of one solution."""
 
+from __future__ import annotations
+
 import numpy as np
 
+from imu_lib.arrays import Array
+from imu_lib.drive import Drive
 from imu_lib.errors import InputError
 from imu_lib.navigation import axes, fix_faults, fix_motion, windows
 from imu_lib.readers.drive_units import ALIKE, turn_ratio
@@ -13,7 +17,7 @@ CONTRADICTED = 0.1  # share of velocities
 GRAVITY = (5.0, 16.0)  # m/s^2, what a moving car feels in the median
 
 
-def check(drive):
+def check(drive: Drive) -> None:
     """InputError where a drive has too little to be searched, or its units are not those of SI."""
     name = drive.source or drive.name or "the drive"
     windows.overlapping(drive)
@@ -57,7 +61,7 @@ def check(drive):
         )
 
 
-def _of_one_code(drive, notes):
+def _of_one_code(drive: Drive, notes: list[str]) -> Drive:
     """The drive with the fixes of those codes whose velocities are the ones at which their
     positions move, where the others' are not: a file may hold two solutions in turn.
     """
@@ -82,7 +86,7 @@ def _of_one_code(drive, notes):
     return _fixes(drive, kept)
 
 
-def _stated(drive, notes):
+def _stated(drive: Drive, notes: list[str]) -> Drive:
     """The drive without standard deviations that are nowhere above zero: nothing is stated
     there.
     """
@@ -96,14 +100,14 @@ def _stated(drive, notes):
     return drive
 
 
-def _fixes(drive, kept):
+def _fixes(drive: Drive, kept: Array) -> Drive:
     """The drive with some of its fixes."""
     names = ("time", "position", "velocity", "position_sd", "velocity_sd", "fix")
     values = {f"gnss_{n}": getattr(drive, f"gnss_{n}") for n in names}
     return drive.with_(**{k: None if v is None else np.asarray(v)[kept] for k, v in values.items()})
 
 
-def one_solution(drive, notes):
+def one_solution(drive: Drive, notes: list[str]) -> Drive:
     """The drive with its positions alone where many of its velocities are not those at which the
     positions move.
     """

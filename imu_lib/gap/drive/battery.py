@@ -5,9 +5,17 @@ the drive. Copies of the drive, simulated from the hypothesis itself, therefore 
 innovations at the same fixes; the battery of the measurement is held against theirs.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from imu_lib.arrays import Array
+
+if TYPE_CHECKING:
+    from .problem import Problem
 
 KINDS = ("position", "velocity")
 WAYS = ("along the track", "across the track", "down")
@@ -27,19 +35,19 @@ class Battery:
     correlation from one fix to one of the next.
     """
 
-    names: tuple
+    names: tuple[str, ...]
     z: np.ndarray
     index: float
     nis: float
     whiteness: float
 
-    def worst(self):
+    def worst(self) -> tuple[str, float]:
         """What stands out most, in words, and its z."""
         k = int(np.argmax(np.abs(self.z)))
         return self.names[k], float(self.z[k])
 
 
-def in_track(problem, e):
+def in_track(problem: Problem, e: Array) -> Array:
     """Whitened innovations (f, 6) turned into along, across and down; NaN where not used."""
     c, s = np.cos(problem.course), np.sin(problem.course)
     out = e.copy()
@@ -49,7 +57,7 @@ def in_track(problem, e):
     return out
 
 
-def battery(problem, e, use, rng) -> Battery:
+def battery(problem: Problem, e: Array, use: Array, rng: np.random.Generator) -> Battery:
     """The battery of innovations e (f, 6) against simulated copies."""
     track = np.where(use, in_track(problem, e), np.nan)
     names, measured = _statistics(problem, track)
@@ -63,9 +71,9 @@ def battery(problem, e, use, rng) -> Battery:
     return Battery(names, z, index, nis, float(max(lags, default=0.0)))
 
 
-def _copies(problem, use, rng):
+def _copies(problem: Problem, use: Array, rng: np.random.Generator) -> Array:
     """Statistics of the copies, (COPIES, k); those of a path are drawn once."""
-    drawn = problem.__dict__.setdefault("copies", {})
+    drawn: dict[bytes, Array] = problem.__dict__.setdefault("copies", {})
     key = use.tobytes()
     if key not in drawn:
         white = (np.where(use, rng.standard_normal(use.shape), np.nan) for _ in range(COPIES))
@@ -73,8 +81,10 @@ def _copies(problem, use, rng):
     return drawn[key]
 
 
-def _statistics(problem, e):
-    names, values = [], []
+def _statistics(problem: Problem, e: Array) -> tuple[tuple[str, ...], Array]:
+    """Names and values of the statistics of innovations e (f, 6) in track."""
+    names: list[str] = []
+    values: list[float] = []
     regressors = {
         "forward acceleration": problem.ahead,
         "sideways acceleration": problem.aside,

@@ -148,7 +148,7 @@ def _run_on(
             turn[r] = imu.dtheta[j, r] - bias[r] * dt
             push[r] = imu.dvel[j, r] - bias[3 + r] * dt
         mid[:, :] = c
-        strapdown.step(p, v, q, c, turn, push, last[0], last[1], dt)
+        strapdown.step((p, v, q, c), (turn, push), (last[0], last[1]), dt)
         last[0], last[1] = turn, push
         for r in range(3):
             felt[0, r] += turn[r]

@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.navigation.axes import IDENTITY, to_body
 
 from . import columns
 
 
-def value(theta, effect):
+def value(theta: Array, effect: str) -> Array:
     """The held values of an effect's columns, (k,)."""
     return theta[columns.of(effect)]
 
 
-def cross_coupling(six):
+def cross_coupling(six: Array) -> Array:
     """X of the model file's matrix xy xz yx yz zx zy."""
     xy, xz, yx, yz, zx, zy = six
     return np.array([[0.0, xy, xz], [yx, 0.0, yz], [zx, zy, 0.0]])
 
 
-def axes_put_right(drive: Drive, permutation) -> Drive:
+def axes_put_right(drive: Drive, permutation: Sequence[str]) -> Drive:
+    """The drive with its readings in the axes of the body."""
     if tuple(permutation) == IDENTITY:
         return drive
     c = to_body(permutation)
     return drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
 
 
-def turned(drive: Drive, angles) -> Drive:
+def turned(drive: Drive, angles: Array) -> Drive:
     """The readings turned from the case's axes into the vehicle's: roll, pitch, yaw in rad."""
     if not np.any(angles):
         return drive
@@ -37,7 +41,7 @@ def turned(drive: Drive, angles) -> Drive:
     return drive.with_(gyro=c.apply(drive.gyro), accel=c.apply(drive.accel))
 
 
-def corrected(drive: Drive, theta) -> Drive:
+def corrected(drive: Drive, theta: Array) -> Drive:
     """The drive with the columns' values taken out (all but the velocity's own offset)."""
     if not np.any(theta):
         return drive
@@ -61,7 +65,7 @@ def corrected(drive: Drive, theta) -> Drive:
     )
 
 
-def velocity_shift(theta):
+def velocity_shift(theta: Array) -> float:
     """By how much the velocities' stamps are late beyond the positions', s."""
     offset, velocity = value(theta, "gnss_time_offset")
-    return velocity - offset
+    return float(velocity - offset)

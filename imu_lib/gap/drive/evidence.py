@@ -1,12 +1,19 @@
 """What is said of steps that do not help, or that the drive cannot tell apart."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+Step = dict[str, Any]
+
 EVEN = 0.5  # two names that the drive cannot tell
 WIDER = 0.05  # of the gap index: what its one printed decimal shows
 
 
-def share(found, ridges):
+def share(found: Sequence[Step], ridges: Mapping[tuple[str, str], str]) -> list[str]:
     """Name the two ends of a ridge in each other's steps; what is said of them."""
-    out = []
+    out: list[str] = []
     for step in found:
         for (effect, rival), axis in ridges.items():
             if effect != step["effect"]:
@@ -23,7 +30,7 @@ def share(found, ridges):
     return out
 
 
-def widening(found):
+def widening(found: Sequence[Step]) -> list[str]:
     """What is said of steps that are kept although the gap index widens with them, in a list."""
     wide = [s for s in found if s["gap_after"] > s["gap_before"] + WIDER]
     if not wide:
@@ -36,7 +43,7 @@ def widening(found):
     ]
 
 
-def unproven(found, ratio):
+def unproven(found: Sequence[Step], ratio: Mapping[str, float]) -> list[str]:
     """What is said where withheld outages do not show that the effects found help, in a list."""
     if not found or not ratio["low"] <= 1.0 <= ratio["high"]:
         return []

@@ -1,13 +1,24 @@
 """What of a drive is left: parameters that it does not show, and what no effect accounts for."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults, lateness
 from imu_lib.units import DEG
 
 from . import columns, correct, select
-from .battery import SURE
+from .battery import SURE, Battery
 from .effects import LINEAR
+
+if TYPE_CHECKING:
+    from .state import State
+
+Turned = tuple[Array, Array]  # angles of the mounting and their standard deviations, rad
 
 ABSURD = 100.0  # times the model's level
 NEAR = 2.0  # s between a jump of the fixes and the shock that it looks like
@@ -19,7 +30,7 @@ TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case i
 ANGLES = ("roll", "pitch", "yaw")
 
 
-def invisible(state, turned):
+def invisible(state: State, turned: Turned | None) -> list[dict[str, Any]]:
     """Parameters that the drive does not excite, with upper limits; turned: the mounting's angles
     and their standard deviations, or None.
     """
@@ -47,7 +58,7 @@ def invisible(state, turned):
     return out
 
 
-def _angles_unseen(turned):
+def _angles_unseen(turned: Turned | None) -> list[dict[str, Any]]:
     """Entries of the mounting's angles that would have to be larger than SEEN to be named."""
     if turned is None:
         why = "the drive is too slow for its direction to show the case's"
@@ -66,9 +77,9 @@ def _angles_unseen(turned):
     ]
 
 
-def unexplained(state, after):
+def unexplained(state: State, after: Battery) -> str | None:
     """None, or what is left: where on the drive, and in which innovation."""
-    parts = []
+    parts: list[str] = []
     jumps, sizes = fix_faults.jumps(state.drive) if state.restarts else ((), ())
     for when in state.restarts:
         near = [k for k, t in enumerate(jumps) if abs(t - when) < NEAR]
@@ -101,7 +112,7 @@ def unexplained(state, after):
     return "; ".join(parts) or None
 
 
-def clocks(state):
+def clocks(state: State) -> str | None:
     """None, or that the stamps of the fixes are not late by one time all along."""
     halves = lateness.of_halves(correct.corrected(state.drive, state.theta))
     if halves is None or abs(halves[1] - halves[0]) < STEADY:
@@ -112,12 +123,12 @@ def clocks(state):
     )
 
 
-def _index(state):
+def _index(state: State) -> list[int]:
     """Numbers of the columns of all that is held."""
     return [i for e in state.kept for i in select.GROUPS[e]]
 
 
-def absurd(found):
+def absurd(found: Sequence[dict[str, Any]]) -> str | None:
     """What is said where the only noise that accounts for the innovations is one that no sensor
     has, or None.
     """
@@ -134,10 +145,13 @@ def absurd(found):
     return None
 
 
-def limited(found, unseen, given):
+def limited(
+    found: Sequence[dict[str, Any]], unseen: Sequence[dict[str, Any]], given: Array | None
+) -> None:
     """Give the components of found effects that the drive does not show the interval that their
     upper limit leaves; given (3,): the file's lever arm, beyond which that limit is.
     """
+    lever = np.zeros(3) if given is None else given
     for step in found:
         for entry in unseen:
             key, _, part = entry["parameter"].partition(" ")
@@ -149,20 +163,19 @@ def limited(found, unseen, given):
                 continue
             names = [columns.ALL[i].component for i in columns.of(step["effect"])]
             k = names.index(entry["parameter"])
-            middle = float(given[k]) if step["effect"] == "lever_arm" else 0.0
+            middle = float(lever[k]) if step["effect"] == "lever_arm" else 0.0
             step["intervals"][key][k] = [middle - limit, middle + limit]
 
 
-def worse(ratio, left):
+def worse(ratio: float) -> str:
     """What is said where the effects found make withheld outages worse."""
-    said = (
+    return (
         f"what was found makes withheld outages worse ({ratio:.1f} times the error), so that "
         "the model file does not hold it"
     )
-    return said + (f"; {left}" if left else "")
 
 
-def smoothed_delay(state):
+def smoothed_delay(state: State) -> float | None:
     """s, by which velocities that the receiver smooths are late, where the positions are not: its
     filter's own delay, and no offset of the stamps. None elsewhere.
     """

@@ -22,7 +22,8 @@ from . import columns
 
 if TYPE_CHECKING:
     from imu_lib.gap.drive.problem import Noise
-    from imu_lib.navigation.preparation import Fixes, Stretch
+    from imu_lib.navigation.preparation import Fixes
+    from imu_lib.navigation.stretch import Stretch
 
 SMOOTH = 0.08  # s over which readings about a fix are averaged
 

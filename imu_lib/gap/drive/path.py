@@ -2,12 +2,21 @@
 fixes.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
+from imu_lib.arrays import Array
+from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect
 from imu_lib.navigation import earth
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
-from imu_lib.navigation.preparation import Gnss
+from imu_lib.navigation.preparation import Fixes, Gnss
+from imu_lib.navigation.solution import Solution
+from imu_lib.navigation.stretch import Stretch
+from imu_lib.processes import WhiteNoise
 from imu_lib.record import CHANNELS
 
 from . import condense
@@ -19,7 +28,15 @@ JOLT = 1e6  # times the white noise, about a shock: readings that clip say nothi
 LINEAR_STEP = 0.05  # s of one linear step
 
 
-def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(), loose=(1.0, 1.0)):
+def build(
+    drive: Drive,
+    noise: Noise,
+    *,
+    heading: float | None = None,
+    velocity_shift: float = 0.0,
+    restarts: Sequence[float] = (),
+    loose: Sequence[float] | Array = (1.0, 1.0),
+) -> Problem:
     """Run the filter over a drive (already corrected for what is held), and condense it.
 
     velocity_shift : s, by which the velocities' stamps are late beyond the positions'; restarts :
@@ -27,8 +44,8 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     less than stated positions and velocities are trusted for the path
     """
     turn_on = turn_on_of(noise.model)
-    loose = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
-    engine = _engine(replace_sd(drive, *loose), noise, turn_on, heading, velocity_shift)
+    factors = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
+    engine = _engine(replace_sd(drive, *factors), noise, turn_on, heading, velocity_shift)
     prepared = engine.prepared
     fixes = prepared.fixes
     _trust_velocities(fixes, split=bool(velocity_shift))
@@ -36,8 +53,8 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     end = min(float(drive.time[-1]), float(fixes.time[-1])) - 1.0
     solution = engine.solve(moments=[end])
     bias = _bias(engine, solution)
-    legs = (Leg.of(drive, s, solution, fixes, prepared.rate) for s in prepared.stretches)
-    legs = [leg for leg in legs if leg is not None]
+    cut = (Leg.of(drive, s, solution, fixes, prepared.rate) for s in prepared.stretches)
+    legs = [leg for leg in cut if leg is not None]
     lever = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm, float)
     measured = Measured.empty(fixes.time.size)
     span = span_of(noise, fixes, lever)
@@ -50,15 +67,23 @@ def build(drive, noise: Noise, *, heading=None, velocity_shift=0.0, restarts=(),
     begins = np.searchsorted(path["time"], restarts)
     arrays["begins"][begins[begins < path["time"].size]] = True
     arrays |= {"arm_rows": measured.arm_rows, "d": measured.d}
+    along = measured.along
     return Problem(
         drive=drive, attitude_sd=solution.sd[len(solution.sd) // 3 :: 50, 6:9], turn_on=turn_on,
         rate=prepared.rate, time=fixes.time, use=measured.use, y=measured.y,
-        stated=fixes.variance / np.repeat(np.square(loose), 3), **measured.along,
-        path=path, arrays=arrays, notes=solution.notes,
+        stated=fixes.variance / np.repeat(np.square(factors), 3), course=along["course"],
+        speed=along["speed"], turn=along["turn"], ahead=along["ahead"], aside=along["aside"],
+        warmth=along["warmth"], path=path, arrays=arrays, notes=solution.notes,
     )  # fmt: skip
 
 
-def _engine(drive, noise, turn_on, heading, velocity_shift):
+def _engine(
+    drive: Drive,
+    noise: Noise,
+    turn_on: tuple[float, float],
+    heading: float | None,
+    velocity_shift: float,
+) -> LooselyCoupled:
     """The filter that makes the path."""
     gnss = Gnss(
         position_floor=0.02,
@@ -76,7 +101,7 @@ def _engine(drive, noise, turn_on, heading, velocity_shift):
     return LooselyCoupled(drive, model, gnss=gnss, heading=heading, remove_bias=False)
 
 
-def _jolted(stretches, restarts):
+def _jolted(stretches: Sequence[Stretch], restarts: Sequence[float]) -> None:
     """Make the readings about shocks say nothing."""
     for stretch in stretches:
         for when in restarts:
@@ -84,7 +109,7 @@ def _jolted(stretches, restarts):
             stretch.extra_noise[near] = JOLT
 
 
-def _trust_velocities(fixes, split=False):
+def _trust_velocities(fixes: Fixes, split: bool = False) -> None:
     """Use velocities that were left out because noisy positions seemed to contradict them: what
     positions 2 s apart can tell is limited by their own noise.
     """
@@ -107,7 +132,7 @@ def _trust_velocities(fixes, split=False):
         fixes.use[bad] |= 2
 
 
-def _correlated(noise: Noise):
+def _correlated(noise: Noise) -> tuple[DriveEffect, ...]:
     """Correlated errors of the positions, which a path must not follow, as effects to be held."""
     if noise.sigma == 0.0:
         return ()
@@ -115,16 +140,16 @@ def _correlated(noise: Noise):
     return (DriveEffect("gnss_correlated", parameters),)
 
 
-def _vibrations(noise: Noise):
+def _vibrations(noise: Noise) -> Iterator[DriveEffect]:
     """White noise that follows the speed: without it a path believes its attitude too much."""
     for channel, growth in zip(CHANNELS, noise.per_speed):
         if growth > 0.0:
-            density = sum(t.N**2 for t in noise.model[channel].terms if t.name == "white_noise")
+            density = sum(t.N**2 for t in noise.model[channel].terms if isinstance(t, WhiteNoise))
             parameters = {"channel": channel, "N": density**0.5, "N_per_speed": growth}
             yield DriveEffect("vibration", parameters)
 
 
-def replace_sd(drive, position, velocity):
+def replace_sd(drive: Drive, position: float, velocity: float) -> Drive:
     """The drive with its fixes' standard deviations multiplied, for the nominal path alone."""
     gnss = Gnss()
     m = len(drive.gnss_time)
@@ -141,7 +166,7 @@ def replace_sd(drive, position, velocity):
     return drive.with_(gnss_position_sd=psd * position, gnss_velocity_sd=vsd * velocity)
 
 
-def _bias(engine, solution):
+def _bias(engine: LooselyCoupled, solution: Solution) -> Array:
     """Mean of the channels' errors that the filter estimated, (6,): taken off for the nominal."""
     moment = solution.moments[-1]
     if not moment.time.size:

@@ -6,11 +6,23 @@ variable out to two standard deviations, its quantiles are the normal ones; wher
 correlation time that the drive hardly outlasts it is skewed, its tail counts, and a grid is taken.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
+from imu_lib.arrays import Array
+
 from . import random_effects
 from .side_by_side import each
+
+if TYPE_CHECKING:
+    from .state import Change, State
+
+Likelihood = Callable[[Array], float]  # of the logarithms of the parameters, nats
 
 STEPS = {1: np.linspace(-3.0, 3.0, 9), 2: np.linspace(-2.5, 3.5, 7)}  # standard deviations
 FINE = 121
@@ -22,16 +34,16 @@ NORMAL = 0.25  # nats by which the likelihood at two standard deviations may lac
 LEVELS = (0.025, 0.975)
 
 
-def intervals(state, found):
+def intervals(state: State, found: Change) -> dict[str, list[float]]:
     """95 % intervals of the parameters of an accepted change, {name: [low, high]}; its values
     become the medians where they were fitted to a part of the drive, or on a path that has moved
     since.
     """
     start = np.log(found.values)
 
-    def at(x):
+    def at(x: Array) -> float:
         noise = found.change.enter(state.noise, np.exp(x))
-        pull = 0.5 * np.sum(((x - np.log(found.change.start)) / random_effects.PRIOR) ** 2)
+        pull = 0.5 * float(np.sum(((x - np.log(found.change.start)) / random_effects.PRIOR) ** 2))
         value = state.evaluate(noise).log_likelihood - pull
         return value if np.isfinite(value) else -1e12
 
@@ -49,9 +61,10 @@ def intervals(state, found):
     return {k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]}
 
 
-def _maximum(at, x):
+def _maximum(at: Likelihood, x: Array) -> tuple[Array, Array]:
     """The maximum, and as columns its principal axes, one standard deviation long."""
-    axes, seen = FIRST * np.eye(x.size), []
+    axes = FIRST * np.eye(x.size)
+    seen: list[tuple[float, Array]] = []
     for _ in range(CLIMBS):
         slope, turned, tried = _curvature(at, x, axes)
         seen += tried
@@ -66,7 +79,9 @@ def _maximum(at, x):
     return x, axes * np.where(axes.sum(axis=0) < 0.0, -1.0, 1.0)
 
 
-def _curvature(at, x, axes):
+def _curvature(
+    at: Likelihood, x: Array, axes: Array
+) -> tuple[Array, Array, list[tuple[float, Array]]]:
     """(slope, principal axes one standard deviation long, [(value, point)]) about x, by differences
     along axes.
     """
@@ -88,7 +103,7 @@ def _curvature(at, x, axes):
     return slope, turned, list(zip(values, points))
 
 
-def _normal(at, centre, axes):
+def _normal(at: Likelihood, centre: Array, axes: Array) -> bool:
     """Whether the likelihood is a normal variable's out to two standard deviations along each
     axis.
     """
@@ -97,7 +112,7 @@ def _normal(at, centre, axes):
     return bool(np.all(np.abs(values[1:] - values[0] + 2.0) < NORMAL))
 
 
-def _of_grid(at, centre, axes):
+def _of_grid(at: Likelihood, centre: Array, axes: Array) -> tuple[Array, Array]:
     """(bounds (k, 2), medians (k,)) of the logarithms from the likelihood over a grid."""
     steps = STEPS[min(centre.size, 2)]
     shape = [steps.size] * centre.size
@@ -115,7 +130,7 @@ def _of_grid(at, centre, axes):
     return bounds, np.array([_quantiles(v, weight, (0.5,))[0] for v in values.T])
 
 
-def _quantiles(values, weight, levels=LEVELS):
+def _quantiles(values: Array, weight: Array, levels: Sequence[float] = LEVELS) -> Array:
     order = np.argsort(values)
     total = np.cumsum(weight[order])
     return np.interp(np.array(levels) * total[-1], total, values[order])

@@ -1,16 +1,25 @@
 """Effects on what is random: each is a change of the noise hypothesis, tried by its likelihood."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
-from imu_lib.processes import Sum
+from imu_lib.arrays import Array
+from imu_lib.model import Model
+from imu_lib.processes import Process, Sum, WhiteNoise
 from imu_lib.record import CHANNELS
 
 from .problem import Noise, Problem
 from .select import PER_EFFECT, PER_PARAMETER
 from .side_by_side import each
+
+if TYPE_CHECKING:
+    from .state import State
 
 _TRIES = 35
 LEAST = 0.02  # ratio of errors of fixes to the stated ones: what is below is no noise of a receiver
@@ -24,15 +33,15 @@ class Change:
     """
 
     effect: str
-    key: tuple
-    start: tuple
-    enter: object
-    describe: object
+    key: tuple[str, ...]
+    start: tuple[float, ...]
+    enter: Callable[[Noise, Array], Noise]
+    describe: Callable[[Array], dict[str, Any]]
 
-    def fitted(self, state, noise, base):
+    def fitted(self, state: State, noise: Noise, base: float) -> tuple[Array, float, Noise]:
         """Maximise: (values, gain, Noise)."""
 
-        def loss(x):
+        def loss(x: Array) -> float:
             with np.errstate(over="ignore"):
                 value = state.evaluate(self.enter(noise, np.exp(x))).log_likelihood
             pull = 0.5 * float(np.sum(((x - np.log(self.start)) / PRIOR) ** 2))
@@ -62,17 +71,19 @@ class Change:
         return values, gain, noise
 
 
-def penalty(change):
+def penalty(change: Change) -> float:
+    """What a change has to gain, nats."""
     return PER_PARAMETER * len(change.start) + PER_EFFECT
 
 
-def _with_process(noise: Noise, channel, position, name, value):
+def _with_process(noise: Noise, channel: str, position: int, name: str, value: float) -> Noise:
     terms = list(noise.model[channel].terms)
-    terms[position] = replace(terms[position], **{name: float(value)})
+    term: Any = terms[position]
+    terms[position] = replace(term, **{name: float(value)})
     return noise.with_(model=noise.model.with_channels({channel: Sum(tuple(terms))}))
 
 
-def changes(problem: Problem, noise: Noise, given: bool):
+def changes(problem: Problem, noise: Noise, given: bool) -> list[Change]:
     """All changes that could be tried on top of a hypothesis; given: the model is the user's, whose
     processes may be wrong.
     """
@@ -82,20 +93,10 @@ def changes(problem: Problem, noise: Noise, given: bool):
     return out + _vibrations(problem, noise)
 
 
-def _of_fixes(problem, noise):
+def _of_fixes(problem: Problem, noise: Noise) -> list[Change]:
     """Changes of the errors of the fixes: their size, their memory, and wild ones."""
-    out = []
-    for of in ("position", "velocity"):
-        if problem.use[:, 0 if of == "position" else 3].any():
-            out.append(
-                Change(
-                    "gnss_noise",
-                    ("gnss_noise", of),
-                    (getattr(noise, of),),
-                    lambda n, v, of=of: n.with_(**{of: max(float(v[0]), LEAST)}),
-                    lambda v, of=of: {"ratio": max(float(v[0]), LEAST), "of": of},
-                )  # fmt: skip
-            )
+    measured = [of for k, of in ((0, "position"), (3, "velocity")) if problem.use[:, k].any()]
+    out = [_size_of_fixes(of, noise) for of in measured]
     if not problem.use[:, 0].any():
         return out
     typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2])))
@@ -121,43 +122,63 @@ def _of_fixes(problem, noise):
     return out
 
 
-def _of_processes(noise):
+def _size_of_fixes(of: str, noise: Noise) -> Change:
+    """Another ratio of the errors of positions or velocities to what is stated."""
+
+    def enter(n: Noise, v: Array) -> Noise:
+        return n.with_(**{of: max(float(v[0]), LEAST)})
+
+    def describe(v: Array) -> dict[str, Any]:
+        return {"ratio": max(float(v[0]), LEAST), "of": of}
+
+    return Change("gnss_noise", ("gnss_noise", of), (getattr(noise, of),), enter, describe)
+
+
+def _of_processes(noise: Noise) -> list[Change]:
     """Changes of the parameters of the model's processes."""
     out = []
     for channel in CHANNELS:
         for position, process in enumerate(noise.model[channel].terms):
             names = [p.name for p in getattr(type(process), "parameters", ())]
             for name in [n for n in names if (process.name, n) in _CHANGEABLE]:
-                told = {"channel": channel, "process": process.name, "name": name}
-                out.append(
-                    Change(
-                        "bias_model",
-                        ("bias_model", channel, process.name, name),
-                        (float(getattr(process, name)),),
-                        lambda n, v, c=channel, p=position, k=name: _with_process(n, c, p, k, v[0]),
-                        lambda v, told=told: {**told, "to": float(v[0])},
-                    )  # fmt: skip
-                )
+                out.append(_of_process(channel, position, process, name))
     return out
 
 
-def _vibrations(problem, noise):
+def _of_process(channel: str, position: int, process: Process, name: str) -> Change:
+    """Another value of a parameter of a channel's process."""
+
+    def enter(n: Noise, v: Array) -> Noise:
+        return _with_process(n, channel, position, name, v[0])
+
+    def describe(v: Array) -> dict[str, Any]:
+        return {"channel": channel, "process": process.name, "name": name, "to": float(v[0])}
+
+    key = ("bias_model", channel, process.name, name)
+    return Change("bias_model", key, (float(getattr(process, name)),), enter, describe)
+
+
+def _vibrations(problem: Problem, noise: Noise) -> list[Change]:
     """White noise that follows the speed, on each channel."""
-    out, speed = [], float(np.sqrt(np.mean(problem.speed**2))) or 1.0
-    for number, channel in enumerate(CHANNELS):
-        density = max(_white(noise.model, channel), 1e-9)
-        out.append(
-            Change(
-                "vibration",
-                ("vibration", channel),
-                (noise.per_speed[number] or density / speed,),
-                lambda n, v, i=number: n.with_(
-                    per_speed=tuple(float(v[0]) if k == i else p for k, p in enumerate(n.per_speed))
-                ),
-                lambda v, c=channel, d=density: {"channel": c, "N": d, "N_per_speed": float(v[0])},
-            )  # fmt: skip
+    speed = float(np.sqrt(np.mean(problem.speed**2))) or 1.0
+    return [_vibration(number, noise, speed) for number in range(len(CHANNELS))]
+
+
+def _vibration(number: int, noise: Noise, speed: float) -> Change:
+    """White noise of a channel that follows the speed; speed : m/s, usual on the drive."""
+    channel = CHANNELS[number]
+    density = max(_white(noise.model, channel), 1e-9)
+
+    def enter(n: Noise, v: Array) -> Noise:
+        return n.with_(
+            per_speed=tuple(float(v[0]) if k == number else p for k, p in enumerate(n.per_speed))
         )
-    return out
+
+    def describe(v: Array) -> dict[str, Any]:
+        return {"channel": channel, "N": density, "N_per_speed": float(v[0])}
+
+    start = (noise.per_speed[number] or density / speed,)
+    return Change("vibration", ("vibration", channel), start, enter, describe)
 
 
 _CHANGEABLE = {
@@ -166,9 +187,10 @@ _CHANGEABLE = {
 }  # fmt: skip
 
 
-def _white(model, channel):
+def _white(model: Model, channel: str) -> float:
+    """Density N of the white noise of a channel."""
     return float(
-        np.sqrt(sum(t.N**2 for t in model[channel].terms if t.name == "white_noise") or 0.0)
+        np.sqrt(sum(t.N**2 for t in model[channel].terms if isinstance(t, WhiteNoise)) or 0.0)
     )
 
 
@@ -180,7 +202,9 @@ _FACTORS = {
 }
 
 
-def screen(state, noise, base, options):
+def screen(
+    state: State, noise: Noise, base: float, options: Sequence[Change]
+) -> list[tuple[float, Change]]:
     """Gain of a few values of each change's first parameter, the best first, one for each key:
     [(gain, change)].
     """
@@ -190,19 +214,19 @@ def screen(state, noise, base, options):
             first, *others = change.start
             tried.append(replace(change, start=(first * factor, *others)))
 
-    def gain(change):
+    def gain(change: Change) -> float:
         entered = change.enter(noise, np.array(change.start, float))
         value = state.evaluate(entered).log_likelihood - base
         return value if np.isfinite(value) else -np.inf
 
-    ranked = {}
+    ranked: dict[tuple[str, ...], tuple[float, Change]] = {}
     for value, change in zip(each(gain, tried), tried):
         if change.key not in ranked or ranked[change.key][0] < value:
             ranked[change.key] = value, change
     return sorted(ranked.values(), key=lambda g: -g[0])
 
 
-def shortlist(ranked):
+def shortlist(ranked: list[tuple[float, Change]]) -> list[tuple[float, Change]]:
     """Of what `screen` ranked, what is fitted: the three best, and what else there is on the
     channel of the first, which a few values of one parameter do not part from it.
     """

@@ -5,10 +5,14 @@ log-likelihood; a shock is a restart of the filter. What stays at the end is wha
 removal improves.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults
 
 from . import alone, prune, random_effects, readings, select
@@ -17,6 +21,8 @@ from .problem import Problem
 from .side_by_side import each
 from .state import Change, State
 
+Say = Callable[[str], object]
+
 ROUNDS = 14
 FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
@@ -24,7 +30,7 @@ LEAST_FAR = 0.06  # of the logarithm of the innovations' size
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
 
-def candidates(problem: Problem):
+def candidates(problem: Problem) -> list[str]:
     """Groups of columns that can be asked for on this drive."""
     out = list(select.GROUPS)
     if problem.drive.temperature is None:
@@ -32,7 +38,7 @@ def candidates(problem: Problem):
     return out
 
 
-def run(state: State, *, given: bool, random=True, say=lambda text: None) -> State:
+def run(state: State, *, given: bool, random: bool = True, say: Say = lambda text: None) -> State:
     """Search until nothing more is asked for."""
     state.rebuild()
     for _ in range(2):  # a path that chases noisy fixes is no path to be linear about
@@ -40,7 +46,8 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
             state.rebuild()
     if random:
         _start_wild(state, say)
-    seen, refused = {}, set()
+    seen: dict[tuple[object, ...], int] = {}
+    refused: set[str] = set()
     for number in range(ROUNDS):
         names = [n for n in candidates(state.problem) if n not in refused]
         # a path that is still far off looks like many things at once
@@ -88,7 +95,7 @@ def run(state: State, *, given: bool, random=True, say=lambda text: None) -> Sta
     return state
 
 
-def _start_wild(state, say):
+def _start_wild(state: State, say: Say) -> None:
     """Start with wild fixes where the fixes alone show them: a path that follows a few that are far
     off says nothing of the others.
     """
@@ -114,7 +121,7 @@ def _start_wild(state, say):
     state.take(trial)
 
 
-def _step(state, kept):
+def _step(state: State, kept: tuple[str, ...]) -> Array | None:
     """New values where the regression moves them, else None."""
     index = [i for e in kept for i in select.GROUPS[e]]
     x, cov, _ = state.reg.solve(index)
@@ -123,7 +130,7 @@ def _step(state, kept):
     return x if np.any(np.abs(x - now) > _MOVED * np.maximum(sd, 1e-12)) else None
 
 
-def _far(state):
+def _far(state: State) -> bool:
     """Whether innovations are so far from white ones of unit size that a noise may be the cause,
     under which everything looks like an effect.
     """
@@ -132,7 +139,7 @@ def _far(state):
     return abs(np.log(max(state.size(), 1e-6))) > far or state.reg.temper > 1.2
 
 
-def _noise_step(state, given):
+def _noise_step(state: State, given: bool) -> Change | None:
     """The best change of what is random, fitted, or None."""
     whole, state = state, replace(state, problem=state.problem.brief())
     base = state.evaluate(state.noise).log_likelihood
@@ -155,26 +162,18 @@ def _noise_step(state, given):
         gain = whole.evaluate(noise).log_likelihood - whole.result.log_likelihood
     if gain < random_effects.penalty(change):
         return None
-    out = Change(
-        change,
-        values,
-        gain,
-        state.noise,
-        [(f[2].effect, f[0] - value, f[2].key) for f in found[1:]],
-    )
-    out.noise = noise
-    return out
+    rivals = [(f[2].effect, f[0] - value, f[2].key) for f in found[1:]]
+    return Change(change, values, gain, state.noise, rivals, noise)
 
 
-def _accept(state, found):
+def _accept(state: State, found: Change) -> None:
+    """Hold a change of what is random."""
     state.noise = found.noise
     state.changes.append(found)
 
 
-def _shock_step(state):
-    """(gain, time, whether most of the excess is there) of a restart of the filter where the
-    innovations stand out at one place.
-    """
+def _shock_step(state: State) -> tuple[float, float] | None:
+    """(gain, time) of a restart of the filter where the innovations stand out at one place."""
     if len(state.restarts) >= 3:
         return None
     e = np.where(state.use, state.result.e, 0.0)
@@ -202,6 +201,4 @@ def _shock_step(state):
     value = state.evaluate(state.noise).log_likelihood
     state.problem.arrays = kept
     gain = value - state.result.log_likelihood - 25.0
-    excess = np.maximum(nis - freedom, 0.0)
-    near = np.abs(block - worst) <= 2
-    return (gain, when, excess[near].sum() > 0.5 * excess.sum()) if gain > 0.0 else None
+    return (gain, when) if gain > 0.0 else None

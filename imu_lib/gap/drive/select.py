@@ -6,14 +6,23 @@ every subset of effects is a small system of equations: all subsets of up to thr
 tried, then one is added or exchanged at a time.
 """
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import t as student
 
+from imu_lib.arrays import Array, ArrayLike
+
 from . import columns
+
+if TYPE_CHECKING:
+    from .problem import Innovations, Problem
 
 PER_PARAMETER = 1.5  # nats; chance alone gains 0.5 each
 PER_EFFECT = 5.0  # nats: about eighteen effects are tried at once
@@ -21,7 +30,7 @@ HUBER = 4.0  # standard deviations
 BLOCK = 20.0  # s over which scores are summed to see how correlated they are
 FEWEST_BLOCKS = 6  # from which on their scatter says something
 #: Groups of columns: an effect of the file format or a cause outside it.
-GROUPS = {}
+GROUPS: dict[str, list[int]] = {}
 for _i, _c in enumerate(columns.ALL):
     GROUPS.setdefault(_c.effect, []).append(_i)
 PRIOR = np.array([c.prior for c in columns.ALL])
@@ -45,7 +54,7 @@ ALONG = 0.9  # correlation of two values from which on they are one ridge
 BOTH = 2.0
 
 
-def cancelling(index, x, cov):
+def cancelling(index: Sequence[int] | Array, x: Array, cov: Array) -> Array:
     """Mask of the values of a set that only make up for another's: of a bias and a scale factor of
     one axis, both larger than sensors have, that lie apart along their common ridge, the scale
     factor.
@@ -77,11 +86,11 @@ class Regression:
     spread: np.ndarray | None = None
     blocks: int = 0
 
-    def solve(self, index):
+    def solve(self, index: ArrayLike) -> tuple[Array, Array, float]:
         """Values, covariance and gain (nats, tempered) of a set of columns."""
         return self._free(index)[:3]
 
-    def sd(self, index):
+    def sd(self, index: ArrayLike) -> Array:
         """Standard deviations (k,) of the values of a set, such that 1.96 of them are an interval
         of 95 %: the likelihood's, or those of the sandwich where they are larger (Huber 1967; over
         blocks, within which innovations may be correlated, Liang and Zeger 1986), with Student's
@@ -97,7 +106,7 @@ class Regression:
         robust *= (float(student.ppf(0.975, self.blocks - 1)) / 1.96) ** 2
         return np.sqrt(np.where(part, np.maximum(own, robust), own))
 
-    def _free(self, index):
+    def _free(self, index: ArrayLike) -> tuple[Array, Array, float, Array]:
         """Values, covariance, gain, and mask of the values that are free: what asks for one that
         its name does not have is something else.
         """
@@ -105,19 +114,20 @@ class Regression:
         part = np.ones(index.size, bool)
         if not index.size:
             return np.zeros(0), np.zeros((0, 0)), 0.0, part
-        x, cov, gain = self._solved(index)
+        x, cov, gain = self.solved(index)
         for _ in range(4):
             away = (np.abs(x) > LIMIT[index]) | cancelling(index, x, cov)
             if not away.any():
                 break
             part &= ~away
             rest = index[part]
-            y, c, gain = self._solved(rest)
+            y, c, gain = self.solved(rest)
             x, cov = np.zeros(index.size), np.diag(PRIOR[index] ** 2)
             x[part], cov[np.ix_(part, part)] = y, c
         return x, cov, gain, part
 
-    def _solved(self, index):
+    def solved(self, index: Array) -> tuple[Array, Array, float]:
+        """As `solve`, without limits."""
         if not index.size:
             return np.zeros(0), np.zeros((0, 0)), 0.0
         prior = PRIOR[index]
@@ -129,9 +139,10 @@ class Regression:
         return x * prior, cov, 0.5 * float(b @ x)
 
 
-def regression(problem, result, theta, use) -> Regression:
+def regression(problem: Problem, result: Innovations, theta: Array, use: Array) -> Regression:
     """From innovations with sensitivities at held values `theta`."""
     good = use & np.isfinite(result.e)
+    assert result.jac is not None, "innovations without sensitivities"
     e, j = result.e[good], result.jac[good]
     total = e + j @ theta
     information, score = j.T @ j, j.T @ total
@@ -162,19 +173,19 @@ def regression(problem, result, theta, use) -> Regression:
     return Regression(information, score, temper, e.size, spread, len(begins))
 
 
-def ridges(reg, kept):
+def ridges(reg: Regression, kept: Sequence[str]) -> dict[tuple[str, str], str]:
     """{(effect, rival): axis}: of those held, what a bias and a scale factor of one axis would
     make up for in each other if they were free.
     """
-    out = {}
+    out: dict[tuple[str, str], str] = {}
     for bias, scale in PAIRS:
         names = columns.ALL[bias].effect, columns.ALL[scale].effect
         if not set(names) & set(kept):
             continue
-        index = [i for e in dict.fromkeys((*kept, *names)) for i in GROUPS[e]]
-        index = np.array([i for i in index if reg.information[i, i] > 0.0])
-        x, cov, _ = reg._solved(index)
-        if cancelling(index, x, cov).any() and scale in index[cancelling(index, x, cov)]:
+        free = [i for e in dict.fromkeys((*kept, *names)) for i in GROUPS[e]]
+        index = np.array([i for i in free if reg.information[i, i] > 0.0])
+        x, cov, _ = reg.solved(index)
+        if scale in index[cancelling(index, x, cov)]:
             axis = columns.ALL[bias].component[-1]
             out |= {pair: axis for pair in (names, names[::-1]) if pair[0] in kept}
     return out
@@ -184,7 +195,7 @@ def ridges(reg, kept):
 RIDGES = {"lever_arm": ("gnss_time_offset",), "gnss_time_offset": ("lever_arm",)}
 
 
-def seen(reg, kept, effect):
+def seen(reg: Regression, kept: Sequence[str], effect: str) -> tuple[Array, Array, Array]:
     """(values, standard deviations by the likelihood, and those of an interval) of an effect's
     columns beside what is held, and beside what may be taken for it.
     """
@@ -195,14 +206,14 @@ def seen(reg, kept, effect):
     return x[part], np.sqrt(np.diag(cov))[part], reg.sd(index)[part]
 
 
-def score_of(reg, effects):
+def score_of(reg: Regression, effects: Sequence[str]) -> float:
     """Penalised gain of a set of effects, nats."""
     index = [i for e in effects for i in GROUPS[e]]
     seen = [i for i in index if reg.information[i, i] > 0.0]
     return reg.solve(seen)[2] - price(reg, effects)
 
 
-def price(reg, effects):
+def price(reg: Regression, effects: Sequence[str]) -> float:
     """What a set of effects has to gain, nats: parameters that the drive does not show cost
     nothing.
     """
@@ -211,9 +222,12 @@ def price(reg, effects):
     return PER_PARAMETER * counted + PER_EFFECT * len(effects)
 
 
-def best(reg, candidates, most=8):
+def best(
+    reg: Regression, candidates: Sequence[str], most: int = 8
+) -> tuple[tuple[str, ...], float]:
     """The best set of effects and its penalised gain."""
-    kept, top = (), 0.0
+    kept: tuple[str, ...] = ()
+    top = 0.0
     alone = {e: score_of(reg, (e,)) for e in candidates}
     promising = [e for e in candidates if alone[e] > -PER_EFFECT - 20.0]
     for size in range(1, min(most, 3) + 1):
@@ -237,7 +251,12 @@ def best(reg, candidates, most=8):
     return kept, top
 
 
-def confidence(reg, kept, candidates, apart):
+def confidence(
+    reg: Regression,
+    kept: Sequence[str],
+    candidates: Sequence[str],
+    apart: Mapping[tuple[str, str], float],
+) -> dict[str, tuple[float, str, float, dict[str, float]]]:
     """For each kept effect: how sure its name is, and what comes second ("nothing" included).
 
     apart : {(effect, rival): nats} that rivals lack on paths of their own, where that was tried
@@ -249,7 +268,7 @@ def confidence(reg, kept, candidates, apart):
         rivals = {"nothing": score_of(reg, others)}
         rivals |= {e: score_of(reg, (*others, e)) for e in candidates if e not in kept}
         rivals |= {e: top - lacks for (of, e), lacks in apart.items() if of == effect}
-        second = max(rivals, key=rivals.get)
+        second = max(rivals, key=rivals.__getitem__)
         weights = {e: float(np.exp(np.clip(v - top, -700, 50))) for e, v in rivals.items()}
         total = 1.0 + sum(weights.values())
         out[effect] = (1.0 / total, second, weights[second] / total, rivals)

@@ -34,7 +34,8 @@ class Change:
     values: np.ndarray
     gain: float
     before: Noise
-    rivals: list[Any] = field(default_factory=list)
+    rivals: list[tuple[str, float, tuple[str, ...]]] = field(default_factory=list)
+    noise: Noise = NOT_YET
 
 
 @dataclass

@@ -1,24 +1,39 @@
 """What the search found, as the steps of the report: names, parameters, intervals, where."""
 
-import numpy as np
-from scipy.spatial.transform import Rotation
+from __future__ import annotations
 
-from imu_lib.units import DEG
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from imu_lib.model import Model
 
 from . import columns, posterior, random_effects, select
-from .battery import battery
+from .battery import Battery, battery
 from .effects import CATALOGUE, LINEAR
-from .left import ANGLES, APART, TURNED, smoothed_delay
+from .left import APART, smoothed_delay
+
+if TYPE_CHECKING:
+    from .problem import Innovations, Noise
+    from .state import Change, State
+
+Step = dict[str, Any]
 
 SUREST = 0.999  # no weight above this is claimed
 ALIKE = 3.0  # nats
-TURNED_BEFORE = (
-    "The search turns the axes first: innovations before are those with the axes already turned, "
-    "outages before those with the axes as they are in the file."
-)
 
 
-def _step(effect, values, weight, runner, alike, gaps, gain, where=None):
+def step(
+    effect: str,
+    values: tuple[dict[str, Any], dict[str, Any]],
+    weight: float,
+    runner: dict[str, Any],
+    alike: Iterable[str],
+    gaps: tuple[float, float],
+    gain: float,
+    where: str | None = None,
+) -> Step:
     """A step; values: its parameters and intervals; weight: of the name among its rivals, of which
     `reliability` makes the confidence.
     """
@@ -38,20 +53,23 @@ def _step(effect, values, weight, runner, alike, gaps, gain, where=None):
     }
 
 
-def of(state, first, noise, rng, before):
+def of(
+    state: State, first: State, noise: Noise, rng: np.random.Generator, before: Battery
+) -> list[Step]:
     """Steps of the linear effects and of the changes of what is random, the largest gain first."""
     kept = [e for e in state.kept if e in LINEAR]
     if smoothed_delay(state) is not None:
         kept.remove("gnss_time_offset")
     index = [i for e in state.kept for i in select.GROUPS[e]]
-    values, cov, total = state.reg.solve(index)
+    solved, _, total = state.reg.solve(index)
     sd = dict(zip(index, state.reg.sd(index)))
-    values = dict(zip(index, values))
+    values = dict(zip(index, solved))
     # one that would be larger than its name allows is held at nothing
     kept = [e for e in kept if any(values[i] for i in select.GROUPS[e])]
     names = [n for n in select.GROUPS if n not in state.kept]
     sure = select.confidence(state.reg, state.kept, names, state.apart)
-    out, gap = [], before.index
+    out: list[Step] = []
+    gap = before.index
     gains = {
         e: total - state.reg.solve([i for k in state.kept if k != e for i in select.GROUPS[k]])[2]
         for e in kept
@@ -59,7 +77,7 @@ def of(state, first, noise, rng, before):
     done = [e for e in state.kept if e not in kept]
     plain = state.problem.evaluate(first.noise, sens=True, use=state.use)
     reg = select.regression(state.problem, plain, state.theta, state.use)
-    for effect in sorted(kept, key=gains.get, reverse=True):
+    for effect in sorted(kept, key=gains.__getitem__, reverse=True):
         done.append(effect)
         after = _gap_with(state, plain, reg, done, rng)
         part = LINEAR[effect].columns
@@ -72,7 +90,7 @@ def of(state, first, noise, rng, before):
         if effect == "gnss_time_offset":
             parameters, intervals = _one_offset(state, index, (values, sd), parameters, intervals)
         out.append(
-            _step(
+            step(
                 effect,
                 (parameters, intervals),
                 confidence,
@@ -94,7 +112,7 @@ def of(state, first, noise, rng, before):
     return out
 
 
-def _unstated(state, change):
+def _unstated(state: State, change: random_effects.Change) -> bool:
     """Whether a change is the size of errors of which the file states none: fitted, and no
     finding.
     """
@@ -103,14 +121,20 @@ def _unstated(state, change):
     return getattr(state.problem.drive, f"gnss_{change.key[1]}_sd") is None
 
 
-def _one_offset(state, index, known, parameters, intervals):
+def _one_offset(
+    state: State,
+    index: list[int],
+    known: tuple[dict[int, float], dict[int, float]],
+    parameters: dict[str, Any],
+    intervals: dict[str, Any],
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """The time offset as one number, unless the velocity clearly has one of its own; known: values
     and standard deviations by column.
     """
     values, sd = known
     a, b = columns.of("gnss_time_offset")
     if not state.use[:, 3].any():
-        return ({k: d[k] for k in ("offset",)} for d in (parameters, intervals))
+        return {"offset": parameters["offset"]}, {"offset": intervals["offset"]}
     _, cov, _ = state.reg.solve(index)
     i, j = index.index(a), index.index(b)
     wider = np.array([sd[a], sd[b]]) / np.sqrt(np.diag(cov)[[i, j]])
@@ -124,17 +148,24 @@ def _one_offset(state, index, known, parameters, intervals):
     return {"offset": one}, {"offset": [one - half, one + half]}
 
 
-def _gap_with(state, plain, reg, effects, rng):
+def _gap_with(
+    state: State,
+    plain: Innovations,
+    reg: select.Regression,
+    effects: Sequence[str],
+    rng: np.random.Generator,
+) -> float:
     """Gap index with the linear effects given, at the path as it is."""
     index = [i for e in effects for i in select.GROUPS[e]]
     x, _, _ = reg.solve(index)
     theta = np.zeros(len(columns.ALL))
     theta[index] = x
-    e = plain.e + np.einsum("fkp,p->fk", plain.jac, state.theta - theta)
+    e = plain.e + np.einsum("fkp,p->fk", np.asarray(plain.jac), state.theta - theta)
     return battery(state.problem, e, state.use, rng).index
 
 
-def _random_step(state, found, first, gaps):
+def _random_step(state: State, found: Change, first: Model, gaps: tuple[float, float]) -> Step:
+    """The step of a change of what is random; first: the model as it was given."""
     change = found.change
     intervals = posterior.intervals(state, found)
     parameters = change.describe(found.values)
@@ -150,103 +181,15 @@ def _random_step(state, found, first, gaps):
     total = 1.0 + sum(weights)
     k = int(np.argmax(weights))
     alike = sorted({e for (e, v) in rivals if v > -ALIKE and e != change.effect})
-    return _step(
+    return step(
         change.effect, (parameters, intervals), 1.0 / total,
         {"effect": names[k], "confidence": float(weights[k] / total)}, alike, gaps, found.gain,
     )  # fmt: skip
 
 
-def _stated(model, parameters):
+def _stated(model: Model, parameters: Mapping[str, Any]) -> float | None:
     """The value of a process's parameter in the model as it was given."""
     for process in model[parameters["channel"]].terms:
         if process.name == parameters["process"]:
             return float(getattr(process, parameters["name"]))
     return None
-
-
-def axes(permutation, sure, runner, gain, alike, before):
-    where = (
-        "the readings follow the fixes' accelerations and turns when x, y, z of the file are "
-        f"taken as {', '.join(permutation)}"
-    )
-    step = _step(
-        "axes", ({"permutation": list(permutation)}, {}), sure,
-        {"effect": f"axes {' '.join(runner)}", "confidence": float(1.0 - sure)}, [],
-        (before.index, before.index), gain, where,
-    )  # fmt: skip
-    if alike:
-        step["indistinguishable"] = [f"axes {' '.join(p)}" for p in alike]
-    return step
-
-
-def mounting(turned, after):
-    """The step, in a list, where the case is turned beyond doubt."""
-    if turned is None:
-        return []
-    angles, sd = turned
-    sizes = np.abs(angles) / sd
-    if not (sizes > TURNED).any():
-        return []
-    names = ANGLES
-    k = int(np.argmax(sizes))
-    gain = 0.5 * float(np.sum(sizes**2))
-    where = (
-        f"on straights the velocity lies {abs(angles[2]) / DEG:.1f} deg aside of the case's x and "
-        f"{abs(angles[1]) / DEG:.1f} deg above or below it ({names[k]} stands out most)"
-    )
-    return [
-        _step(
-            "mounting",
-            (
-                {n: float(a) for n, a in zip(names, angles)},
-                {
-                    n: [float(a - 1.96 * s), float(a + 1.96 * s)]
-                    for n, a, s in zip(names, angles, sd)
-                },
-            ),
-            SUREST,
-            {"effect": "nothing", "confidence": float(np.exp(-min(gain, 700.0)))},
-            [],
-            (after.index, after.index),
-            gain,
-            where,
-        )  # fmt: skip
-    ]
-
-
-def heading(apart, sd, after, whose=""):
-    """The step, in a list, where the heading given at the start is wrong beyond doubt; whose: words
-    for where it was given.
-    """
-    sd = float(np.hypot(sd, 2.0 * DEG))
-    if abs(apart) < 5.0 * sd:
-        return []
-    gain = 0.5 * (apart / sd) ** 2
-    where = (
-        "the path's own heading at the start, carried back by the gyros, is "
-        f"{abs(apart) / DEG:.0f} deg off the one given{whose}"
-    )
-    return [
-        _step(
-            "heading",
-            ({"error": apart}, {"error": [apart - 1.96 * sd, apart + 1.96 * sd]}),
-            SUREST,
-            {"effect": "nothing", "confidence": 0.0},
-            [],
-            (after.index, after.index),
-            gain,
-            where,
-        )  # fmt: skip
-    ]
-
-
-def arm_of_vehicle(found, drive, mount):
-    """The lever arm in the vehicle's axes, with what the file gave."""
-    given = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm)
-    c = Rotation.from_euler("ZYX", mount[::-1])
-    for step in found:
-        if step["effect"] == "lever_arm":
-            arm = c.apply(given + np.array(step["parameters"]["arm"]))
-            half = np.array([0.5 * (b - a) for a, b in step["intervals"]["arm"]])
-            step["parameters"]["arm"] = [float(a) for a in arm]
-            step["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]

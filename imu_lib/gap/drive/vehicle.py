@@ -2,18 +2,30 @@
 wrong heading at the start.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from imu_lib.arrays import Array
+from imu_lib.navigation import axes
 from imu_lib.processes import WhiteNoise
 from imu_lib.record import CHANNELS
+from imu_lib.units import DEG
+
+if TYPE_CHECKING:
+    from .problem import Noise, Problem
 
 FASTER = 1.5  # m/s: what creeps says little, and is weighed by its speed
 TURNING = 0.3  # rad/s
+ASKEW = 20.0 * DEG  # from the nearest right angles: beyond, a case stands as it stands
 SYSTEMATIC = np.array([1.2, 0.25, 0.25]) * np.pi / 180  # roads are not level, tyres slip: rad
 
 
-def mounting(problem, attitude_sd):
+def mounting(problem: Problem, attitude_sd: Array) -> tuple[Array, Array] | None:
     """Roll, pitch, yaw of the case in the vehicle and their standard deviations, rad; None where
     the drive is too slow. attitude_sd (3,): of the path's own attitude.
     """
@@ -42,7 +54,15 @@ def mounting(problem, attitude_sd):
     return case_to_vehicle.as_euler("ZYX")[::-1], _of_angles(case_to_vehicle, sd)
 
 
-def _along(forward):
+def turned_axes(turned: tuple[Array, Array]) -> tuple[str, ...] | None:
+    """The axes that a case lies turned by, where it is no case a little askew: a file whose x is
+    another axis of the body. None where it is one, or turned by no multiple of a right angle.
+    """
+    permutation, apart = axes.nearest(Rotation.from_euler("ZYX", turned[0][::-1]))
+    return permutation if permutation != axes.IDENTITY and apart < ASKEW else None
+
+
+def _along(forward: Array) -> Rotation:
     """The rotation that turns unit vector `forward` (3,) to x by yaw and pitch alone."""
     yaw = -np.arctan2(forward[1], forward[0])
     level = Rotation.from_euler("z", yaw).apply(forward)
@@ -50,7 +70,7 @@ def _along(forward):
     return Rotation.from_euler("y", pitch) * Rotation.from_euler("z", yaw)
 
 
-def _of_angles(turn, sd):
+def _of_angles(turn: Rotation, sd: Array) -> Array:
     """Standard deviations of roll, pitch, yaw from those of small turns about the vehicle's
     axes.
     """
@@ -60,7 +80,7 @@ def _of_angles(turn, sd):
     return np.sqrt(np.sum((slope / step * sd[:, None]) ** 2, axis=0))
 
 
-def _robust(a, b):
+def _robust(a: Array, b: Array) -> tuple[Array, float]:
     """Least squares with what lies far out left out: (values, standard error of the first)."""
     keep = np.ones(b.size, bool)
     for _ in range(5):
@@ -72,15 +92,18 @@ def _robust(a, b):
     return x, float(size / np.sqrt(independent) / np.mean(a[keep, 0]))
 
 
-def _white(noise, channel):
-    return [WhiteNoise(0.0), *(t for t in noise.model[channel].terms if t.name == "white_noise")]
+def _white(noise: Noise, channel: str) -> list[WhiteNoise]:
+    """The white noises of a channel, one of nothing among them."""
+    return [WhiteNoise(0.0), *(t for t in noise.model[channel].terms if isinstance(t, WhiteNoise))]
 
 
 CARRIED = 90.0  # s over which the gyros carry a heading back to the start
 DRIFT = 2e-4  # rad/s that the gyros' bias may still be off
 
 
-def heading_error(problem, given, mount, noise):
+def heading_error(
+    problem: Problem, given: float, mount: Array, noise: Noise
+) -> tuple[float, float] | None:
     """Given heading at the first sample minus the path's own, in the vehicle's axes, and its
     standard deviation, rad; None where the drive has a hole there.
     """
@@ -94,7 +117,9 @@ def heading_error(problem, given, mount, noise):
     return float((given - yaw + np.pi) % (2 * np.pi) - np.pi), sd
 
 
-def heading_since(problem, since, mount=(0.0, 0.0, 0.0)):
+def heading_since(
+    problem: Problem, since: float, mount: Sequence[float] | Array = (0.0, 0.0, 0.0)
+) -> tuple[float, float] | None:
     """The path's heading at time `since`, in the vehicle's axes, and its standard deviation, rad: a
     later one carried back by the gyros. None where the drive has a hole there.
     """

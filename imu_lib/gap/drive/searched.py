@@ -1,0 +1,113 @@
+"""A drive searched: about the axes that it has, under a noise that is given or fitted to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from imu_lib.arrays import Array
+from imu_lib.drive import Drive
+from imu_lib.model import Model
+from imu_lib.navigation import axes
+from imu_lib.navigation.windows import Window
+from imu_lib.units import DEG
+
+from . import base_model, correct, outage, search, start, vehicle, vehicle_steps
+from .problem import Noise
+from .start import Say
+from .state import State
+from .steps import SUREST
+
+REFITS = 3  # of the noise fitted to the drive, which holds what was not yet found
+
+
+@dataclass(frozen=True)
+class Searched:
+    """What a search leaves.
+
+    right : the drive with its axes put right; turn : of `axes.of`; windows that were withheld;
+    state, first : what is held at the end, and before anything was; noise, original : under what
+    is found, and the model before; turned : the case's angles and standard deviations, or None
+    """
+
+    right: Drive
+    turn: axes.Found
+    windows: tuple[Window, ...]
+    state: State
+    first: State
+    noise: Noise
+    original: Model
+    turned: tuple[Array, Array] | None
+
+
+def searched(
+    drive: Drive, model: Model | None, random: bool, notes: list[str], say: Say
+) -> Searched:
+    """The drive searched, once more where its path shows other axes than its fixes alone did;
+    random : for changes of what is random too.
+    """
+    turn = axes.of(drive)
+    for _ in range(2):
+        say(f"axes {' '.join(turn[0])}")
+        right = correct.axes_put_right(drive, turn[0])
+        windows = outage.withheld(right)
+        state, first, noise, original = _about(right, model, (windows, random), notes, say)
+        turned = vehicle.mounting(state.problem, attitude_sd(state))
+        askew = _askew(turn, turned)
+        if askew is None:
+            break
+        turn = askew
+    return Searched(right, turn, windows, state, first, noise, original, turned)
+
+
+def attitude_sd(state: State) -> Array:
+    """How well the path knows its attitude, rad (3,): from the filter's own covariance."""
+    return np.minimum(np.median(state.problem.attitude_sd, axis=0), 20 * DEG)
+
+
+def _askew(turn: axes.Found, turned: tuple[Array, Array] | None) -> axes.Found | None:
+    """The axes, as of `axes.of`, where the path shows that the case lies turned by right angles:
+    the path knows more of it than the fixes' own motion. turned : angles and standard deviations.
+    """
+    if turned is None or not vehicle_steps.beyond_doubt(turned):
+        return None
+    more = vehicle.turned_axes(turned)
+    if more is None:
+        return None
+    both = axes.of_matrix(axes.to_body(more) @ axes.to_body(turn[0]))
+    gain = 0.5 * float(np.sum((turned[0] / turned[1]) ** 2))
+    return both, SUREST, turn[0], gain, ()
+
+
+def _about(
+    drive: Drive,
+    model: Model | None,
+    asked: tuple[tuple[Window, ...], bool],
+    notes: list[str],
+    say: Say,
+) -> tuple[State, State, Noise, Model]:
+    """(state, first, noise, original) of `Searched`; asked: windows to withhold, and whether what
+    is random is searched.
+    """
+    windows, random = asked
+    theta, noise, given, original = start.held(drive, model, notes)
+    state = State(drive, noise, theta, withhold=tuple((w.start, w.duration) for w in windows))
+    start.in_time(state, say)
+    first = replace(state, theta=np.zeros_like(theta), kept=())
+    first.rebuild()
+    if not given:
+        if state.kept:  # the noise of a path that is seconds off says nothing
+            state.rebuild()
+        state.noise = first.noise = base_model.fit(state if state.kept else first, say)
+        original = first.noise.model
+        first.weigh()
+    search.run(state, given=given, random=random, say=say)
+    noise = first.noise
+    for _ in range(REFITS if not given else 0):
+        again = base_model.anew(state, noise, say)
+        if again is None:
+            break
+        noise = again
+        search.run(state, given=given, random=random, say=say)
+    return state, first, noise, original
