@@ -26,9 +26,10 @@ from . import (
     steps,
     vehicle,
     vehicle_steps,
+    worth,
 )
 from .battery import Battery, battery
-from .problem import Noise, turn_on_of, with_constants
+from .problem import turn_on_of, with_constants
 from .searched import Searched, attitude_sd, searched
 from .start import Say
 from .state import State
@@ -111,7 +112,7 @@ def close(
     vehicle_steps.arm_of_vehicle(found, known.right, _mount(found))
     unseen = left.invisible(state, turned)
     left.limited(found, unseen, drive.lever_arm)
-    fitted = _ratios(state.noise, drive)
+    fitted = worth.ratios(state.noise, drive)
     original = known.original.with_drive(tuple(fitted))
     whole = noise.model if model is None else known.original
     whole = whole.with_drive((*fitted, *_effects(found)))
@@ -167,15 +168,6 @@ def _heading(
         return []
     apart = vehicle.heading_error(state.problem, given, mount, state.noise)
     return [] if apart is None else vehicle_steps.heading(*apart, after, whose)
-
-
-def _ratios(noise: Noise, drive: Drive) -> list[DriveEffect]:
-    """Ratios of the fixes' errors to the usual ones, fitted where the drive states none."""
-    return [
-        DriveEffect("gnss_noise", {"ratio": getattr(noise, of), "of": of})
-        for of in ("position", "velocity")
-        if getattr(drive, f"gnss_{of}_sd") is None and getattr(noise, of) != 1.0
-    ]
 
 
 def _mount(found: Sequence[Step]) -> Array:

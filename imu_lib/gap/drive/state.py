@@ -118,6 +118,15 @@ class State:
         self.use = self.problem.use & ~away[:, None]
         self.weigh()
 
+    def copy(self) -> State:
+        """The same, and apart from it: what is changed in place is copied."""
+        return replace(
+            self,
+            theta=self.theta.copy(),
+            other=self.other.copy(),
+            changes=[replace(c) for c in self.changes],
+        )
+
     def take(self, other: State) -> None:
         """Be where another state is: values, path, innovations and regression."""
         for name in (

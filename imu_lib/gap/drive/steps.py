@@ -106,13 +106,13 @@ def of(
         noise = found.change.enter(noise, found.values)
         result = state.evaluate(noise)
         after = battery(state.problem, result.e, state.use, rng).index
-        if not _unstated(state, found.change):
+        if not unstated(state, found.change):
             out.append(_random_step(state, found, original, (gap, after)))
         gap = after
     return out
 
 
-def _unstated(state: State, change: random_effects.Change) -> bool:
+def unstated(state: State, change: random_effects.Change) -> bool:
     """Whether a change is the size of errors of which the file states none: fitted, and no
     finding.
     """

@@ -1,0 +1,83 @@
+"""Whether a step of the search helps where it was not fitted: outages laid over the fixes that the
+search may see. Those that the report tells stay withheld.
+
+A noise is fitted to innovations from one fix to the next; an outage asks what is left of it after
+half a minute. The two agree where the model is right, and only there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from imu_lib.drive import Drive
+from imu_lib.drive_effects import DriveEffect
+from imu_lib.errors import InputError
+from imu_lib.model import Model
+from imu_lib.navigation import outages
+from imu_lib.navigation.filter_model import FilterModel
+from imu_lib.navigation.windows import Window
+
+from . import correct
+from .effects import LINEAR
+from .outage import GNSS
+from .problem import Noise, with_constants
+from .state import State
+from .steps import unstated
+
+EVERY = 10.0  # s from one outage to the next
+FEWEST = 5  # outages that say something
+
+
+def ratios(noise: Noise, drive: Drive) -> list[DriveEffect]:
+    """Ratios of the fixes' errors to the usual ones, fitted where the drive states none."""
+    return [
+        DriveEffect("gnss_noise", {"ratio": getattr(noise, of), "of": of})
+        for of in ("position", "velocity")
+        if getattr(drive, f"gnss_{of}_sd") is None and getattr(noise, of) != 1.0
+    ]
+
+
+def held(state: State, noise: Noise) -> Model:
+    """The model file that a state amounts to; noise : without the changes that the state holds."""
+    out = ratios(state.noise, state.drive)
+    for effect in state.kept:
+        if effect not in LINEAR:
+            continue
+        values = correct.value(state.theta, effect)
+        if effect == "lever_arm" and state.drive.lever_arm is not None:
+            values = values + state.drive.lever_arm
+        out.append(DriveEffect(effect, LINEAR[effect].parameters(values)))
+    for found in state.changes:
+        if not unstated(state, found.change):
+            out.append(DriveEffect(found.change.effect, found.change.describe(found.values)))
+    return with_constants(noise.model.with_drive(out))
+
+
+def no_worse(before: Model, after: Model, drive: Drive, withheld: tuple[Window, ...]) -> bool:
+    """Whether errors in outages grow by no more than what chance makes of their mean: one standard
+    error, on the logarithm (Breiman et al. 1984 choose by as much among models that do alike).
+    """
+    if not withheld:
+        return True
+    duration = withheld[0].duration
+    try:
+        laid = outages.regular_windows(
+            drive, duration=duration, every=EVERY, settle=min(120.0, 0.25 * drive.duration)
+        )
+    except InputError:
+        return True
+    free = [
+        w
+        for w in laid
+        if all(w.start + duration <= v.start or w.start >= v.start + duration for v in withheld)
+    ]
+    if len(free) < FEWEST:
+        return True
+    filters = {n: FilterModel.of(m) for n, m in (("before", before), ("after", after))}
+    try:
+        study = outages.compare(drive, filters, free, gnss=GNSS, strict=False)
+    except InputError:
+        return True
+    first, second = (study.errors(n, against="full_gnss") for n in filters)
+    grown = np.log(np.maximum(second, 1e-3) / np.maximum(first, 1e-3))
+    return bool(grown.mean() <= grown.std(ddof=1) / np.sqrt(grown.size))
