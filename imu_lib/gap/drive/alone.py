@@ -73,13 +73,13 @@ def _tried(state: State, sets: list[tuple[str, ...]]) -> tuple[Array, State | No
     better than what is held. The other paths are not kept: each is large.
     """
     temper = state.reg.temper  # one for all, or a worse path would count for less
-    top, lock = _misfit(state, temper), Lock()
+    top, lock = misfit(state, temper), Lock()
     best: list[tuple[float, State]] = []
 
     def led(kept: tuple[str, ...]) -> float:
         trial = replace(state, theta=state.theta.copy(), other=state.other.copy())
         converge(trial, kept, enough=state.cost())
-        value = _misfit(trial, temper)
+        value = misfit(trial, temper)
         with lock:
             if value < min([top, *(v for v, _ in best)]):
                 best[:] = [(value, trial)]
@@ -121,7 +121,7 @@ def exchange(state: State, say: Callable[[str], object]) -> bool:
         pairs = _rivals(state)
         sets = [tuple(r if e == of else e for e in state.kept) for of, r in pairs]
         found, trial = _tried(state, sets)
-        lacks = found - _misfit(state, state.reg.temper)
+        lacks = found - misfit(state, state.reg.temper)
         state.apart = {pair: float(v) for pair, v in zip(pairs, lacks)}
         if trial is None:
             return number > 0
@@ -153,7 +153,7 @@ def _rivals(state: State) -> list[tuple[str, str]]:
     return out
 
 
-def _misfit(state: State, temper: float) -> float:
+def misfit(state: State, temper: float) -> float:
     """Tempered misfit of the innovations and of the values with the price of the set, nats."""
     index = [i for e in state.kept for i in select.GROUPS[e]]
     held = (state.theta + state.other)[index] / select.PRIOR[index]

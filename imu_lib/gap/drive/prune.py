@@ -35,7 +35,7 @@ def noises(state: State, say: Callable[[str], object]) -> None:
             state.rebuild()
     while state.changes:
         sets = _leaving(state.changes)
-        tried = [_without(state, out) for out in sets]
+        tried = [without(state, out) for out in sets]
         values = each(lambda noise: state.evaluate(noise).log_likelihood, tried)
         worth = []
         for out, value in zip(sets, values):
@@ -84,7 +84,7 @@ def effects(state: State, say: Callable[[str], object]) -> None:
         held(state, tuple(e for e in state.kept if e != effect), freely=True)
 
 
-def _without(state: State, out: list[Change]) -> Noise:
+def without(state: State, out: list[Change]) -> Noise:
     """The noise with changes undone: the others entered anew on the first hypothesis."""
     noise = state.changes[0].before
     for other in state.changes:

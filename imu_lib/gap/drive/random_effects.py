@@ -196,7 +196,7 @@ def _white(model: Model, channel: str) -> float:
 
 #: by which the first parameter is tried; other effects are tried at their start
 _FACTORS = {
-    "gnss_noise": (0.4, 0.67, 1.5, 3.0),
+    "gnss_noise": (0.4, 0.67, 0.87, 1.15, 1.5, 3.0),
     "bias_model": (0.67, 1.5, 6.0, 30.0),
     "vibration": (0.3, 1.0, 5.0, 25.0),
 }

@@ -15,7 +15,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults
 
-from . import alone, prune, random_effects, readings, select
+from . import across, alone, prune, random_effects, readings, select
 from .hold import held, refit
 from .problem import Problem
 from .side_by_side import each
@@ -87,7 +87,11 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
         break
     for _ in range(3):
         alone.simplify(state, say)
-        if not alone.exchange(state, say):
+        again = alone.exchange(state, say)
+        if random:
+            names = candidates(state.problem)
+            again |= across.exchange(state, names, lambda s: _noise_step(s, given), say)
+        if not again:
             break
     prune.noises(state, say)
     if state.changes:

@@ -106,19 +106,24 @@ def of(
         noise = found.change.enter(noise, found.values)
         result = state.evaluate(noise)
         after = battery(state.problem, result.e, state.use, rng).index
-        if not unstated(state, found.change):
+        if not usual(state, found):
             out.append(_random_step(state, found, original, (gap, after)))
         gap = after
     return out
 
 
-def unstated(state: State, change: random_effects.Change) -> bool:
-    """Whether a change is the size of errors of which the file states none: fitted, and no
-    finding.
+#: Ratios of errors of fixes to the stated ones within which a receiver knows them well.
+KNOWN_WELL = (0.8, 1.25)
+
+
+def usual(state: State, found: Change) -> bool:
+    """Whether a change is the size of errors of which the file states none, or states nearly the
+    right one: fitted, and no finding.
     """
-    if change.effect != "gnss_noise":
+    if found.change.effect != "gnss_noise":
         return False
-    return getattr(state.problem.drive, f"gnss_{change.key[1]}_sd") is None
+    nearly = KNOWN_WELL[0] < float(found.values[0]) < KNOWN_WELL[1]
+    return nearly or getattr(state.problem.drive, f"gnss_{found.change.key[1]}_sd") is None
 
 
 def _one_offset(

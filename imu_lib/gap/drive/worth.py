@@ -22,19 +22,22 @@ from .effects import LINEAR
 from .outage import GNSS
 from .problem import Noise, with_constants
 from .state import State
-from .steps import unstated
+from .steps import KNOWN_WELL, usual
 
 EVERY = 10.0  # s from one outage to the next
 FEWEST = 5  # outages that say something
 
 
 def ratios(noise: Noise, drive: Drive) -> list[DriveEffect]:
-    """Ratios of the fixes' errors to the usual ones, fitted where the drive states none."""
-    return [
-        DriveEffect("gnss_noise", {"ratio": getattr(noise, of), "of": of})
-        for of in ("position", "velocity")
-        if getattr(drive, f"gnss_{of}_sd") is None and getattr(noise, of) != 1.0
-    ]
+    """Ratios of the fixes' errors that are no findings: to the usual ones, fitted where the drive
+    states none, and to the stated ones where these are nearly right.
+    """
+    out = []
+    for of in ("position", "velocity"):
+        ratio, stated = getattr(noise, of), getattr(drive, f"gnss_{of}_sd") is not None
+        if ratio != 1.0 and (not stated or KNOWN_WELL[0] < ratio < KNOWN_WELL[1]):
+            out.append(DriveEffect("gnss_noise", {"ratio": ratio, "of": of}))
+    return out
 
 
 def held(state: State, noise: Noise) -> Model:
@@ -48,7 +51,7 @@ def held(state: State, noise: Noise) -> Model:
             values = values + state.drive.lever_arm
         out.append(DriveEffect(effect, LINEAR[effect].parameters(values)))
     for found in state.changes:
-        if not unstated(state, found.change):
+        if not usual(state, found):
             out.append(DriveEffect(found.change.effect, found.change.describe(found.values)))
     return with_constants(noise.model.with_drive(out))
 
