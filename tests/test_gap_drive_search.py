@@ -277,6 +277,8 @@ def test_a_vibration_tells_the_density_of_the_noise_fitted_last(monkeypatch):
     state.noise = vibration.enter(loud, [1e-4])
     state.weigh()
     monkeypatch.setattr(base_model, "fit", lambda *_: vibration.enter(right, [1e-4]))
-    assert base_model.anew(state, loud).model is state.changes[0].before.model
+    state.base = loud
+    assert base_model.anew(state)
+    assert state.base.model is state.changes[0].before.model is right.model
     told = state.changes[0].change.describe([1e-4])
     assert told["N"] == pytest.approx(0.03)

@@ -16,7 +16,7 @@ from imu_lib.drive import Drive
 from imu_lib.model import Model
 from imu_lib.navigation.tuning import vehicle_model
 
-from . import random_effects
+from . import random_effects, worth
 from .select import PER_EFFECT, PER_PARAMETER
 
 if TYPE_CHECKING:
@@ -66,20 +66,20 @@ def fit(state: State, say: Callable[[str], object] = lambda text: None) -> Noise
     return enter(found.x)
 
 
-def anew(
-    state: State, noise: Noise, say: Callable[[str], object] = lambda text: None
-) -> Noise | None:
-    """The noise fitted again where effects were found, or None where that is not worth its price:
-    what was fitted before held their errors too, and hides whatever is smaller than they were.
-
-    noise : without the changes of what is random that the state holds, which stay
+def anew(state: State, say: Callable[[str], object] = lambda text: None) -> bool:
+    """Fit the noise again where effects were found, and hold it if that is worth its price and
+    outages do not say otherwise: what was fitted before held their errors too, and hides whatever
+    is smaller than they were. Whether it was held.
     """
-    if not state.kept:
-        return None
+    under = (frozenset(state.kept), *(c.change.key for c in state.changes))
+    if not state.kept or under in state.fitted_under:
+        return False
+    state.fitted_under = (*state.fitted_under, under)
     found = fit(state, say)
     gain = state.evaluate(found).log_likelihood - state.result.log_likelihood
     if not gain > PER_PARAMETER * len(START) + PER_EFFECT:
-        return None
+        return False
+    before = state.copy()
     changed = {c.change.key for c in state.changes}
     fitted = {
         of: getattr(found, of)
@@ -92,6 +92,9 @@ def anew(
         # a vibration tells the density that it is added to
         key = change.change.key
         change.change = replace(change.change, describe=told.get(key, change.change.describe))
-    state.noise = found
+    state.noise, state.base = found, state.base.with_(model=found.model, **fitted)
+    if not worth.no_worse(before, state):
+        say("the noise fitted again does not help in outages: taken back")
+        state.noise, state.base, state.changes = before.noise, before.base, before.changes
     state.weigh()
-    return noise.with_(model=found.model, **fitted)
+    return state.noise is found

@@ -30,6 +30,8 @@ def _six(effect: str, gyro: float, accel: float) -> list[Column]:
 
 CHANNEL_NAMES = tuple(f"{s}_{a}" for s in ("gyro", "accel") for a in AXES)
 
+#: At `State.step_at`.
+STEP = "other: biases step"
 IMU = (
     *_three("accel_scale", "scale", 0.03),
     *_three("gyro_scale", "scale", 0.03),
@@ -41,7 +43,7 @@ IMU = (
     *[Column("accel_bias", f"bias {a}", 0.5) for a in AXES],
     *_six("other: biases follow the temperature", 2e-3, 0.05),
     *_six("other: biases follow the speed", 2e-4, 0.01),
-    *_six("other: biases step in mid-drive", 2e-3, 0.05),
+    *_six(STEP, 2e-3, 0.05),
 )
 #: s, of the low passes whose sum stands for any
 SMOOTHED = (0.15, 0.4, 0.8, 1.6)

@@ -103,6 +103,8 @@ def unexplained(state: State, after: Battery) -> str | None:
             )
             late = smoothed_delay(state) if effect == SMOOTHED else None
             sizes += "" if late is None else f"; late by {late:.3g} s"
+            if effect == columns.STEP and state.step_at is not None:
+                sizes += f"; at {state.step_at:.0f} s"
             parts.append(
                 f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"
             )

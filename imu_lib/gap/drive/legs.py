@@ -27,8 +27,8 @@ FEWEST = 10  # epochs of a solution
 class Leg:
     """stretch : of the IMU; first : its epoch at which the solution begins; position, velocity,
     angles, sd (k, 3) of the solution from there; fixes : rows of the fixes in it, a slice; epochs
-    (f,) of these; node (n,) epochs at which the path is cut; drifts (s, 2) temperature and second
-    half of the drive, at the stretch's intervals
+    (f,) of these; node (n,) epochs at which the path is cut; drifts (s, 2) temperature and whether
+    biases have stepped, at the stretch's intervals
     """
 
     stretch: Stretch
@@ -44,9 +44,11 @@ class Leg:
 
     @classmethod
     def of(
-        cls, drive: Drive, stretch: Stretch, solution: Solution, fixes: Fixes, rate: float
+        cls, drive: Drive, stretch: Stretch, solution: Solution, fixes: Fixes, step_at: float
     ) -> Leg | None:
-        """None where the solution or the fixes of a stretch are too few."""
+        """None where the solution or the fixes of a stretch are too few; step_at : s, from where on
+        biases may be others.
+        """
         inside = (solution.time > stretch.time[0] - 1e-9) & (
             solution.time <= stretch.time[-1] + 1e-9
         )
@@ -69,8 +71,8 @@ class Leg:
             solution.sd[inside, 6:9],
             rows,
             epoch[rows],
-            _nodes(first, np.unique(epoch[rows]), max(int(round(LONGEST * rate)), 1)),
-            _drifts(drive, stretch.time[:-1]),
+            _nodes(first, np.unique(epoch[rows]), max(int(round(LONGEST * drive.rate)), 1)),
+            _drifts(drive, stretch.time[:-1], step_at),
         )
 
     def at(self, epochs: Array) -> Nominal:
@@ -106,9 +108,9 @@ def _nodes(first: int, epochs: Array, longest: int) -> Array:
     return np.unique(np.concatenate([[first], epochs, *parts]).astype(np.int64))
 
 
-def _drifts(drive: Drive, time: Array) -> Array:
-    middle = 0.5 * (drive.time[0] + drive.time[-1])
-    late = (time > middle).astype(float)
+def _drifts(drive: Drive, time: Array, step_at: float) -> Array:
+    """Temperature, and whether it is later than `step_at`, (n, 2)."""
+    late = (time > step_at).astype(float)
     if drive.temperature is None:
         return np.column_stack([np.zeros(time.size), late])
     warmth = drive.temperature - np.mean(drive.temperature)

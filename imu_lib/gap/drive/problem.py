@@ -136,9 +136,11 @@ class Problem:
         sens: bool = False,
         use: Array | None = None,
         held: Array | None = None,
+        asked: Array | None = None,
     ) -> Innovations:
         """Innovations under a hypothesis; use (f, 6) bool: fixes taken (default: all); held
-        (P,): values of columns taken as known.
+        (P,): values of columns taken as known; asked (k-1, count, 9): what other parameters than
+        those of `columns` do to the path, whose sensitivities are wanted in their place.
         """
         a = self.arrays
         sensors = sensor_states(
@@ -170,6 +172,10 @@ class Problem:
             np.array(columns.IN_FIXES),
         )
         count = len(columns.ALL) if sens else 0
+        if asked is not None:
+            none = np.zeros((len(y), 6, 0)), np.zeros(0, np.int64)
+            track, fixes = track._replace(force=asked), fixes._replace(columns=none[0], of=none[1])
+            count, sens = asked.shape[1], True
         e, s, jac, wild, doubt = linear.innovations(track, random, fixes, count)
         good = np.isfinite(e)
         value = -0.5 * float(np.sum(e[good] ** 2 + np.log(s[good])))

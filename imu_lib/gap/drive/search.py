@@ -15,7 +15,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults
 
-from . import across, alone, prune, random_effects, readings, select
+from . import across, alone, base_model, prune, random_effects, readings, select, step_time
 from .hold import held, refit
 from .problem import Problem
 from .side_by_side import each
@@ -46,6 +46,7 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
             state.rebuild()
     if random:
         _start_wild(state, say)
+    step_time.look(state, say)
     seen: dict[tuple[object, ...], int] = {}
     refused: set[str] = set()
     for number in range(ROUNDS):
@@ -66,17 +67,7 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
         if random and not moved:
             refit(state)
         noise = _noise_step(state, given) if random and (not moved or _far(state)) else None
-        gain = noise.gain if noise is not None else 0.0
-        shock = _shock_step(state)
-        if shock is not None and shock[0] > max(promise, gain):
-            state.restarts = (*state.restarts, shock[1])
-            say(f"a shock at {shock[1]:.1f} s, {shock[0]:.0f} nats")
-            state.rebuild()
-            continue
-        if noise is not None and gain > promise:
-            _accept(state, noise)
-            say(f"{noise.change.key}: {noise.gain:.1f} nats")
-            state.rebuild()
+        if _random_step(state, noise, promise, given, say):
             continue
         if moved and held(state, kept):
             continue
@@ -97,6 +88,25 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
     if state.changes:
         prune.effects(state, say)
     return state
+
+
+def _random_step(state: State, noise: Change | None, promise: float, given: bool, say: Say) -> bool:
+    """Hold a shock, or the change of what is random, where it gains more than the columns promise
+    and than the other: whether something is held that was not.
+    """
+    gain = noise.gain if noise is not None else 0.0
+    shock = _shock_step(state)
+    if shock is not None and shock[0] > max(promise, gain):
+        state.restarts = (*state.restarts, shock[1])
+        say(f"a shock at {shock[1]:.1f} s, {shock[0]:.0f} nats")
+    elif noise is None or gain <= promise:
+        return False
+    elif given or not base_model.anew(state, say):
+        # levels that hold what was found since may leave no room for another noise
+        _accept(state, noise)
+        say(f"{noise.change.key}: {noise.gain:.1f} nats")
+    state.rebuild()
+    return True
 
 
 def _start_wild(state: State, say: Say) -> None:

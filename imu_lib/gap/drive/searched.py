@@ -13,7 +13,7 @@ from imu_lib.navigation import axes
 from imu_lib.navigation.windows import Window
 from imu_lib.units import DEG
 
-from . import base_model, correct, outage, search, start, vehicle, vehicle_steps, worth
+from . import base_model, correct, outage, search, start, vehicle, vehicle_steps
 from .problem import Noise
 from .start import Say
 from .state import State
@@ -102,17 +102,10 @@ def _about(
         state.noise = first.noise = base_model.fit(state if state.kept else first, say)
         original = first.noise.model
         first.weigh()
+    state.base = first.noise
     search.run(state, given=given, random=random, say=say)
-    noise = first.noise
     for _ in range(REFITS if not given else 0):
-        before = state.copy()
-        again = base_model.anew(state, noise, say)
-        if again is None:
+        if not base_model.anew(state, say):
             break
         search.run(state, given=given, random=random, say=say)
-        models = worth.held(before, noise), worth.held(state, again)
-        if not worth.no_worse(*models, drive, windows):
-            say("the noise fitted again does not help in outages: taken back")
-            return before, first, noise, original
-        noise = again
-    return state, first, noise, original
+    return state, first, state.base, original

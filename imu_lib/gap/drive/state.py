@@ -42,7 +42,9 @@ class Change:
 class State:
     """What is held, and the drive under it; apart: nats that a rival on a path of its
     own lacks; loose, least: trust in positions and velocities for the path, and its least factor;
-    heading: rad at its start, where one is held.
+    heading: rad at its start, where one is held; base: the noise without the changes that are
+    held; fitted_under: what was held each time that it was fitted again; step_at:
+    s, from where on biases may be others.
     """
 
     drive: Drive
@@ -61,6 +63,9 @@ class State:
     apart: dict[tuple[str, str], float] = field(default_factory=dict)
     loose: np.ndarray = field(default_factory=lambda: np.ones(2))
     least: np.ndarray = field(default_factory=lambda: np.ones(2))
+    base: Noise = NOT_YET
+    fitted_under: tuple[tuple[object, ...], ...] = ()
+    step_at: float | None = None
 
     def rebuild(self) -> None:
         """The path, innovations and regression at what is held now.
@@ -111,6 +116,7 @@ class State:
             velocity_shift=correct.velocity_shift(self.theta),
             restarts=self.restarts,
             loose=loose,
+            step_at=self.step_at,
         )
         away = np.zeros(self.problem.time.size, bool)
         for start, duration in self.withhold:
@@ -140,6 +146,7 @@ class State:
             "loose",
             "least",
             "heading",
+            "step_at",
         ):
             setattr(self, name, getattr(other, name))
 

@@ -15,7 +15,6 @@ from imu_lib.errors import InputError
 from imu_lib.model import Model
 from imu_lib.navigation import outages
 from imu_lib.navigation.filter_model import FilterModel
-from imu_lib.navigation.windows import Window
 
 from . import correct
 from .effects import LINEAR
@@ -40,8 +39,8 @@ def ratios(noise: Noise, drive: Drive) -> list[DriveEffect]:
     return out
 
 
-def held(state: State, noise: Noise) -> Model:
-    """The model file that a state amounts to; noise : without the changes that the state holds."""
+def held(state: State) -> Model:
+    """The model file that a state amounts to."""
     out = ratios(state.noise, state.drive)
     for effect in state.kept:
         if effect not in LINEAR:
@@ -53,16 +52,17 @@ def held(state: State, noise: Noise) -> Model:
     for found in state.changes:
         if not usual(state, found):
             out.append(DriveEffect(found.change.effect, found.change.describe(found.values)))
-    return with_constants(noise.model.with_drive(out))
+    return with_constants(state.base.model.with_drive(out))
 
 
-def no_worse(before: Model, after: Model, drive: Drive, withheld: tuple[Window, ...]) -> bool:
+def no_worse(before: State, after: State) -> bool:
     """Whether errors in outages grow by no more than what chance makes of their mean: one standard
     error, on the logarithm (Breiman et al. 1984 choose by as much among models that do alike).
     """
+    drive, withheld = after.drive, after.withhold
     if not withheld:
         return True
-    duration = withheld[0].duration
+    duration = withheld[0][1]
     try:
         laid = outages.regular_windows(
             drive, duration=duration, every=EVERY, settle=min(120.0, 0.25 * drive.duration)
@@ -72,12 +72,12 @@ def no_worse(before: Model, after: Model, drive: Drive, withheld: tuple[Window, 
     free = [
         w
         for w in laid
-        if all(w.start + duration <= v.start or w.start >= v.start + duration for v in withheld)
+        if all(w.start + duration <= start or w.start >= start + long for start, long in withheld)
     ]
     if len(free) < FEWEST:
         return True
-    filters = {n: FilterModel.of(m) for n, m in (("before", before), ("after", after))}
     try:
+        filters = {n: FilterModel.of(held(s)) for n, s in (("before", before), ("after", after))}
         study = outages.compare(drive, filters, free, gnss=GNSS, strict=False)
     except InputError:
         return True

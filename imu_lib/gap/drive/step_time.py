@@ -1,0 +1,59 @@
+"""When the biases step, if they do: the time at which a step of all six explains most."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from imu_lib.arrays import Array
+
+from . import columns, select
+from .state import State
+
+TIMES = 16  # tried at once
+LEAST = 10.0  # nats, from which on a step is looked for more closely
+BETTER = 3.0  # nats over the time that was assumed
+BIASES = [*columns.of("gyro_bias"), *columns.of("accel_bias")]
+
+
+def look(state: State, say: Callable[[str], object]) -> None:
+    """Ask for a step of the biases where it explains most, if that is clearly not where it was
+    asked for before.
+    """
+    if columns.STEP in state.kept:
+        return
+    begin, end = float(state.problem.time[0]), float(state.problem.time[-1])
+    spacing = (end - begin) / (TIMES + 1)
+    middle = 0.5 * (state.drive.time[0] + state.drive.time[-1])
+    now = float(middle if state.step_at is None else state.step_at)
+    times = np.append(begin + spacing * np.arange(1, TIMES + 1), now)
+    gains = _gains(state, times)
+    best = int(np.argmax(gains))
+    if gains[best] < LEAST:
+        return
+    closer = times[best] + spacing * np.linspace(-1.0, 1.0, TIMES)
+    near = _gains(state, closer)
+    if near.max() > gains[-1] + BETTER:
+        state.step_at = float(closer[int(np.argmax(near))])
+        say(f"biases may step at {state.step_at:.0f} s, {near.max():.0f} nats")
+        state.rebuild()
+
+
+def _gains(state: State, times: Array) -> Array:
+    """Nats that a step of the biases at each time gains, (k,)."""
+    arrays = state.problem.arrays
+    after = arrays["node_time"][1:, None] > times  # (k-1, times)
+    force = arrays["force"][:, BIASES]
+    asked = (after[:, :, None, None] * force[:, None]).reshape(len(force), -1, force.shape[-1])
+    result = state.problem.evaluate(state.noise, use=state.use, held=state.other, asked=asked)
+    good = state.use & np.isfinite(result.e)
+    e, j = result.e[good], np.asarray(result.jac)[good]
+    prior = select.PRIOR[columns.of(columns.STEP)]
+    out = np.zeros(times.size)
+    for k in range(times.size):
+        part = j[:, 6 * k : 6 * k + 6] * prior
+        b = part.T @ e / state.reg.temper
+        a = part.T @ part / state.reg.temper + np.eye(6)
+        out[k] = 0.5 * float(b @ np.linalg.solve(a, b))
+    return out
