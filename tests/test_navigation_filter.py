@@ -24,7 +24,6 @@ from imu_lib.navigation import (
     trajectory,
     turin,
 )
-from imu_lib.navigation.covariance import van_loan
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Gnss
 from imu_lib.navigation.states import sensor_states
@@ -187,8 +186,8 @@ def test_propagation_agrees_with_full_van_loan(model):
     g[6:, :3], g[3:6, 3:] = -c, c
     q_nav = g @ np.diag(sensors.white) @ g.T
     exact = whole.copy()
-    nav_only, q_step = van_loan(f, q_nav, dt)
-    forced, _ = van_loan(np.block([[f, g], [np.zeros((6, 15))]]), np.zeros((15, 15)), dt)
+    nav_only, q_step = covariance.van_loan(f, q_nav, dt)
+    forced, _ = covariance.van_loan(np.block([[f, g], [np.zeros((6, 15))]]), np.zeros((15, 15)), dt)
     big = np.block([[nav_only, forced[:9, 9:] @ h], [np.zeros((m, 9)), sensors.transition]])
     noise = block_diag(q_step, sensors.noise)
     for _ in range(steps):
