@@ -313,3 +313,10 @@ def test_bad_models_are_refused():
         choose(stats, None, criterion="hqc")
     with pytest.raises(UndefinedFormError):
         log_likelihood(stats, GYRO + Saturation(limit=1.0))
+
+
+def test_a_record_in_many_pieces_computes_its_weights_once():
+    """Stretches of every length between gaps ask for as many matrices as there are single bands."""
+    from imu_lib.likelihood import kernel, layout
+
+    assert kernel.weights.cache_parameters()["maxsize"] > layout.SINGLES

@@ -34,7 +34,7 @@ def _window_power(u: Array, p: Array) -> Array:
     return np.where(near, 0.5, power)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def weights(count: int) -> tuple[Array, Array]:
     """Weights of the first `count` coefficients on the nodes u.
 

@@ -73,19 +73,21 @@ def anomalies(health, found=None) -> list[str]:
         places.setdefault(parameters, []).append((name, step))
     unsure = []
     for (effect, cause), places in told.items():
-        if max(s.confidence for steps in places.values() for _, s in steps) < UNSURE:
-            where = sorted({channel for steps in places.values() for channel, _ in steps})
-            unsure.append(f"{effect.replace('_', ' ')} ({', '.join(where)})")
+        every = [found for steps in places.values() for found in steps]
+        weak = sorted({channel for channel, s in every if s.confidence < UNSURE})
+        if weak:
+            unsure.append(f"{effect.replace('_', ' ')} ({', '.join(weak)})")
+        seen = [_place(parameters, kept) for parameters, kept in _sure(places).items()]
+        if not seen:
             continue
         name = effect_name(effect)
-        seen = [_place(parameters, steps) for parameters, steps in places.items()]
         more = len(seen) - SHOWN
         if more > 0:
             seen[SHOWN:] = [f"and {more} more of the kind (the page on the gap has all)"]
         out.append(f"{name}. {cause} Seen in {'; '.join(seen)}.")
     if unsure:
         out.append(
-            "Something more is there whose name is not sure, one in ten at best: the likeliest are "
+            "Something more is there whose name is not sure, one in ten at best; most likely are "
             f"{'; '.join(unsure)}. The page on the gap has their rivals."
         )
     out += [_of_record(s) for r in reports for s in r.record_steps if not _known(s, health)]
@@ -105,6 +107,12 @@ def anomalies(health, found=None) -> list[str]:
             "whose causes are known: rarely, where it is a noise."
         )
     return out + [found.note] * bool(found.note)
+
+
+def _sure(places) -> dict:
+    """Parameters -> (channel, step) of what is more than one name of several."""
+    kept = {p: [(c, s) for c, s in steps if s.confidence >= UNSURE] for p, steps in places.items()}
+    return {parameters: steps for parameters, steps in kept.items() if steps}
 
 
 def _once(reports):
