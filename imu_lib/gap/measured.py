@@ -83,7 +83,8 @@ def odds(gain: float, places: float) -> float:
     """Confidence in the largest of the gains in log-likelihood that were looked at in `places`
     independent places.
 
-    Noise alone exceeds it with a probability of about places exp(-gain) (Rice 1944 for a line
-    among frequencies); that against the effect itself, at even odds before the record is seen.
+    Noise alone exceeds it with a probability of about places exp(-gain); that against the effect
+    itself, at even odds before the record is seen. Of a line the places are what its free amplitude
+    and phase cost, too (`effects.sinusoid.occam`).
     """
     return float(1.0 / (1.0 + places * np.exp(-min(gain, 500.0))))
