@@ -177,6 +177,7 @@ def files(folder):
         f"time,{THREE}", [f"{k // 6000:02d}:{k // 100 % 60:02d}.{k // 10 % 10}" for k in I], GYRO
     )
     text["twice.csv"] = table(f"time,{THREE}", np.where(I == 20, 0.19, T), GYRO)
+    text["letter_t.csv"] = table(f"T,{THREE}", 24.0 + 1e-3 * I, GYRO)
     text["both.csv"] = table("time [s],gx [deg/s],gyro_x [deg/s],gz [deg/s]", T, DPS)
     text["slow.csv"] = table(f"time,{SIX}", T[::2] * 2.7, GYRO[::2], ACCEL[::2])
     accel = [",".join("%.6f" % v for v in ACCEL[k]) if k % 4 == 0 else ",," for k in I]

@@ -133,6 +133,22 @@ def test_a_coarse_clock_makes_no_gaps_between_the_parts(clock, monkeypatch, smal
     assert len(found.notes) < 5
 
 
+@pytest.mark.parametrize("apart", [1, 2, 5])
+def test_rows_that_changed_places_between_two_parts_are_put_back(
+    apart, monkeypatch, small, tmp_path
+):
+    monkeypatch.setattr(parts, "TEXT", (1 << 18) + 1)
+    values = np.random.default_rng(3).normal(0.01, 0.002, (9000, 3))
+    rows = [f"{k / 100:09.4f},{w[0]:+.6f},{w[1]:+.6f},{w[2]:+.6f}\n" for k, w in enumerate(values)]
+    head = "time [s],gx [rad/s],gy [rad/s],gz [rad/s]\n"
+    seam = ((1 << 18) + 1) // len(rows[0])  # the first row of the second part
+    rows.insert(seam - 1, rows.pop(seam - 1 + apart))
+    (tmp_path / "a.csv").write_text(head + "".join(rows))
+    found = open_converted(tmp_path / "a.csv", least=5000)
+    assert any("read in parts" in n for n in found.notes) and not len(found.steps)
+    np.testing.assert_allclose(found.part(0, 9000)["gyro"], values, atol=1e-6)
+
+
 def test_what_is_wrong_is_told_by_its_line_and_leaves_nothing(record, small, tmp_path):
     path = tmp_path / "a.csv"
     write_record(record, path)

@@ -181,6 +181,21 @@ def test_checked_on_disk_as_in_memory(signals, short, tmp_path, monkeypatch):
     assert long.motion.state == whole.motion.state
 
 
+def test_a_coarse_grid_is_said_on_disk_as_in_memory(signals, short, tmp_path):
+    """Steps of ten times the scatter, on a drift over many of them."""
+    from imu_lib import health
+    from imu_lib.characterise import causes
+
+    x = 0.1 * np.rint(10 * (signals["gyro_x"] / np.std(signals["gyro_x"]) * 0.03))
+    path = saved(Record({"gyro_x": x, "accel_z": signals["accel_z"]}, FS), tmp_path / "a.parquet")
+    whole = readers.read_record(path, trust_units=True)
+    long = long_record.open_long(path, trust_units=True)
+    for said in (causes.coarse(whole, whole.channel_names), causes.of_parts(long, ("gyro_x",))):
+        assert any("gyro_x" in s and "coarser" in s for s in said)
+    for found in (health.of_record(whole), health.of_long(long)):
+        assert any("coarser than its scatter" in f for f in found.findings)
+
+
 def test_a_folder_of_logs_is_one_record(signals, tmp_path):
     """Four logs: the second goes on where the first ends, the third after a pause, the fourth after
     a restart."""

@@ -67,7 +67,7 @@ def printed():
     root, out = Path(imu_lib.__file__).parent, []
     for path in sorted(root.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
-            raised = isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("InputError", "Unnamed", "Several", "UnitAsked")  # fmt: skip
+            raised = isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("InputError", "Asked", "Unnamed", "Several", "UnitAsked")  # fmt: skip
             if raised and node.args:
                 text = _text(node.args[0])
                 if re.search(r"--[a-z]|imu-lib [a-z]", text):

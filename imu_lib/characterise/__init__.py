@@ -133,7 +133,7 @@ def _of_long(record, channels, candidates, workers, progress):
         )
     tasks = [(record, name, candidates) for name in names]
     cores = workers or min(len(tasks), scheduler.cores())
-    notes = _of_record(record, record.flat)
+    notes = (*_of_record(record, record.flat), *causes.of_parts(record, names))
     return _gathered(record, scheduler.shared(of_long, tasks, cores), progress, notes)
 
 

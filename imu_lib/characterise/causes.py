@@ -12,12 +12,14 @@ from scipy.fft import rfft
 from imu_lib import units
 from imu_lib.faults import travelling
 from imu_lib.faults.grid import resolution
+from imu_lib.long_record import LongRecord
 from imu_lib.record import Record
 
 WARMED = 1.0  # degC over the record: below, a drift has other causes
 FOLLOWS = (
     0.6  # share of the slow variation that the temperature accounts for, from which it is said
 )
+PART = 1 << 17  # samples of a part of a record on disk
 BLOCKS = 200  # means over which slow variation is looked at
 STRONG = 3.0  # times the variance that the noise leaves in such means
 SURE = 1e-6  # probability, times the bands looked at, below which the low end is called empty
@@ -42,14 +44,31 @@ def notes(record: Record, names) -> tuple[str, ...]:
     )
 
 
+def of_parts(record: LongRecord, names):
+    """Sentences on motion and coarse steps of a record on disk, from a part of its beginning,
+    middle and end.
+    """
+    last = max(record.rows - PART, record.begin)
+    starts = sorted({record.begin, (record.begin + last) // 2, last})
+    parts = [record.part(low, min(low + PART, record.rows)) for low in starts]
+    moved = [said for part in parts if (said := travelling.sentence(part))]
+    if 2 * len(moved) > len(parts):
+        yield moved[0]
+    yield from _coarse({name: [part[name] for part in parts] for name in names})
+
+
 def coarse(record: Record, names):
     """Channels whose output steps are coarser than their scatter: rounding takes the place of
     noise.
     """
+    yield from _coarse({name: [record[name]] for name in names})
+
+
+def _coarse(channels):
     found = []
-    for name in names:
-        x = record[name]
-        step, scatter = resolution(x), float(np.nanstd(x))
+    for name, parts in channels.items():
+        told = [(s, float(np.nanstd(x))) for x in parts if (s := resolution(x))]
+        step, scatter = np.median(told, axis=0) if told else (0.0, 0.0)
         if step and 0 < scatter < step:
             factor, unit = (units.DEG_PER_S, "deg/s") if name.startswith("gyro") else (units.G, "g")
             found.append(f"{name} {step / factor:.3g} against {scatter / factor:.3g} {unit}")

@@ -51,9 +51,18 @@ def of_long(record: LongRecord, *, progress=None) -> Health:
         None,
         None,
         record.notes,
-        tuple(sentences(record, clock, channels, motion, None, faults)),
+        tuple(sentences(record, clock, _scattered(channels, parts), motion, None, faults)),
         faults,
     )
+
+
+def _scattered(channels, parts):
+    """The channels with the scatter within a part, in which no drift hides a coarse grid."""
+    scatter = {n: [s for p in parts if (s := p.channels[n].sd) > 0] for n in channels}
+    return {
+        name: replace(c, sd=float(np.median(scatter[name] or [0.0])))
+        for name, c in channels.items()
+    }
 
 
 def _clock(record, parts):
@@ -77,13 +86,14 @@ def _channel(parts: list[Channel], weight) -> Channel:
     mean = float(np.average([p.mean for p in parts], weights=weight))
     square = [p.sd**2 + (p.mean - mean) ** 2 for p in parts]
     steps = [p.resolution for p in parts if p.resolution]
+    varied = sum(p.high > p.low for p in parts)  # a part on one level tells no step
     return Channel(
         mean,
         float(np.sqrt(np.average(square, weights=weight))),
         min(p.low for p in parts),
         max(p.high for p in parts),
         sum(p.nan for p in parts),
-        float(np.median(steps)) if len(steps) > len(parts) / 2 else None,
+        float(np.median(steps)) if len(steps) > varied / 2 else None,
         sum(p.saturated for p in parts),
         sum(p.frozen for p in parts),
         max(p.longest_run for p in parts),

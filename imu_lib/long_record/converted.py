@@ -141,8 +141,9 @@ def _convert(path, kept, rate, reading, units, progress) -> bool:
                 progress(share)
         if log.rate is None:
             return False
+        state = log.state()
         sink.close()
-        _keep(log.state(), kept.with_suffix(".npz"))
+        _keep(state, kept.with_suffix(".npz"))
         part.replace(kept)
     except OSError as error:
         raise InputError(f"{kept} cannot be written: {error.strerror or error}.") from None

@@ -9,6 +9,7 @@ import numpy as np
 from imu_lib.errors import InputError
 from imu_lib.long_record import grid
 from imu_lib.long_record.record import FILL, Column, LongRecord, counted
+from imu_lib.readers.rising import NEAR
 
 
 class Log:
@@ -31,6 +32,7 @@ class Log:
         self.names, self.first, self.clock, self.restarts = None, None, None, []
         self.steps, self.bad, self.notes = [], [], {}
         self.span, self.warm, self.began, self.begin, self.tick = {}, None, None, None, 0.0
+        self.waiting, self.last, self.swapped = None, -1, 0
 
     def append(self, file, record, start, tick=0.0):
         """The next record; `start` is its first stamp, s, or None; `tick`, s, is how well the
@@ -59,40 +61,82 @@ class Log:
         self.begin = begin
         self.tick = max(self.tick, tick)
         slots = record.slots()
-        lost = self._between(file, start, tick)
-        if lost:
-            self.steps.append((self.rows, lost))
-        for i in np.flatnonzero(np.diff(slots) > 1):
-            self.steps.append((self.rows + int(i) + 1, int(slots[i + 1] - slots[i] - 1)))
+        slots = slots + self.slots + self._between(file, start, tick, slots)
         columns = dict(record.channels)
         self.warm = self.warm and record.temperature is not None
         if record.temperature is not None:
             columns["temperature"] = record.temperature
-        self.sink.write(columns, (self.slots + lost + slots) / self.rate)
+        elif self.waiting is not None and "temperature" in self.waiting[0]:
+            columns["temperature"] = np.full(record.n, np.nan)
+        self._take(columns, slots)
         for name, x in record.channels.items():
             low, high = self.span.get(name, (np.inf, -np.inf))
             self.span[name] = min(low, np.nanmin(x)), max(high, np.nanmax(x))
-        self.bad.append(self.rows + np.flatnonzero(record.missing()))
         for note in record.notes if self.of_files else _of_reading(record):
             self.notes.setdefault(note, []).append(getattr(file, "name", str(file)))
-        self.rows += record.n
-        self.slots += lost + int(slots[-1]) + 1
-        self.clock = None if start is None else start + float(slots[-1] + 1) / record.rate
+        self.clock = None if start is None else start + record.slots()[-1] / record.rate
+        if self.clock is not None:
+            self.clock += 1.0 / record.rate
+        self.slots = int(slots[-1]) + 1
 
-    def _between(self, file, start, tick):
-        """Samples missing between what was read before and this: none where the clock's tick may
-        hide them.
+    def _take(self, columns, slots):
+        """Write the next rows but for the last few, which wait for rows of the next part that
+        changed places with them.
         """
-        if self.rows == 0:
+        if self.waiting is not None:
+            before, places = self.waiting
+            columns = {n: np.concatenate([before[n], x]) for n, x in columns.items() if n in before}
+            slots = np.concatenate([places, slots])
+            order = np.argsort(slots, kind="stable")
+            if (np.diff(order) < 0).any():
+                columns, slots = {n: x[order] for n, x in columns.items()}, slots[order]
+        cut = 0 if self.of_files else min(NEAR, len(slots))
+        done = len(slots) - cut
+        self._write({n: x[:done] for n, x in columns.items()}, slots[:done])
+        self.waiting = ({n: x[done:] for n, x in columns.items()}, slots[done:]) if cut else None
+
+    def _write(self, columns, slots):
+        if not len(slots):
+            return
+        step = np.diff(slots, prepend=self.last)
+        for i in np.flatnonzero(step > 1):
+            self.steps.append((self.rows + int(i), int(step[i]) - 1))
+        gone = [np.isnan(x) for n, x in columns.items() if n != "temperature"]
+        self.bad.append(self.rows + np.flatnonzero(np.logical_or.reduce(gone)))
+        self.sink.write(columns, slots / self.rate)
+        self.rows += len(slots)
+        self.last = int(slots[-1])
+
+    def finish(self):
+        """Write the rows that wait for a next part."""
+        if self.waiting is not None:
+            self._write(*self.waiting)
+            self.waiting = None
+
+    def _between(self, file, start, tick, slots):
+        """Samples missing between what was read before and this: none where the clock's tick may
+        hide them. Below zero where rows of the two parts changed places.
+        """
+        if self.slots == 0:
             return 0
         if start is None and self.clock is None and not self.of_files:
             return 0
         slack = 1.2 * tick if tick * self.rate > 0.4 else 0.0
+        if start is not None and self.clock is not None and self.waiting is not None:
+            back = round((self.clock - start) * self.rate)
+            if 0 < back <= NEAR and self._fits(slots - back):
+                self.swapped += 1
+                return -back
         if start is None or self.clock is None or start < self.clock - 0.5 / self.rate - slack:
             self.restarts.append(getattr(file, "name", str(file)))
             return FILL + 1
         apart = start - self.clock
         return max(round(apart * self.rate), 0) if apart > slack else 0
+
+    def _fits(self, slots) -> bool:
+        """Whether the first of these rows fill the places that the last ones before them left."""
+        places = np.concatenate([self.waiting[1], self.slots + slots[:NEAR]])
+        return bool((np.diff(np.sort(places)) == 1).all())
 
     def told(self) -> tuple[str, ...]:
         """What reading did, once for all parts that say it."""
@@ -101,6 +145,11 @@ class Log:
         for note, files in self.notes.items():
             where = f"{', '.join(files[:3])}{' ...' * (len(files) > 3)}: " if self.of_files else ""
             notes.append(where + note)
+        if self.swapped:
+            notes.append(
+                f"Rows were out of order at {self.swapped} of the places where the file was read "
+                "in parts, and put back by their stamps."
+            )
         if self.restarts:
             notes.append(
                 f"{len(self.restarts)} of the {parts} begin anew ({', '.join(self.restarts[:3])}"
@@ -125,6 +174,7 @@ class Log:
 
     def state(self) -> dict:
         """What makes the LongRecord, but for its columns."""
+        self.finish()
         bad = np.concatenate(self.bad) if self.bad else np.zeros(0)
         return {
             "rate": self.true_rate(),

@@ -9,7 +9,8 @@ import re
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, calendar, fields, names
+from imu_lib.readers import by_rows, calendar, fields, names, question
+from imu_lib.readers.asking import Unnamed
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
 from imu_lib.record import CHANNELS
@@ -51,8 +52,9 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
                 ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
             )
             hint = _hint(flat)
+            hint += question.units_open(hint)
             hint += "" if raw.rate or "time" in hint else ", and the rate with --rate HZ"
-            raise InputError(
+            raise Unnamed(
                 f"{source} has no array called gyro, accel or one of their axes (found: {found}); "
                 f"rename them, or name the {len(flat)} columns"
                 f" by position with --columns{hint}."

@@ -9,16 +9,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from imu_lib import units
 from imu_lib.errors import InputError
-from imu_lib.readers import names
+from imu_lib.readers import looks, names
 from imu_lib.readers.names import SIGNALS, Meaning
 
 STAMPS = ("date", "clock", "moment")
 LABEL = "sensor"  # what --columns calls a column that says whose reading a row is
 
 
-class Unnamed(InputError):
+class Asked(InputError):
+    """What a column is, is open.
+
+    clock: the question for the unit of the time of such a file, where that is open too.
+    """
+
+    clock: str = ""
+
+
+class Unnamed(Asked):
     """The columns of a file name no sensor: x, y, z, or nothing at all."""
 
 
@@ -47,8 +55,8 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
     ]
     rising = None
     if values:
-        numbers = [i for i in numbers if i in values and _moves(values[i])] or numbers
-        rising = next((i for i in numbers if i in values and _rises(values[i])), None)
+        numbers = [i for i in numbers if i in values and looks.moves(values[i])] or numbers
+        rising = next((i for i in numbers if i in values and looks.rises(values[i])), None)
         if rising is not None and len(numbers) != 6:
             numbers = [rising, *(i for i in numbers if i != rising)]
     order = ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
@@ -59,10 +67,9 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
         order = ["time", *order]
     triples = [n for n in numbers if order[0] != "time" or n != numbers[0]][:6]
     force = [told[i].quantity for i in triples[:3]] == ["accel"] * 3
-    if values and len(triples) == 6 and not force:
-        force = _steadier(values, triples[:3], triples[3:])
-    if values and len(triples) == 3 and not force:
-        force = _is_gravity(values, triples)
+    if values and len(triples) in (3, 6) and not force:
+        data = [values[i] for i in triples]
+        force = looks.steadier(data[:3], data[3:]) if data[3:] else looks.is_gravity(data)
     if force:
         order = [
             *[o for o in order if o == "time"],
@@ -122,35 +129,6 @@ def _lettered(headings, numbers, order) -> dict[int, str]:
             return {}
         out.update({i: f"{sensors[k // 3]}_{letter[i]}" for i in bare[k : k + 3]})
     return out
-
-
-def _moves(x) -> bool:
-    x = np.asarray(x, dtype=float)
-    return bool(np.nanmax(x) > np.nanmin(x)) if np.isfinite(x).any() else False
-
-
-def _rises(x) -> bool:
-    step = np.diff(np.asarray(x, dtype=float))
-    return bool(len(step) and (step > 0).mean() > 0.9)
-
-
-def _is_gravity(values, three) -> bool:
-    """Whether the length of three columns stands still at that of gravity in m/s^2, g or mg."""
-    x = np.column_stack([np.asarray(values[i], dtype=float) for i in three])
-    size = np.linalg.norm(x[np.isfinite(x).all(axis=1)], axis=1)
-    middle = float(np.median(size)) if size.size else 0.0
-    near = any(0.8 < middle / g < 1.25 for g in (units.G, 1.0, 1000.0))
-    return near and float(size.std()) < 0.2 * middle
-
-
-def _steadier(values, first, second) -> bool:
-    """Whether three columns look more like gravity than three others: a length that varies less."""
-    spread = []
-    for three in (first, second):
-        x = np.column_stack([np.asarray(values[i], dtype=float) for i in three])
-        size = np.linalg.norm(x[np.isfinite(x).all(axis=1)], axis=1)
-        spread.append(float(size.std() / size.mean()) if size.size and size.mean() > 0 else 1.0)
-    return spread[0] < 0.5 * spread[1]
 
 
 def suggestion(told, headings, skip: Sequence[int] = ()) -> str:

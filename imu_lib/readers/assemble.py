@@ -4,15 +4,16 @@ accounted for.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from imu_lib.errors import InputError
-from imu_lib.readers import axis_units, degrees, names, spelling, stamps, treated
+from imu_lib.readers import axis_units, degrees, looks, names, spelling, stamps, treated
+from imu_lib.readers.meaning import INCREMENT, WORD
 from imu_lib.readers.possible import check_units
 from imu_lib.readers.raw import Raw, numbers
 from imu_lib.record import Record
 
-_INCREMENT = {"gyro": "dtheta", "accel": "dv"}
 _RATE_OF = {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2", "g*s": "g"}
 _OTHER = {
     "gyro": "rad/s, deg/s, deg/h, mdps or counts:C (C counts per deg/s)",
@@ -47,7 +48,7 @@ def assemble(
     time, rate, keep = found.time, found.rate, found.keep
     channels = {}
     for kind, (factor, zero, unit) in scale.items():
-        source = kind if kind in raw.kinds() else _INCREMENT[kind]
+        source = _family(raw, kind)
         for axis in "xyz":
             if f"{source}_{axis}" not in raw.columns:
                 continue
@@ -103,94 +104,93 @@ def _record(raw, channels, rate, time, temperature):
 
 def scales(raw: Raw, gyro_unit, accel_unit) -> dict[str, tuple[float, float, str]]:
     """Factor to SI, zero and unit of each kind; a unit given for what the file does not have is
-    said, and with it the columns that may be meant.
+    said, and with it the columns that may be meant. UnitAsked where a unit is open.
     """
+    units = {"gyro": gyro_unit, "accel": accel_unit}
+    ask(raw, units)
     out = {}
-    asked: list[str] = []
-    ask_for_both(raw, gyro_unit, accel_unit)
-    for kind, flag in (("gyro", gyro_unit), ("accel", accel_unit)):
-        if kind in raw.kinds() or _INCREMENT[kind] in raw.kinds():
-            try:
-                out[kind] = _scale(raw, kind, flag)
-            except InputError as error:
-                asked.append(str(error))
+    for kind, flag in units.items():
+        if _family(raw, kind):
+            out[kind] = _scale(raw, kind, flag)
         elif flag:
-            spelling.stated(flag, kind)  # a wrong unit is wrong all the same
-            word = "gyro" if kind == "gyro" else "accelerometer"
             unused = [
                 c.name
                 for c in raw.described
                 if c.read_as is None and c.evidence.startswith("its name")
             ]
             raw.notes += (
-                f"--{kind}-unit {flag} was given, but no column of {raw.source} was read as {word}"
+                f"--{kind}-unit {flag} was given, but no column of {raw.source} was read as "
+                f"{WORD[kind]}"
                 + (
                     f" (not used: {', '.join(unused[:6])}; --columns names columns by position)."
                     if unused
                     else "."
                 ),
             )
-    if asked:  # two questions at once
-        raise UnitAsked("; ".join(a.rstrip(".") for a in dict.fromkeys(asked)) + ".")
     return out
 
 
-def ask_for_both(raw: Raw, gyro_unit, accel_unit) -> None:
-    """InputError where both units are missing: asked for at once."""
-    ask_of_two(raw, gyro_unit, raw, accel_unit)
-
-
-def ask_of_two(gyro: Raw, gyro_unit, accel: Raw, accel_unit) -> None:
-    """The same of a gyro's and an accelerometer's file."""
-    for kind, raw, flag in (("gyro", gyro, gyro_unit), ("accel", accel, accel_unit)):
-        family = kind if kind in raw.kinds() else _INCREMENT[kind]
+def ask(raw: Raw, units: Mapping[str, str | None]) -> None:
+    """UnitAsked with all the units that are open, or that the call misspells."""
+    asked: list[str] = []
+    for kind, flag in units.items():
         try:
-            known = family not in raw.kinds() or flag or raw.unit(family) is not None
-        except InputError:
-            return  # asked about with the other one
-        if known:
-            return
-    whose = "its" if accel is gyro else f"{accel.source}'s"
-    raise InputError(
-        f"{gyro.source} does not state the unit of its gyro columns; give --gyro-unit "
-        f"{_OTHER['gyro']}; nor that of {whose} accelerometer columns;"
-        f" give --accel-unit {_OTHER['accel']}."
-    )
+            if flag:
+                spelling.stated(flag, kind)
+            elif family := _family(raw, kind):
+                _unit(raw, kind, family)
+        except InputError as error:
+            asked.append(str(error).rstrip("."))
+    if asked:
+        raise UnitAsked("; ".join(dict.fromkeys(asked)) + ".")
+
+
+def _family(raw: Raw, kind: str) -> str | None:
+    """What a file has of a kind: readings, increments or nothing."""
+    return next((f for f in (kind, INCREMENT[kind]) if f in raw.kinds()), None)
 
 
 def _scale(raw: Raw, kind: str, flag: str | None) -> tuple[float, float, str]:
-    """Factor to SI, zero and unit of a kind, from the call's flag or else from the file; asked for
-    where neither states one. What the call says wins, with a word.
+    """Factor to SI, zero and unit of a kind, from the call's flag or else from the file. What the
+    call says wins, with a word.
     """
-    increments = kind not in raw.kinds()
-    family = _INCREMENT[kind] if increments else kind
+    family = _family(raw, kind) or kind
     if flag:
         factor, zero, stated = names.stated(flag, kind)
-        said = {
-            u for c, u in raw.units.items() if c.startswith(family + "_") and c in raw.columns and u
-        }
-        said = {_RATE_OF.get(u, u) if increments else u for u in said} - {"counts", stated}
+        said = {raw.units[c] for c in raw.axes(family)} - {None}
+        if family != kind:
+            said = {_RATE_OF.get(u, u) for u in said}
+        said -= {"counts", stated}
         if said and not stated.startswith("counts") or (said and raw.contract):
             raw.notes += (
-                f"The file states {' and '.join(sorted(said))} for its "
-                f"{'gyro' if kind == 'gyro' else 'accelerometer'}; --{kind}-unit {flag} was taken.",
+                f"The file states {' and '.join(sorted(said))} for its {WORD[kind]}; "
+                f"--{kind}-unit {flag} was taken.",
             )
         return factor, zero, stated
-    unit = raw.unit(family)
-    if unit == "counts":
-        raise InputError(
-            f"{raw.source} states counts for its {kind} columns; give their scale with "
-            f"--{kind}-unit counts:C (C counts per {'deg/s' if kind == 'gyro' else 'g'}, "
-            "counts:C:ZERO where zero is not 0)."
-        )
-    if unit is None:
-        raise InputError(
-            f"{raw.source} does not state the unit of its "
-            f"{'gyro' if kind == 'gyro' else 'accelerometer'} columns; give --{kind}-unit "
-            f"{_OTHER[kind]}."
-        )
+    unit = _unit(raw, kind, family)
     if unit not in names.UNITS[family]:  # the size of a count
         flag = spelling.scaled(unit, kind)
         raw.notes += (f"Readings in [{unit}] were taken as --{kind}-unit {flag} would.",)
         return names.stated(flag, kind)
     return names.UNITS[family][unit], 0.0, unit
+
+
+def _unit(raw: Raw, kind: str, family: str) -> str:
+    """The unit that the file states of a kind; InputError where it is open."""
+    unit = raw.unit(family)
+    if unit not in (None, "counts"):
+        return unit
+    there = raw.axes(family)
+    look = ""
+    if (kind, family, len(there)) == ("accel", "accel", 3):
+        look = looks.gravity_said([raw.columns[c] for c in there])
+    if unit == "counts":
+        raise InputError(
+            f"{raw.source} states counts for its {kind} columns{look}; give their scale with "
+            f"--{kind}-unit counts:C (C counts per {'deg/s' if kind == 'gyro' else 'g'}, "
+            "counts:C:ZERO where zero is not 0)."
+        )
+    raise InputError(
+        f"{raw.source} does not state the unit of its {WORD[kind]} columns{look}; give "
+        f"--{kind}-unit {_OTHER[kind]}."
+    )

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from imu_lib.readers import names
+from imu_lib.readers.meaning import WORD
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.streams import PAIR
 
@@ -37,7 +38,7 @@ def one_each(raw: Raw, flags: Mapping[str, str | None]) -> None:
                 raw.columns[c] = np.asarray(raw.columns[c], dtype=float) * factor
                 raw.units[c] = first
             each = ", ".join(f"`{raw.headings[c]}` {said[c]}" for c in there)
-            word = "gyro" if kind == "gyro" else "accelerometer"
+            word = WORD[kind]
             raw.notes += (
                 f"The axes of the {word} state different units ({each}); each was read in its own.",
             )

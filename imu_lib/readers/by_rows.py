@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import families, instances, names, time_columns
+from imu_lib.readers import families, instances, looks, names, time_columns
 from imu_lib.readers.asking import LABEL, Heading, Unnamed
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
@@ -196,8 +196,7 @@ def example(headings: Sequence[Heading], load: Callable) -> str | None:
     out[label] = LABEL
     free = iter(("x", "y", "z"))
     for i in numbers:
-        x = np.asarray(values[i], dtype=float)[first]
-        if (np.diff(x) > 0).mean() > 0.9:
+        if looks.rises(np.asarray(values[i], dtype=float)[first]):
             out[i] = "-" if "time" in out else "time"
         else:
             out[i] = next(free, "-")

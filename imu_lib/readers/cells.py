@@ -1,5 +1,5 @@
 """Cells that hold more, or other, than one decimal number: lists of three, numbers with their unit,
-hexadecimal counts, thousands set apart; and tables with one reading a row under the channel's name.
+hexadecimal counts; and tables with one reading a row under the channel's name.
 They are rewritten as a plain table of one number a cell.
 """
 
@@ -11,16 +11,11 @@ import re
 from collections import Counter
 
 from imu_lib.readers import names
-from imu_lib.readers.lines import Table
+from imu_lib.readers.lines import NUMBER, Table
 
-_FLOAT = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_LIST = re.compile(rf"^\s*[\[({{]\s*({_FLOAT}(?:[\s,;]+{_FLOAT})+)\s*[\])}}]\s*$")
+_LIST = re.compile(rf"^\s*[\[({{]\s*({NUMBER}(?:[\s,;]+{NUMBER})+)\s*[\])}}]\s*$")
 _HEX = re.compile(r"^0[xX]([0-9A-Fa-f]{2,8})$")
-_UNIT = re.compile(rf"^({_FLOAT})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
-_THOUSANDS = {
-    ",": re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+(?:\.\d+)?$"),
-    ".": re.compile(r"^[+-]?\d{1,3}(?:\.\d{3})+(?:,\d+)?$"),
-}
+_UNIT = re.compile(rf"^({NUMBER})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
 _LABELS = ("field", "channel", "signal", "variable", "channelname", "signalname")
 SOME = 60  # rows that are looked at first
 
@@ -28,9 +23,7 @@ SOME = 60  # rows that are looked at first
 def plain(text: str) -> Table | None:
     """A text with such cells as a plain table, None where it has none."""
     sample = text[:40_000]
-    if not re.search(
-        r"[\[({]\s*[+-]?[\d.]|0x[0-9A-Fa-f]{2}|\d[.,]\d{3}[.,]\d|[\d.]\s?[a-zµ°]", sample
-    ):
+    if not re.search(r"[\[({]\s*[+-]?[\d.]|0x[0-9A-Fa-f]{2}|[\d.]\s?[a-zµ°]", sample):
         return _long(text, sample)
     blank = (" ",) if re.search(r"0x[0-9A-Fa-f]+ +-?0x", sample) else ()
     for delimiter in (";", "\t", "|", ",", *blank):
@@ -58,7 +51,7 @@ def _tuples(text: str, sample: str) -> Table | None:
     rows, places = [], []
     for number, line in enumerate(text.splitlines(), 1):
         found = re.split(r"[\s,;()\[\]{}]+", line.strip("()[]{},; \t"))
-        if found != [""] and all(re.fullmatch(_FLOAT, f) for f in found):
+        if found != [""] and all(re.fullmatch(NUMBER, f) for f in found):
             rows.append(found)
             places.append(number)
     width = Counter(len(r) for r in rows).most_common(1)[0][0] if rows else 0
@@ -81,7 +74,7 @@ def _rows(text: str, delimiter: str) -> list[tuple[list[str], int]]:
 
 
 def _kind(column: list[str]) -> str | None:
-    """What the cells of a column are: list, hex, unit, `,` or `.` (thousands); None where plain."""
+    """What the cells of a column are: list, hex, unit; None where plain."""
     there = [c for c in column if c]
     if len(there) < 2:
         return None
@@ -92,11 +85,6 @@ def _kind(column: list[str]) -> str | None:
     units = [m[2] for c in there if (m := _UNIT.match(c)) and names.unit_of(m[2])]
     if len(units) > 0.9 * len(there) and len(set(units)) == 1:
         return "unit"
-    for sign, shape in _THOUSANDS.items():
-        long = [c for c in there if shape.match(c)]
-        both = [c for c in long if ("." if sign == "," else ",") in c]
-        if len(both) > 0.3 * len(there):
-            return sign
     return None
 
 
@@ -116,14 +104,13 @@ def _rewritten(rows, width: int, how: list[str | None]) -> Table | None:
         for c, h in zip(first, how)
     ]
     out, places, lost = [], [], 0
-    decimal = "," if "." in how else "."
     for fields, line in rows:
         flat: list[str] = []
         for cell, h, k in zip(fields, how, size):
             new = _cell(cell, h, k)
             if new is None:
                 break
-            flat += [f.replace(",", ".") for f in new] if decimal == "," else new
+            flat += new
         else:
             out.append(flat)
             places.append(line)
@@ -148,7 +135,7 @@ def _rewritten(rows, width: int, how: list[str | None]) -> Table | None:
 
 
 def _numeric(cell: str) -> bool:
-    return bool(re.match(rf"^\"?{_FLOAT}", cell) or _LIST.match(cell) or _HEX.match(cell))
+    return bool(re.match(rf"^\"?{NUMBER}", cell) or _LIST.match(cell) or _HEX.match(cell))
 
 
 def _cell(cell: str, how: str | None, size: int) -> list[str] | None:
@@ -166,10 +153,8 @@ def _cell(cell: str, how: str | None, size: int) -> list[str] | None:
         bits = 4 * len(m[1])
         value = int(m[1], 16)
         return [str(value - (1 << bits) if value >> (bits - 1) else value)]
-    if how == "unit":
-        m = _UNIT.match(cell)
-        return [m[1]] if m else None
-    return [cell.replace(how, "")]
+    m = _UNIT.match(cell)
+    return [m[1]] if m else None
 
 
 def _long(text: str, sample: str) -> Table | None:

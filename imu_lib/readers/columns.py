@@ -24,7 +24,7 @@ from imu_lib.readers import (
     twins,
     unused,
 )
-from imu_lib.readers.asking import STAMPS, Heading, by_position
+from imu_lib.readers.asking import STAMPS, Asked, Heading, by_position
 from imu_lib.readers.habits import alpha, habits, letter_g, numbered
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
@@ -62,6 +62,14 @@ def decide(
     InputError
         Where the columns cannot be told; the sentence holds the names to give.
     """
+    try:
+        return _decided(raw, headings, load, columns, signal, named)
+    except Asked as error:
+        error.clock = "" if columns else question.clock_of(raw, headings, named, load)
+        raise
+
+
+def _decided(raw: Raw, headings, load, columns, signal, named: bool) -> Raw:
     told = _told(raw, headings, columns, signal, named)
     told, interval = intervals(raw, told, headings)
     long = by_rows.by_call(told) if columns else by_rows.sensors(raw, told, headings, load)
@@ -82,7 +90,8 @@ def decide(
         raw.unnamed_time = unused.unnamed_time(raw, told, headings, load)
     if interval is not None:
         add_up(raw, told, headings, values, interval)
-    told = letter_t(told, headings, values)
+    if not columns:
+        told = letter_t(raw, told, headings, values)
     told = one_time(raw, told, headings, values)
     unused.say(raw, told, headings)
     _fill(raw, told, headings, values, " (--columns)" if columns else "")

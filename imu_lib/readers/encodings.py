@@ -20,6 +20,8 @@ CANDIDATES = {
     "koi8_r": "Cyrillic (KOI8-R)",
     "cp866": "Cyrillic (DOS 866)",
     "cp1250": "Central European (Windows-1250)",
+    "cp1253": "Greek (Windows-1253)",
+    "cp1254": "Turkish (Windows-1254)",
 }
 SOME = 50  # lines that are looked at
 
@@ -50,17 +52,23 @@ def of(data: bytes, head: int) -> str | None:
     head : int
         Bytes from its start in which words are looked for.
     """
-    start = data[:head]
-    if data.isascii() or b"\0" in start:
-        return None
-    lines = [x for x in start.split(b"\n")[:-1] or [start] if not x.isascii()][:SOME]
-    joined = b"\n".join(lines)
-    if not lines or _decoded(joined, "utf-8") is not None:
+    joined = foreign(data, head)
+    if joined is None:
         return None
     texts = {name: _decoded(joined, name) for name in CANDIDATES}
     shares = {name: _known(text) for name, text in texts.items() if text is not None}
     best = max(shares, key=lambda name: shares[name], default=None)
     return best if best is not None and shares[best] > 0 else None
+
+
+def foreign(data: bytes, head: int) -> bytes | None:
+    """The first lines of a text that are beyond ASCII; None where it is UTF-8 or wider."""
+    start = data[:head]
+    if data.isascii() or b"\0" in start:
+        return None
+    lines = [x for x in start.split(b"\n")[:-1] or [start] if not x.isascii()][:SOME]
+    joined = b"\n".join(lines)
+    return joined if lines and _decoded(joined, "utf-8") is None else None
 
 
 def _decoded(data: bytes, encoding: str) -> str | None:

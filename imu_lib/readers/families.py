@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from imu_lib.errors import InputError
 from imu_lib.readers import directions, lexicon, names
-from imu_lib.readers.asking import Unnamed, suggestion, units_too
+from imu_lib.readers.asking import Asked, Unnamed, suggestion, units_too
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
 
@@ -179,10 +178,10 @@ def turned(raw: Raw, told: list[Meaning], headings) -> None:
     ]
     if turned:
         all_told = [plain[i] if i in turned else m for i, m in enumerate(told)]
-        raise InputError(
+        raise Asked(
             f"{raw.source}: `{heads[turned[0]]}` says that its sign is turned; turn it in the "
             "file and rename the column, or have the values "
-            f"as they stand: {suggestion(all_told, headings)}."
+            f"as they stand: {suggestion(all_told, headings)}{units_too(all_told)}."
         )
 
 

@@ -44,10 +44,4 @@ def beside(raw: Raw, texts: dict[str, str]) -> None:
 
 def _take(raw: Raw, units: dict[str, str], why: str) -> None:
     for kind, unit in units.items():
-        there = raw.axes(kind)
-        if there and not any(raw.units[c] for c in there):
-            for c in there:
-                raw.units[c] = unit
-                for column in raw.described:
-                    if column.read_as and c in column.read_as.split(", "):
-                        column.evidence = f"{column.evidence.split('; ')[0]}; {unit} {why}"
+        raw.state(kind, unit, why)

@@ -9,8 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imu_lib.errors import InputError
-from imu_lib.readers.asking import suggestion
+from imu_lib.readers.asking import Asked, suggestion, units_too
 from imu_lib.readers.names import SIGNALS, UNKNOWN, Meaning
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.tokens import ROTATION
@@ -35,9 +34,9 @@ def numbered(raw: Raw, told: list[Meaning], headings) -> list[Meaning]:
             continue
         base = 0 if "0" in digits else 1 if "3" in digits else None
         if base is None:
-            raise InputError(
+            raise Asked(
                 f"{raw.source}: {', '.join(f'`{headings[i].name}`' for i in there)} may be counted "
-                f"from 0 or from 1; {suggestion(told, headings)}."
+                f"from 0 or from 1; {suggestion(told, headings)}{units_too(told)}."
             )
         for i in there:
             axis = "xyz"[int(told[i].axis) - base]
@@ -84,10 +83,11 @@ def letter_g(raw: Raw, told: list[Meaning], headings, values) -> None:
     force = [
         replace(m, quantity="accel", unit="g") if i in there else m for i, m in enumerate(told)
     ]
-    raise InputError(
+    raise Asked(
         f"{raw.source}: `{headings[there[0]].name}` may be a gyro or a g-force; its three axes "
         f"have a length of {middle:.3g} all the time, which is "
-        f"gravity in g; {suggestion(force, headings)} (gyro_x, gyro_y, gyro_z if it is a gyro)."
+        f"gravity in g; {suggestion(force, headings)}{units_too(force)} (gyro_x, gyro_y, gyro_z "
+        "if it is a gyro)."
     )
 
 

@@ -79,13 +79,15 @@ def units_said(lines) -> dict[str, str]:
 
 def legend(lines) -> dict[str, str]:
     """Number -> sensor, where lines above the table say what a number stands for: `0 =
-    Accelerometer`.
+    Accelerometer`, `Accelerometer = 0 | Gyroscope = 1`.
     """
     found = {}
     for line in lines[-60:]:
-        said = re.match(r"^\W*(\d{1,3})\s*(?:[=:]|-+>?)\s*([A-Za-z][\w -]*?)\W*$", line.strip())
-        if said:
-            found[said[1]] = said[2]
+        for part in re.split(r"[|,;]", line.strip()):
+            if said := re.match(r"^\W*(\d{1,3})\s*(?:[=:]|-+>?)\s*([A-Za-z][\w -]*?)\W*$", part):
+                found[said[1]] = said[2]
+            elif said := re.match(r"^.*?([A-Za-z][\w -]*?)\s*[=:]\s*(\d{1,3})\W*$", part):
+                found[said[2]] = said[1]
     kinds = {names.meaning(f"{word} x").quantity for word in found.values()}
     return found if kinds & {"gyro", "accel"} else {}
 

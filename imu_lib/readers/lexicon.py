@@ -7,10 +7,14 @@ from __future__ import annotations
 import re
 import unicodedata
 
+#: Letters that have no accent to leave out, and stand for a plain one all the same.
+_PLAIN = str.maketrans({"ı": "i", "ł": "l", "Ł": "L", "ø": "o", "đ": "d"})
+
 
 def without_accents(text: str) -> str:
     """Without accents: `Accélération` and `Acceleration` are one word."""
-    return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+    text = unicodedata.normalize("NFKD", text.translate(_PLAIN))
+    return "".join(c for c in text if not unicodedata.combining(c))
 
 
 def words(text: str) -> set[str]:
@@ -31,7 +35,7 @@ ACCEL = words(
     "beschleunigungssensor accelerazione accelerometro aceleracion acelerometro aceleracao "
     "versnelling versnellingsmeter gyorsulas kiihtyvyys hastighetsandring acceleratie akseleration "
     "przyspieszenie akcelerometr zrychleni ivme ускорение ускорения акселерометр 加速度 加速度计 加速计 加速度計 "
-    "가속도 accreading ac f fb fib fibb a gforce gf specificforce sf accs"
+    "가속도 επιταχυνση επιταχυνσιομετρο accreading ac f fb fib fibb a gforce gf specificforce sf accs"
 )
 ANGULAR = words(
     "угловая угл acisal uhlova angular ang angulaire angolare rotation rotational turn rot katowa "
@@ -52,7 +56,7 @@ DELTA_ANGLE = words("theta angle ang angles dtheta dang rot deltatheta gyro gyr"
 DELTA_VELOCITY = words("v vel velocity dv dvel velinc deltav acc accel")
 TIME = words(
     "time times timestamp timestamps stamp t zeit zeitstempel temps tiempo tempo tijd czas cas "
-    "zaman время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos "
+    "zaman zamani χρονος время 时间 時間 時刻 时间戳 시간 elapsed sow tow sod ido epoch rostime uptime millis micros nanos "
     "datetime datenum serialdate filetime seconds secs sec second nsecs nsec nanosec nanosecs "
     "nanoseconds usec usecs microseconds frac fraction fractional subsec subsecs subsecond "
     "subseconds milliseconds msec msecs ms us ns s minutes unix jd mjd julian juliandate "
@@ -60,6 +64,7 @@ TIME = words(
 )
 TEMPERATURE = words(
     "temp temps temperature temperatures temperatur temperatura tmp temper температура 温度 온도 "
+    "θερμοκρασια sicaklik "
     "tempc tempf"
 )
 COUNTER = words(

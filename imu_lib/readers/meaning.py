@@ -8,6 +8,9 @@ UNKNOWN = "its name is not known here"
 
 
 SIGNALS = ("gyro", "accel", "dtheta", "dv")
+#: What a kind of reading is called in a sentence, and its increments.
+WORD = {"gyro": "gyro", "dtheta": "gyro", "accel": "accelerometer", "dv": "accelerometer"}
+INCREMENT = {"gyro": "dtheta", "accel": "dv"}
 
 
 @dataclass(frozen=True)

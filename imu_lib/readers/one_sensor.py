@@ -8,7 +8,8 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers import at_once, instances, streams
-from imu_lib.readers.asking import Unnamed
+from imu_lib.readers.asking import Asked, Unnamed
+from imu_lib.readers.meaning import INCREMENT, WORD
 from imu_lib.readers.opening import read_raw
 from imu_lib.readers.raw import Raw
 
@@ -16,7 +17,7 @@ from imu_lib.readers.raw import Raw
 _BARE = re.compile(r"\W*(?:[xyz1-3](?:[ _-]?axis)?|axis[ _-]?[xyz]|column \d+)\W*", re.IGNORECASE)
 
 
-def read_bare(path, columns, topic, units) -> Raw:
+def read_bare(path, columns, topic, units, options) -> Raw:
     """The columns of a file; x, y, z that name no sensor are of the one that a unit was given for
     while no other column is.
     """
@@ -24,16 +25,17 @@ def read_bare(path, columns, topic, units) -> Raw:
     try:
         raw = read_raw(path, columns=columns, topic=topic)
     except instances.Several as error:
-        raise at_once.with_units(error, error.raw, units) from None
-    except Unnamed:
-        if len(given) != 1 or columns:
-            raise
-        bare = _as_named(path, topic, given[0])
-        if not all(_BARE.fullmatch(bare.headings[c]) for c in bare.axes(given[0])):
-            raise  # x, y, z of what is for the call to say
+        raise at_once.of_several(error, units, options) from None
+    except Asked as error:
+        bare = None
+        if isinstance(error, Unnamed) and len(given) == 1 and not columns:
+            bare = _as_named(path, topic, given[0])
+        if not bare or not all(_BARE.fullmatch(bare.headings[c]) for c in bare.axes(given[0])):
+            # x, y, z of what is for the call to say
+            raise at_once.of_columns(error, options) from None
         return bare
     unused = {c.name.strip().lower() for c in raw.described if c.read_as is None}
-    missing = [k for k in given if not {k, {"gyro": "dtheta", "accel": "dv"}[k]} & raw.kinds()]
+    missing = [k for k in given if not {k, INCREMENT[k]} & raw.kinds()]
     if columns or len(missing) != 1 or not {"x", "y", "z"} <= unused:
         return raw
     again = _as_named(path, topic, missing[0])
@@ -42,9 +44,8 @@ def read_bare(path, columns, topic, units) -> Raw:
 
 def _as_named(path, topic, kind: str) -> Raw:
     raw = read_raw(path, signal=kind, topic=topic)
-    word = "gyro" if kind == "gyro" else "accelerometer"
     raw.notes += (
-        f"x, y, z were read as the {word}, the one sensor that a unit was given for "
+        f"x, y, z were read as the {WORD[kind]}, the one sensor that a unit was given for "
         f"(--{kind}-unit).",
     )
     return raw
@@ -65,10 +66,7 @@ def only(raw: Raw, kind: str) -> Raw:
     if not raw.kinds():
         raise InputError(f"{raw.source} holds no {kind} columns; it was given as --{kind}.")
     # rows in which this sensor has nothing are rows of the other one
-    empty = np.ones(raw.rows(), dtype=bool)
-    for c in raw.columns:
-        if streams.kind_of(c) == kind:
-            empty &= np.isnan(raw.columns[c]) if raw.columns[c].dtype.kind == "f" else False
+    empty = streams.empty(raw, [kind])
     if 0.3 < empty.mean() < 1.0:
         streams.without(raw, np.flatnonzero(~empty))
     return raw

@@ -25,6 +25,11 @@ from imu_lib.readers import (
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.text import read_text
 
+#: How binary formats begin that are read from a file.
+BINARY = (
+    *(b"\x93NUMPY", b"PK", b"PAR1", b"MATLAB", b"\x89HDF", b"#ROSBAG ", b"SQLite", b"\x89MCAP"),
+    *(b"ULog", b"ARROW1", b"FEA1"),
+)
 KNOWN = (
     ".npz, .npy, .csv, .txt, .tsv, .parquet, .feather, .mat, .h5, .zarr, .ulg, .rda or a ROS bag"
 )
@@ -49,8 +54,6 @@ def read_raw(path, *, columns=None, signal=None, topic=None) -> Raw:
         fewer = raw.rows() - len(keep)
         raw.notes += (f"{fewer:,} rows of other sensors were left out (--topic {topic}).",)
         streams.without(raw, keep)
-        if raw.subseconds is not None:
-            raw.subseconds = raw.subseconds[keep]
     return raw
 
 
@@ -106,48 +109,30 @@ def _of_file(path: Path, magic: bytes, options) -> Raw:
         return bags.read_bag(path, topic=topic)
     if magic.startswith(ulog.MAGIC):
         return ulog.read_ulog(path, topic=topic)
-    if rdata.is_rdata(magic):
+    return _of_text(path.read_bytes(), path, table)
+
+
+def _of_text(data: bytes, path: Path, table) -> Raw:
+    """R data, a document of JSON or a text table, from memory."""
+    if rdata.is_rdata(data):
         return arrays.from_arrays(
-            str(path), rdata.arrays(path.read_bytes(), str(path)), *table.values(), contract=False
+            str(path), rdata.arrays(data, str(path)), *table.values(), contract=False
         )
-    if magic.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"[", b"{"):
-        found = json_tables.read_json(path.read_bytes(), str(path), *table.values())
+    if data[:16].lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"[", b"{"):
+        found = json_tables.read_json(data, str(path), *table.values())
         if found is not None:
             return found
-    return read_text(path, **table)
+    return read_text(path, data=data, **table)
 
 
 def _of_bytes(data: bytes, path: Path, options, name: str | None = None) -> Raw:
     """A file that was unpacked: text and R data from memory, binary formats from a file beside."""
     name = name or path.name
-    magic = data[:16]
     if not data:
         raise InputError(f"{path} is empty inside; {KNOWN} is expected.")
-    table = {"columns": options["columns"], "signal": options["signal"]}
-    if rdata.is_rdata(data):
-        return arrays.from_arrays(
-            str(path), rdata.arrays(data, str(path)), *table.values(), contract=False
-        )
-    binary_ = (
-        b"\x93NUMPY",
-        b"PK",
-        b"PAR1",
-        b"MATLAB",
-        b"\x89HDF",
-        b"#ROSBAG ",
-        b"SQLite",
-        b"\x89MCAP",
-        b"ULog",
-        b"ARROW1",
-        b"FEA1",
-    )
-    suffix = Path(name).suffix.lower()
-    if magic.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"[", b"{"):
-        found = json_tables.read_json(data, str(path), *table.values())
-        if found is not None:
-            return found
-    if not magic.startswith(binary_) and suffix not in (".npz", ".npy", ".mat", ".parquet"):
-        return read_text(path, data=data, **table)
+    binary_ = Path(name).suffix.lower() in (".npz", ".npy", ".mat", ".parquet")
+    if not binary_ and not data.startswith(BINARY):
+        return _of_text(data, path, {k: options[k] for k in ("columns", "signal")})
     with tempfile.TemporaryDirectory() as folder:
         inner = Path(folder) / Path(name).name
         inner.write_bytes(data)

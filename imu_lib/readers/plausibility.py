@@ -16,6 +16,8 @@ from imu_lib.readers.turning import MOST, turning
 
 GYRO_FAST = 17.0  # rad/s, 1000 deg/s, for one per cent of the time: not in a vehicle
 EARTH = 7.292e-5  # rad/s
+AT_EARTHS = 0.02  # of it, by which a mean rate may miss it
+PARTS = 20  # of a record whose means are compared
 #: Noise density of gyros on the market, rad/s/sqrt(Hz): median and spread of its logarithm, from
 #: fibre-optic (3e-6) to the poorest consumer parts (3e-3), data sheets of some forty sensors.
 GYRO_NOISE = (1e-4, np.log(6.0))
@@ -89,6 +91,13 @@ def gyro_unit(
     odds = scores[fit[0]] - _score(still, bias, noise, rate)
     if fit[0] != unit and odds >= DOUBTED:
         return _unlikely(gyro, unit, factor, fit, odds, still, bias, noise)
+    if strict and quiet and (other := _earths(gyro, unit, factor)):
+        return Told(
+            f"the mean of the rates stated in {unit} would be the Earth's rate if they were in "
+            f"{other}: chance in a hundred or so, unless that is their unit (--gyro-unit {other})",
+            False,
+            other,
+        )
     if strict and quiet and noise is None and unit != "rad/s" and 0 < still < OPTICAL:
         return Told(
             f"the rates stated in {unit} have a {_worst(still, bias)}, that of an optical gyro; "
@@ -96,6 +105,23 @@ def gyro_unit(
             False,
             "rad/s",
         )
+    return None
+
+
+def _earths(gyro: np.ndarray, unit: str, factor: float) -> str | None:
+    """The other unit in which the mean of three gyros at rest has the length of the Earth's rate,
+    to what their noise leaves of it; None where there is none.
+    """
+    x = some(gyro)
+    if gyro.shape[1] != 3 or len(x) < 50 * PARTS:
+        return None
+    parts = np.array([p.mean(axis=0) for p in np.array_split(x, PARTS)])
+    error = float(np.linalg.norm(parts.std(axis=0, ddof=1))) / np.sqrt(PARTS)
+    mean = float(np.linalg.norm(x.mean(axis=0)))
+    for other in READINGS:
+        size = names.GYRO_UNITS[other] / factor / EARTH
+        if other != unit and abs(mean * size - 1.0) < AT_EARTHS and error * size < AT_EARTHS:
+            return other
     return None
 
 

@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import re
 
-from imu_lib.errors import InputError
 from imu_lib.readers import names, time_columns, twins
-from imu_lib.readers.asking import suggestion, units_too
+from imu_lib.readers.asking import Asked, suggestion, units_too
 from imu_lib.readers.names import SIGNALS, Meaning
 from imu_lib.readers.raw import Raw
 
@@ -38,7 +37,7 @@ def one_each(raw: Raw, told, headings, load) -> list[Meaning]:
     if equal:  # one sensor's three axes in the example, not a mixture
         canonical, one, other = equal[0]
         skip += time_columns.all_but_best(told, headings, load)
-        raise InputError(
+        raise Asked(
             f"{raw.source}: both `{headings[one].name}` and `{headings[other].name}` would be "
             f"{canonical}; {suggestion(told, headings, skip)}{units_too(told, skip)}."
         )

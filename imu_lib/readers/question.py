@@ -7,12 +7,40 @@ import re
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, instances
-from imu_lib.readers.asking import Unnamed, example
+from imu_lib.readers import by_rows, clock, instances, looks, names
+from imu_lib.readers.asking import STAMPS, Unnamed, example
 from imu_lib.readers.names import SIGNALS
 from imu_lib.readers.raw import Raw
 
 UNITS = " with --gyro-unit and --accel-unit"
+
+
+def clock_of(raw: Raw, headings, named: bool, load) -> str:
+    """The question for the unit of the one column of stamps that such a file has; empty where it
+    has none, or its unit is told.
+    """
+    numbers = [i for i, h in enumerate(headings) if h.kind == "number"]
+    if any(h.kind in STAMPS for h in headings) or raw.rate:
+        return ""
+    try:
+        if named:
+            told = {i: names.meaning(headings[i].name) for i in numbers}
+            times = [i for i, m in told.items() if m.quantity == "time"]
+            if len(times) != 1 or told[times[0]].unit or headings[times[0]].unit:
+                return ""
+            values = load(times)
+        else:
+            values = load(numbers)
+            times = [i for i in numbers if looks.rises(values[i])]
+        x = np.asarray(values[times[0]]) if times else np.empty(0)
+        if len(x) < 3 or not looks.rises(x) or (np.diff(x) < 0).any():
+            return ""
+        where = f"its `{headings[times[0]].name}`"
+        since = (x - x[0]).astype(float)
+        clock.read(since, float(x[0]), where=where, unit=None, flag=None, rate=None)
+    except InputError as error:
+        return str(error) if "--time-unit" in str(error) else ""
+    return ""
 
 
 def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
@@ -64,11 +92,11 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
     rate = "" if timed or raw.rate else " and the rate with --rate HZ"
     return Unnamed(
         f"{raw.source} has {many} and {header}{_commas(headings, values)}{damage}; name them by "
-        f"position with --columns, as in {named_so}{_units(named_so)}{rate}{one}."
+        f"position with --columns, as in {named_so}{units_open(named_so)}{rate}{one}."
     )
 
 
-def _units(named_so: str) -> str:
+def units_open(named_so: str) -> str:
     """A word on the units that the example leaves open."""
     plain = [n for n in named_so.split(",") if "[" not in n]
     kinds = [k for k in ("gyro", "accel") if any(n.startswith(f"{k}_") for n in plain)]

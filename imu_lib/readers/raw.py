@@ -4,7 +4,7 @@ evidence.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers import names, spelling
+from imu_lib.readers.meaning import INCREMENT, WORD
 
 #: What a unit of increments would be of a rate.
 _RATES = {"rad": "rad/s", "deg": "deg/s", "m/s": "m/s^2", "g*s": "g"}
@@ -125,6 +126,20 @@ class Raw:
                 if evidence:
                     column.evidence = evidence
 
+    def state(self, kind: str, unit: str, why: str, over: Collection[str | None] = (None,)) -> bool:
+        """Take a unit for the axes of a kind that state none, or one of `over`, with the evidence.
+        Whether it was taken.
+        """
+        there = self.axes(kind)
+        if not there or any(self.units[c] not in over for c in there):
+            return False
+        for canonical in there:
+            self.units[canonical] = unit
+            for column in self.described:
+                if column.read_as and canonical in column.read_as.split(", "):
+                    column.evidence = f"{column.evidence.split('; ')[0]}; {unit} {why}"
+        return True
+
     def drop(self, canonical: str, why: str) -> None:
         """Leave a column out after all."""
         self.columns.pop(canonical, None)
@@ -157,52 +172,52 @@ class Raw:
                 f"({', '.join(sorted(said))}); give one with {flag}."
             )
         unit = said.pop() if said else None
-        if unit is not None and unit not in ("counts", "ticks") and unit not in names.UNITS[kind]:
-            heading = self.headings.get(kind) or next(
-                h for c, h in self.headings.items() if c.startswith(kind)
-            )
-            other = {"gyro": "accel", "accel": "gyro"}.get(kind)
-            if other and unit in names.UNITS[other]:
-                raise InputError(
-                    f"{self.source}: `{heading}` is named a "
-                    f"{'gyro' if kind == 'gyro' else 'accelerometer'} and states {unit}, a unit of "
-                    "the other; say what each column is with --columns (names by position, - "
-                    "skips)."
-                )
-            if unit == "rps" and kind == "gyro":
-                raise InputError(
-                    f"{self.source}: `{heading}` is in [rps], which is radians or revolutions per "
-                    f"second; give {flag} rad/s or {flag} rev/s."
-                )
-            scaled = spelling.scaled(unit, kind)
-            if scaled and kind in ("gyro", "accel") and spelling.size_of_a_count(unit):
-                return unit
-            if scaled and kind != "time" and (whole := spelling.of_range(unit)):
-                raise InputError(
-                    f"{self.source}: `{heading}` is in [{unit}]; give {flag} {whole} if that is "
-                    f"the range of the sensor, {flag} {scaled} if it is the size of a count."
-                )
-            if scaled:
-                raise InputError(
-                    f"{self.source}: `{heading}` is in [{unit}]; give it as {flag} {scaled}."
-                )
-            rate = _RATES.get(unit) if kind in ("gyro", "accel") else None
-            if rate in names.UNITS[kind]:
-                family = "dtheta" if kind == "gyro" else "dv"
-                raise InputError(
-                    f"{self.source}: `{heading}` is in [{unit}], an increment; name it "
-                    f"{family}_x, {family}_y or {family}_z with --columns, "
-                    f"or give {flag} {rate} if it is a rate of that size."
-                )
-            raise InputError(
-                f"{self.source}: the unit [{unit}] of `{heading}` is not known; give it with {flag}"
-                + (
-                    f" {' or '.join(spelling.USUAL[kind])}."
-                    if kind in spelling.USUAL
-                    else f" as one of {', '.join(names.UNITS[kind])}."
-                )
-            )
-        return unit
+        if unit in (None, "counts", "ticks", *names.UNITS[kind]):
+            return unit
+        inertial = kind in ("gyro", "accel")
+        if inertial and spelling.scaled(unit, kind) and spelling.size_of_a_count(unit):
+            return unit
+        heading = self.headings.get(kind) or next(
+            h for c, h in self.headings.items() if c.startswith(kind)
+        )
+        raise InputError(f"{self.source}: {_unknown(heading, unit, kind, flag)}")
+
+
+def _unknown(heading: str, unit: str, kind: str, flag: str) -> str:
+    """What is said of a unit that a kind of column cannot have, or that is not known."""
+    inertial = kind in ("gyro", "accel")
+    other = {"gyro": "accel", "accel": "gyro"}.get(kind, kind)
+    if inertial and unit in names.UNITS[other]:
+        return (
+            f"`{heading}` is named a {WORD[kind]} and states {unit}, a unit of the other; say what "
+            "each column is with --columns (names by position, - skips)."
+        )
+    if unit == "rps" and kind == "gyro":
+        return (
+            f"`{heading}` is in [rps], which is radians or revolutions per second; give {flag} "
+            f"rad/s or {flag} rev/s."
+        )
+    scaled = spelling.scaled(unit, kind)
+    if scaled and kind != "time" and (whole := spelling.of_range(unit)):
+        return (
+            f"`{heading}` is in [{unit}]; give {flag} {whole} if that is the range of the sensor, "
+            f"{flag} {scaled} if it is the size of a count."
+        )
+    if scaled:
+        return f"`{heading}` is in [{unit}]; give it as {flag} {scaled}."
+    rate = _RATES.get(unit) if inertial else None
+    if rate in names.UNITS[kind]:
+        family = INCREMENT[kind]
+        return (
+            f"`{heading}` is in [{unit}], an increment; name it {family}_x, {family}_y or "
+            f"{family}_z with --columns, or give {flag} {rate} if it is a rate of that size."
+        )
+    known = (
+        " or ".join(spelling.USUAL[kind])
+        if kind in spelling.USUAL
+        else f"as one of {', '.join(names.UNITS[kind])}"
+    )
+    return f"the unit [{unit}] of `{heading}` is not known; give it with {flag} {known}."
 
 
 def numbers(raw: Raw, canonical: str) -> np.ndarray:

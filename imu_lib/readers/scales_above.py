@@ -41,15 +41,10 @@ def take(raw: Raw, above: Iterable[str]) -> None:
 
 
 def _unit(raw: Raw, kind: str, factor: float, unit: str, name: str) -> None:
-    there = raw.axes(kind)
-    if not there or any(raw.units[c] not in (None, "counts") for c in there):
-        return
     if factor > 1 and abs(factor - 1) > 1e-9:
         return
     spelled = unit if abs(factor - 1) < 1e-9 else f"{factor:.12g} {unit}"
-    for c in there:
-        raw.units[c] = spelled
-        raw.told(c, spelled, f"`{name}` above the table says so")
+    raw.state(kind, spelled, f"by `{name}` above the table", over=(None, "counts"))
 
 
 def _clock(raw: Raw, factor: float) -> None:

@@ -6,12 +6,7 @@ from __future__ import annotations
 
 import re
 
-from imu_lib.readers import cells, commas, encodings, fields, folded, labelled, tagged
-
-#: A field whose thousands are set apart: 1.001,32 and 1,001.32 and 1'001.32.
-_THOUSANDS = re.compile(
-    rb"""(?:(?<=[;\t|\n"])|^)[+-]?[1-9]\d{0,2}(?:(?:\.\d{3})+,|(?:[,']\d{3})+\.)\d+(?=[;\t|\r\n"]|$)"""
-)
+from imu_lib.readers import cells, commas, encodings, fields, folded, labelled, tagged, thousands
 
 
 class Lines:
@@ -51,20 +46,25 @@ class Lines:
         if encoding and encoding != "cp1252":
             name = encodings.CANDIDATES[encoding]
             lines.notes += (f"The text was read as {name}: its words are known so.",)
+        elif not encoding and encodings.foreign(data, fields.HEAD):
+            lines.notes += (
+                "The text is no UTF-8 and none of its words tells its encoding: headings beyond "
+                "ASCII were not understood; save it as UTF-8 where they name readings.",
+            )
         lines._start_and_rate()
-        if _THOUSANDS.search(lines.head()[0]):
-            lines.without_thousands()
+        if not wide:
+            lines._without_thousands(thousands.without(lines.data))
         return lines
 
     def without_thousands(self) -> bool:
-        """Leave out the marks that set thousands apart, where a decimal mark of the other kind
-        follows them. Whether there were any.
-        """
-        found = _THOUSANDS.search(self.data)
+        """Leave out marks between thousands of single numbers. Whether there were any."""
+        return self._without_thousands(thousands.lone(self.data))
+
+    def _without_thousands(self, found: tuple[bytes, str] | None) -> bool:
         if found is None:
             return False
-        self.data = _THOUSANDS.sub(_joined, self.data)
-        self.notes += (f"Marks between thousands were left out, as in {found[0].decode()!r}.",)
+        self.data, number = found
+        self.notes += (f"Marks between thousands were left out, as in {number!r}.",)
         return True
 
     def _start_and_rate(self) -> None:
@@ -178,13 +178,6 @@ class Lines:
                 f"{len(text)} line{'s' * (len(text) > 1)} of words at the end were left out.",
             )
         return True
-
-
-def _joined(found: re.Match[bytes]) -> bytes:
-    """A number without its marks between thousands: the last mark is that of the decimals."""
-    number = found[0]
-    at = max(number.rfind(b"."), number.rfind(b","))
-    return re.sub(rb"[.,']", b"", number[:at]) + number[at:]
 
 
 def _ended(data: bytes) -> bool:

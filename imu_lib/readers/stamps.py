@@ -178,7 +178,7 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         raw.notes += clock.doubt(relative, first, told, raw.headings["time"])
     raw.start = first * told.factor
     raw.epoch = raw.start if raw.start > 1e8 else None
-    for i, fall in getattr(raw, "set_back", ()):
+    for i, fall in raw.set_back:
         raw.notes += (
             f"The clock falls back by {-fall * told.factor:.6g} s at {raw.line(i)} (it was set, or "
             "the logger began anew); the stamps go on from there by one interval, what was lost in "

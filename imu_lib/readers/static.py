@@ -6,13 +6,16 @@ import warnings
 from dataclasses import dataclass, replace
 
 from imu_lib.errors import InputError
-from imu_lib.readers import at_once, one_sensor, sentinels, streams, unsigned, unused
-from imu_lib.readers.assemble import (
-    UnitAsked,
-    ask_for_both,
-    ask_of_two,
-    assemble,
+from imu_lib.readers import (
+    at_once,
+    axis_units,
+    one_sensor,
+    sentinels,
+    streams,
+    unsigned,
+    unused,
 )
+from imu_lib.readers.assemble import UnitAsked, ask, assemble
 from imu_lib.readers.opening import pair, read_raw
 from imu_lib.readers.possible import check_units
 from imu_lib.readers.raw import Column, Raw
@@ -130,7 +133,7 @@ def read(
 
 def _of_one_file(path, columns, topic, only, units, options) -> Reading:
     """What one file holds, or one sensor of it."""
-    raw = one_sensor.read_bare(path, columns, topic, units)
+    raw = one_sensor.read_bare(path, columns, topic, units, options)
     if only:
         raw = one_sensor.only(raw, only)
         units = {k: u if k == only else None for k, u in units.items()}
@@ -147,12 +150,15 @@ def _of_two_files(files, columns, topic, units, options) -> Reading:
         for kind, file in files.items()
         if file is not None
     }
-    if len(raws) == 2:
-        ask_of_two(raws["gyro"], units["gyro"], raws["accel"], units["accel"])
-    parts, repeats = {}, 0
+    parts, repeats, asked = {}, 0, []
     for kind, raw in raws.items():
-        parts[kind], more = of_one(raw, {kind: units[kind]}, options)
-        repeats += more
+        try:
+            parts[kind], more = of_one(raw, {kind: units[kind]}, options)
+            repeats += more
+        except UnitAsked as error:
+            asked.append(str(error).rstrip("."))
+    if asked:
+        raise UnitAsked("; and ".join(asked) + ".")
     told = tuple(c for raw in raws.values() for c in raw.described)
     if len(parts) == 1:
         return Reading(next(iter(parts.values())), repeats, told)
@@ -189,26 +195,22 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
         unsigned.signed(raw, units)
     if not raw.simulated:
         streams.drop_copies(raw)
+    axis_units.one_each(raw, units)
     try:
-        ask_for_both(raw, units.get("gyro"), units.get("accel"))
-    except InputError as error:
+        ask(raw, units)
+    except UnitAsked as error:
         raise at_once.with_time(error, raw, options) from None
     parts = streams.separate(raw)
     if parts is None:
-        held = getattr(raw, "held_rows", 1.0)
+        held = raw.held_rows
         if held > 1.0 and options["rate"]:
             options = options | {"rate": options["rate"] / held}
-        try:
-            return assemble(raw, **flags, **options), raw.repeats
-        except UnitAsked as error:
-            raise at_once.with_time(error, raw, options) from None
+        return assemble(raw, **flags, **options), raw.repeats
     made = {}
     for kind, one in parts.items():
         more = dict(options)
         if more["rate"]:  # the rows' rate, which is not the stream's
-            more["rate"] = (
-                more["rate"] / getattr(one, "held_rows", 1.0) if "time" not in one.columns else None
-            )
+            more["rate"] = more["rate"] / one.held_rows if "time" not in one.columns else None
         made[kind] = assemble(one, **{f"{kind}_unit": flags.get(f"{kind}_unit")}, **more)
     raw.start, raw.epoch = parts["gyro"].start, parts["gyro"].epoch
     record = streams.merge(

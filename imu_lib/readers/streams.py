@@ -5,10 +5,12 @@ side.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from imu_lib.readers.meaning import WORD
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.side_by_side import merge, slow_kind
 
@@ -39,6 +41,21 @@ def _channels(raw: Raw, kind: str) -> list[np.ndarray]:
 
 def _kinds(raw: Raw) -> list[str]:
     return [k for k in PAIR if _channels(raw, k)]
+
+
+def _stamps_of(raw: Raw) -> list[np.ndarray]:
+    """What tells when a row was taken."""
+    parts = [] if raw.subseconds is None else [raw.subseconds]
+    return [raw.columns[c] for c in _STAMPS if c in raw.columns] + parts
+
+
+def empty(raw: Raw, kinds: Iterable[str]) -> np.ndarray:
+    """Rows in which no reading of these kinds stands."""
+    out = np.ones(raw.rows(), dtype=bool)
+    for kind in kinds:
+        for x in _channels(raw, kind):
+            out &= np.isnan(x) if x.dtype.kind == "f" else False
+    return out
 
 
 def held(channels: list[np.ndarray]) -> Held | None:
@@ -91,6 +108,8 @@ def part(raw: Raw, kind: str, rows: np.ndarray, time: str = "time") -> Raw:
             out.columns[name] = x[rows]
             out.units[name] = raw.units[c]
             out.headings[name] = raw.headings[c]
+    if raw.subseconds is not None:
+        out.subseconds = raw.subseconds[rows]
     out.described = raw.described  # one table, whichever stream tells more of it
     return out
 
@@ -101,20 +120,22 @@ def without(raw: Raw, rows: np.ndarray) -> None:
     raw.line = lambda row: line(int(rows[min(row, len(rows) - 1)]))
     for c in list(raw.columns):
         raw.columns[c] = raw.columns[c][rows]
+    if raw.subseconds is not None:
+        raw.subseconds = raw.subseconds[rows]
 
 
 def drop_copies(raw: Raw) -> None:
     """Leave out rows that repeat stamp and values of the row before, where such copies are no
     accident: a row logged twice, or a copy that a driver puts in the place of a lost sample.
     """
-    stamps = [raw.columns[c] for c in _STAMPS if c in raw.columns]
+    stamps = _stamps_of(raw)
     if raw.rows() < 3:
         return
     if not stamps:
         _say_copies(raw)
         return
     _drop_events(raw, stamps)
-    stamps = [raw.columns[c] for c in _STAMPS if c in raw.columns]
+    stamps = _stamps_of(raw)
     same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
     if not same.any():
         return
@@ -139,14 +160,11 @@ def _drop_events(raw: Raw, stamps: list[np.ndarray]) -> None:
     """Leave out rows without a reading that share their stamp with a row beside them: a
     logger's events.
     """
-    empty = np.ones(raw.rows(), dtype=bool)
-    for kind in PAIR:
-        for x in _channels(raw, kind):
-            empty &= np.isnan(x) if x.dtype.kind == "f" else False
-    if not empty.any():
+    without_reading = empty(raw, PAIR)
+    if not without_reading.any():
         return
     same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
-    shared = empty & (np.r_[same, False] | np.r_[False, same])
+    shared = without_reading & (np.r_[same, False] | np.r_[False, same])
     if shared.any():
         raw.notes += (
             f"{int(shared.sum()):,} rows hold no reading and the stamp of a row beside them: they "
@@ -186,12 +204,7 @@ def separate(raw: Raw) -> dict[str, Raw] | None:
         every = np.arange(n)
         return {"gyro": part(raw, "gyro", every), "accel": part(raw, "accel", every, "time_accel")}
     if len(kinds) == 2:
-        there = {}
-        for kind in kinds:
-            empty = np.ones(n, dtype=bool)
-            for x in _channels(raw, kind):
-                empty &= np.isnan(x) if x.dtype.kind == "f" else False
-            there[kind] = np.flatnonzero(~empty)
+        there = {kind: np.flatnonzero(~empty(raw, [kind])) for kind in kinds}
         if (
             any(len(rows) < 0.7 * n for rows in there.values())
             and all(len(r) > 20 for r in there.values())
@@ -228,7 +241,7 @@ def separate(raw: Raw) -> dict[str, Raw] | None:
         for kind in kinds:
             if found[kind]:
                 raw.notes += (
-                    f"The {'accelerometer' if kind == 'accel' else 'gyro'} is held: each of its "
+                    f"The {WORD[kind]} is held: each of its "
                     f"readings stands for {found[kind].length:.4g} rows; "
                     "each was taken once.",
                 )

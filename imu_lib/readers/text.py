@@ -97,10 +97,7 @@ def _by_the_lines_above(raw: Raw, layout) -> None:
         raw.rate = layout.rate_said
         raw.notes += (f"A line above the table states {raw.rate:g} Hz.",)
     for kind, unit in layout.said.items():
-        there = raw.axes(kind)
-        if there and not any(raw.units[c] for c in there):
-            for c in there:
-                raw.units[c] = unit
+        if raw.state(kind, unit, "by a line above the table"):
             raw.notes += (f"A line above the table states {unit} for the {kind}.",)
 
 

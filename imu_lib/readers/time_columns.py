@@ -9,39 +9,40 @@ import re
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names, time_parts
+from imu_lib.readers import looks, names, time_parts
+from imu_lib.readers.asking import Asked, suggestion, units_too
 from imu_lib.readers.names import Meaning
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.spelling import UNITS
 
+#: degC of a sensor at work, and by how much it warms within a record.
+DEGREES, WARMS = (-60.0, 150.0), 30.0
 _OF_SENSOR = re.compile(
     r"^\s*(?:t[ _.](?:imu|gyro|gyr|acc|accel|sensor|chip|mpu|die|board)|(?:imu|sensor)[ _.]t)\s*$",
     re.IGNORECASE,
 )
 
 
-def letter_t(told, headings, values) -> list[Meaning]:
+def letter_t(raw: Raw, told, headings, values) -> list[Meaning]:
     """A column called T: the time where it rises from row to row, a temperature where it does not;
-    T_imu and its likes are one where they do not rise at all.
+    T_imu and its likes are one where they do not rise at all. InputError where one that rises may
+    be either, and no other column is the time.
     """
     out = list(told)
     for i, m in enumerate(told):
-        if m.quantity == "time" and _OF_SENSOR.match(headings[i].name) and m.unit is None:
-            x = np.asarray(values[i])
-            if x.dtype.kind in "fiu" and (np.diff(x.astype(float)) > 0).mean() < 0.7:
-                out[i] = Meaning("temperature", why="a T that does not rise from row to row")
-            continue
-        if (
-            m.quantity != "time"
-            or re.sub(r"[\[(].*", "", headings[i].name).strip() != "T"
-            or headings[i].kind != "number"
-        ):
+        if m.quantity != "time" or headings[i].kind != "number":
             continue
         x = np.asarray(values[i], dtype=float)
-        step = np.diff(x)
+        if _OF_SENSOR.match(headings[i].name) and m.unit is None:
+            if (np.diff(x) > 0).mean() < 0.7:
+                out[i] = Meaning("temperature", why="a T that does not rise from row to row")
+            continue
+        if re.sub(r"[\[(].*", "", headings[i].name).strip() != "T":
+            continue
         other = any(n.quantity in ("time", "date", "clock") for k, n in enumerate(told) if k != i)
-        rising = len(step) and (step > 0).mean() > 0.9
-        if not other and rising and not (np.nanmin(x) > -60 and np.ptp(x) < 30 and i > 0):
+        if not other and looks.rises(x):
+            if m.unit is None and _maybe_degrees(x):
+                raise _either(raw, told, headings, i, x)
             continue
         if np.nanmin(x) > -273 and np.nanmax(x) < 400:
             out[i] = Meaning(
@@ -50,6 +51,22 @@ def letter_t(told, headings, values) -> list[Meaning]:
                 why="called T, and it does not rise from row to row",
             )
     return out
+
+
+def _maybe_degrees(x: np.ndarray) -> bool:
+    """Whether numbers that rise may be those of a sensor that warms: none that begin at zero."""
+    usual = float(np.median(np.diff(x)))
+    return DEGREES[0] < x.min() and x.max() < DEGREES[1] and np.ptp(x) < WARMS and x[0] > 3 * usual
+
+
+def _either(raw: Raw, told, headings, i: int, x: np.ndarray) -> Asked:
+    """The question whether a column is the time or a temperature."""
+    name = headings[i].name
+    return Asked(
+        f"{raw.source}: `{name}` may be the time or a temperature, it rises from {x[0]:.6g} to "
+        f"{x[-1]:.6g}; {suggestion(told, headings)}{units_too(told)} (temperature in the place of "
+        "time, and --rate HZ, if it is one)."
+    )
 
 
 def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
@@ -68,7 +85,7 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     for i in [i for i in times if _empty(values[i])]:
         out[i] = Meaning(why="it holds no stamps")
     times = [i for i, m in enumerate(out) if m.quantity == "time"]
-    dead = [i for i in times if not _moves(values[i])]
+    dead = [i for i in times if _stands(values[i])]
     if len(dead) < len(times):
         for i in dead:
             out[i] = Meaning(why="its stamps do not move")
@@ -118,7 +135,7 @@ def _steadier(raw: Raw, order, told, headings, values) -> list[int]:
     ]
     if len(equal) < 2:
         return order
-    spread = {i: _unevenness(values[i]) for i in equal}
+    spread = {i: looks.unevenness(values[i]) for i in equal}
     best = min(equal, key=lambda i: spread[i])
     if spread[best] < 0.05 and spread[first] > 0.2:
         raw.notes += (
@@ -127,17 +144,6 @@ def _steadier(raw: Raw, order, told, headings, values) -> list[int]:
         )
         return [best, *(i for i in order if i != best)]
     return order
-
-
-def _unevenness(x) -> float:
-    """Spread of the steps of stamps over their usual length."""
-    x = np.asarray(x, dtype=float) if np.asarray(x).dtype.kind in "fiu" else np.empty(0)
-    step = np.diff(x - x[0]) if len(x) > 20 else np.empty(0)
-    usual = float(np.median(step)) if step.size else 0.0
-    if not usual > 0:
-        return float("inf")
-    low, high = np.quantile(step, (0.1, 0.9))
-    return float((high - low) / usual)
 
 
 def _fine(x) -> bool:
@@ -155,9 +161,9 @@ def all_but_best(told, headings, load) -> list[int]:
         return []  # a damaged line is told when the columns are known
     if not values:
         return []
-    usable = [i for i in values if not _empty(values[i]) and _moves(values[i])] or times
+    usable = [i for i in values if not _empty(values[i]) and not _stands(values[i])] or times
     rank = {
-        i: (_unevenness(values[i]) == float("inf"), told[i].rank, told[i].unit is None, i)
+        i: (looks.unevenness(values[i]) == float("inf"), told[i].rank, told[i].unit is None, i)
         for i in usable
     }
     best = min(usable, key=lambda i: rank[i])
@@ -169,9 +175,10 @@ def _empty(x) -> bool:
     return x.dtype.kind == "f" and not np.isfinite(x).any()
 
 
-def _moves(x) -> bool:
+def _stands(x) -> bool:
+    """Whether numbers are all the same, as text never counts."""
     x = np.asarray(x)
-    return x.dtype.kind not in "fiu" or bool(len(x) < 2 or (x != x[0]).any())
+    return x.dtype.kind in "fiu" and len(x) > 1 and not (x != x[0]).any()
 
 
 def _one_calendar(out, headings) -> list[Meaning]:

@@ -11,6 +11,7 @@ import numpy as np
 from imu_lib import units
 from imu_lib.errors import InputError
 from imu_lib.readers.gravity import some
+from imu_lib.readers.plausibility import PARTS
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.tokens import ROTATION
 
@@ -21,7 +22,6 @@ LEAST = 50  # samples that tell
 _A_RATE = re.compile(r"rate|speed|vel", re.IGNORECASE)
 #: An attitude by a gyro: roll_gyro, in sketches that integrate it.
 _TURNED = re.compile(r"^(?:roll|pitch|yaw)[_ .-]?gyro", re.IGNORECASE)
-PARTS = 20  # of a record whose means are compared
 
 
 def refuse_angles(raw: Raw) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from imu_lib.readers import lexicon, names
-from imu_lib.readers.names import Meaning
+from imu_lib.readers.meaning import WORD, Meaning
 from imu_lib.readers.raw import Raw
 
 # times longer, in whatever units, is a mean specific force with gravity than one from which it was
@@ -78,8 +78,7 @@ def add_gravity(raw: Raw, told: list[Meaning], headings, values, load: Callable)
 def say(raw: Raw, second: dict[str, tuple[int, int]], headings) -> None:
     """A word on each kind of which one column was taken and another left: kind -> (taken, left)."""
     for kind, (taken, left) in second.items():
-        word = "gyro" if kind in ("gyro", "dtheta") else "accelerometer"
         raw.notes += (
-            f"`{headings[taken].name}` was taken as the {word}, `{headings[left].name}` beside it "
-            "was not; --columns names columns by position where the other is meant.",
+            f"`{headings[taken].name}` was taken as the {WORD[kind]}, `{headings[left].name}` "
+            "beside it was not; --columns names columns by position where the other is meant.",
         )

@@ -8,6 +8,7 @@ import numpy as np
 
 from imu_lib.readers import spelling
 from imu_lib.readers.gravity import GRAVITY
+from imu_lib.readers.meaning import WORD
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.streams import kind_of
 
@@ -33,7 +34,7 @@ def signed(raw: Raw, units: Mapping[str, str | None]) -> None:
         for c in [c for c in raw.columns if kind_of(c) == kind]:
             x = np.asarray(raw.columns[c])
             raw.columns[c] = np.where(x >= 2.0 ** (bits - 1), x - 2.0**bits, x)
-        word = "gyro" if kind == "gyro" else "accelerometer"
+        word = WORD[kind]
         raw.notes += (
             f"The counts of the {word} are above 0 and reach into the upper half of 2^{bits}: they "
             f"were read with a sign (two's complement of {bits} bits).",

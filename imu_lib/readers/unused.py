@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import names
+from imu_lib.readers import looks, names
 from imu_lib.readers.asking import suggestion
-from imu_lib.readers.names import Meaning
+from imu_lib.readers.meaning import WORD, Meaning
 from imu_lib.readers.raw import Raw
 
 
@@ -29,7 +29,7 @@ def unnamed_time(raw: Raw, told: list[Meaning], headings, load) -> str | None:
     except InputError:
         return None  # a damaged line in a column that nobody needs
     for i in free:
-        if np.asarray(values[i]).dtype.kind in "fi" and (np.diff(values[i]) > 0).mean() > 0.9:
+        if np.asarray(values[i]).dtype.kind in "fi" and looks.rises(values[i]):
             said = list(told)
             said[i] = Meaning("time")
             return (
@@ -55,7 +55,8 @@ def say(raw: Raw, told: list[Meaning], headings) -> None:
     """A word on columns that state a unit of rate or specific force and are not used, where the
     record has no such reading.
     """
-    for kind, word in (("gyro", "gyro"), ("accel", "accelerometer")):
+    for kind in ("gyro", "accel"):
+        word = WORD[kind]
         there = {m.axis for m in told if m.quantity == kind and m.axis}
         if there:
             unknown = [
@@ -111,9 +112,8 @@ def lost(found) -> str | None:
     left = [c.name for c in found.columns if c.read_as is None and c.evidence == names.UNKNOWN]
     if not missing or len(left) < 3:
         return None
-    word = "gyro" if "gyro" in missing else "accelerometer"
     return (
-        f"{found.record.source}: no column was read as the {word}; "
+        f"{found.record.source}: no column was read as the {WORD[max(missing)]}; "
         f"{', '.join(f'`{n}`' for n in left[:6])} were left out, their names are not known "
         "(columns= names columns by position)."
     )
