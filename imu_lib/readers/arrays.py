@@ -10,7 +10,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.readers import by_rows, calendar, fields, names, question
-from imu_lib.readers.asking import Unnamed
+from imu_lib.readers.asking import Unnamed, example
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.raw import Raw
 from imu_lib.record import CHANNELS
@@ -51,7 +51,7 @@ def from_arrays(source, arrays, columns, signal, *, contract) -> Raw:
             found = (
                 ", ".join(f"{k} {np.shape(v)}" for k, v in list(arrays.items())[:8]) or "nothing"
             )
-            hint = _hint(flat)
+            hint = _hint(flat, headings)
             hint += question.units_open(hint)
             hint += "" if raw.rate or "time" in hint else ", and the rate with --rate HZ"
             raise Unnamed(
@@ -87,25 +87,31 @@ def _moments(x: np.ndarray, kind: str) -> np.ndarray:
     return np.array([calendar.usual(v) or v for v in said], dtype=object)
 
 
-def _hint(flat) -> str:
-    """An example of --columns for a matrix of six or seven columns."""
-    width = len(flat)
-    if width not in (6, 7):
+def _hint(flat, headings) -> str:
+    """An example of --columns for the columns of a matrix."""
+    if len({len(x) for _, x in flat}) != 1 or len(flat) < 3:
         return ""
-    six = "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
-    if width == 6:
-        return f", as in {six}"
+    numbers = {i: x for i, (_, x) in enumerate(flat) if x.dtype.kind in "fiu"}
+    told = [names.Meaning()] * len(flat)
+    return f", as in {_increments(flat) or example(told, headings, numbers)}"
+
+
+def _increments(flat) -> str:
+    """Names of increments with the time behind them, as PSINS keeps an IMU; empty where a matrix
+    holds none.
+    """
+    if len(flat) != 7:
+        return ""
     first, last = np.asarray(flat[0][1], dtype=float), np.asarray(flat[-1][1], dtype=float)
-    if (np.diff(last) > 0).all() and not (np.diff(first) > 0).all():
-        # increments with the time behind them are how PSINS keeps an IMU
-        step = float(np.median(np.diff(last)))
-        size = np.linalg.norm([np.median(np.asarray(x, dtype=float)) for _, x in flat[3:6]])
-        if 0.7 < size / (9.81 * step) < 1.3:
-            increments = [f"{of}_{a}" for of in ("dtheta", "dv") for a in "xyz"]
-            headings = [f"{c}[{'rad' if c[1] == 't' else 'm/s'}]" for c in increments]
-            return f", as in '{','.join(headings)},time[s]'"
-        return f", as in {six},time"
-    return f", as in time,{six}"
+    if not (np.diff(last) > 0).all() or (np.diff(first) > 0).all():
+        return ""
+    step = float(np.median(np.diff(last)))
+    size = np.linalg.norm([np.median(np.asarray(x, dtype=float)) for _, x in flat[3:6]])
+    if not 0.7 < size / (9.81 * step) < 1.3:
+        return ""
+    units = {"dtheta": "rad", "dv": "m/s"}
+    named = [f"{of}_{a}[{unit}]" for of, unit in units.items() for a in "xyz"]
+    return f"'{','.join(named)},time[s]'"
 
 
 def _plain(arrays) -> dict[str, np.ndarray]:

@@ -142,7 +142,8 @@ def ask(raw: Raw, units: Mapping[str, str | None]) -> None:
         except InputError as error:
             asked.append(str(error).rstrip("."))
     if asked:
-        raise UnitAsked("; ".join(dict.fromkeys(asked)) + ".")
+        more = [a.replace(f"{raw.source} ", "it ", 1) for a in dict.fromkeys(asked[1:])]
+        raise UnitAsked("; ".join([asked[0], *more]) + ".")
 
 
 def _family(raw: Raw, kind: str) -> str | None:
