@@ -44,7 +44,7 @@ def of_several(error: Several, units: Mapping[str, str | None], options) -> Inpu
 
 def of_columns(error: Asked, options) -> InputError:
     """The question what the columns are, with that for the unit of the time where one is due."""
-    answered = options["rate"] or options["time_unit"]
+    answered = options["rate"] or options["time_unit"] or "--columns" not in str(error)
     return error if answered or not error.clock else _joined(error, error.clock, None)
 
 

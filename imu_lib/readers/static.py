@@ -12,6 +12,7 @@ from imu_lib.readers import (
     one_sensor,
     sentinels,
     streams,
+    treated,
     unsigned,
     unused,
 )
@@ -196,6 +197,8 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
     if not raw.simulated:
         streams.drop_copies(raw)
     axis_units.one_each(raw, units)
+    if not options["trust"]:
+        treated.refuse_angles(raw)
     try:
         ask(raw, units)
     except UnitAsked as error:
