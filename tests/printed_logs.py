@@ -60,7 +60,7 @@ def asking():
     # fmt: off
     out = {}
     out["loop.csv"] = (table("loop_time_us,gx,gy,gz,ax,ay,az", 2500 + I * 37 % 61, GYRO, ACCEL), SI, "are durations of about 25", "--time-unit none --rate 400", 400)
-    out["both_at_once.csv"] = (table("gx,gy,gz,ax,ay,az", GYRO, ACCEL), "", "--accel-unit m/s^2, g, mg or counts:C (C counts per g); and has no time column and states no rate; give --rate HZ", SI + " --rate 50", 50)
+    out["both_at_once.csv"] = (table("gx,gy,gz,ax,ay,az", GYRO, ACCEL), "", "--accel-unit m/s^2, g, mg or counts:C (C counts per g); and it has no time column and states no rate; give --rate HZ", SI + " --rate 50", 50)
     out["untold.csv"] = ("t_ms,sensor_id,x,y,z\n" + _lines(lambda k, w, a: f"{k * 10},1,{_three(a)}\n{k * 10 + 1},4,{_three(w)}"), "", "`sensor_id` tells apart (1, 4)", "", None)
     out["camera.csv"] = (table('"cts [ms]","Gyroscope [rad/s]","1","2"', T * 1000, GYRO), "", "nothing says in what order", "--columns time[ms],gyro_x,gyro_y,gyro_z", 100)
     out["numbered_lines.txt"] = (_lines(lambda k, w, a: f"IMU1: GyX = {w[0]:.9f}\tGyY = {w[1]:.9f}\tGyZ = {w[2]:.9f}\nIMU2: GyX = {w[0] + 1:.9f}\tGyY = {w[1] + 1:.9f}\tGyZ = {w[2] + 1:.9f}"), "--gyro-unit rad/s --rate 50", "both `IMU1 GyX` and `IMU2 GyX` would be gyro_x", "--columns gyro_x,gyro_y,gyro_z,-,-,-", 50)

@@ -159,6 +159,8 @@ CASES = [
 # fmt: on
 #: Errors that no command line can raise: why.
 NOT_RUN = {
+    "write it as text first (`mavlogdump.py --format csv --types IMU`": "another program's",
+    "features of windows are none; give the file with the readings, or name every column": "sixty names",
     "Give one file, or --gyro FILE and --accel FILE.": "of the Python call; the parser asks before",
     "Give a drive (.npz), or an IMU file and --gnss FILE.": "of the Python call; the parser asks before",
     "cut the record around it (--start, --stop).": "of the Python call; the command leaves such samples out",

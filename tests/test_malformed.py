@@ -68,7 +68,7 @@ TABLES = {
     ),
     "a short line": (lines(edit(60, 6, "")).replace(",\n", "\n"), "line 62"),
     "a long line": (lines(edit(60, 6, "1.0,2.0")), "line 62"),
-    "cut off": (lines()[:-30], "columns where"),
+    "cut off in two": (lines()[:-30] + "\n" + lines()[-160:-40], "columns where"),
     "an empty column": (
         lines(lambda rows: [",".join([*r.split(",")[:2], "", *r.split(",")[3:]]) for r in rows]),
         "gyro_y",

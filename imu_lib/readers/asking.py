@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import looks, names
+from imu_lib.readers import lexicon, looks, names
 from imu_lib.readers.names import SIGNALS, Meaning
 
 STAMPS = ("date", "clock", "moment")
@@ -52,6 +52,7 @@ def example(told, headings, values: dict[int, np.ndarray] | None = None) -> str:
         for i, h in enumerate(headings)
         if h.kind in ("number", "empty")
         and (told[i].quantity is None or told[i].quantity in SIGNALS and not told[i].axis)
+        and told[i].why not in lexicon.NOT.values()
     ]
     rising = None
     if values:

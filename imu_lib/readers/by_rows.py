@@ -89,7 +89,18 @@ def _axes(headings: Sequence[Heading]) -> dict[int, int]:
             word = word.replace(part, "")
         if h.kind == "number":
             words.setdefault(word.strip("_- []()."), i)
-    for three in ("xyz", ("v0", "v1", "v2"), ("v1", "v2", "v3"), "123", ("s0", "s1", "s2")):
+            if place := re.fullmatch(
+                r"(?:values?|data|readings?)[\[_. ]?([0-2])\]?", h.name.strip(), re.I
+            ):
+                words.setdefault(f"#{place[1]}", i)
+    for three in (
+        "xyz",
+        ("#0", "#1", "#2"),
+        ("v0", "v1", "v2"),
+        ("v1", "v2", "v3"),
+        "123",
+        ("s0", "s1", "s2"),
+    ):
         if all(w in words for w in three):
             return {k: words[w] for k, w in enumerate(three)}
     return {}

@@ -14,6 +14,9 @@ from imu_lib.readers import names
 from imu_lib.readers.lines import NUMBER, Table
 
 _LIST = re.compile(rf"^\s*[\[({{]\s*({NUMBER}(?:[\s,;]+{NUMBER})+)\s*[\])}}]\s*$")
+#: An object that is printed with its fields: Vector3(x=0.1, y=0.2, z=0.3).
+_FIELD = rf"\w+\s*[=:]\s*{NUMBER}"
+_OBJECT = re.compile(rf"^[\w./ ]*[({{]\s*({_FIELD}(?:[,;\s]+{_FIELD})*)\s*[)}}]$")
 _HEX = re.compile(r"^0[xX]([0-9A-Fa-f]{2,8})$")
 _UNIT = re.compile(rf"^({NUMBER})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
 _LABELS = ("field", "channel", "signal", "variable", "channelname", "signalname")
@@ -23,7 +26,9 @@ SOME = 60  # rows that are looked at first
 def plain(text: str) -> Table | None:
     """A text with such cells as a plain table, None where it has none."""
     sample = text[:40_000]
-    if not re.search(r"[\[({]\s*[+-]?[\d.]|0x[0-9A-Fa-f]{2}|[\d.]\s?[a-zµ°]", sample):
+    if not re.search(
+        r"[\[({]\s*(?:\w+[=:]\s*)?[+-]?[\d.]|0x[0-9A-Fa-f]{2}|[\d.]\s?[a-zµ°]", sample
+    ):
         return _long(text, sample)
     blank = (" ",) if re.search(r"0x[0-9A-Fa-f]+ +-?0x", sample) else ()
     for delimiter in (";", "\t", "|", ",", *blank):
@@ -38,9 +43,17 @@ def plain(text: str) -> Table | None:
             if names.unit_of(_UNIT.match(cell)[2]) not in names.TIME_UNITS:
                 continue
             return _rewritten(_rows(text, delimiter), width, how)
-        if "list" in how or sum(h is not None for h in how) > 1:
+        if {"list", "object"} & set(how) or sum(h is not None for h in how) > 1:
             return _rewritten(_rows(text, delimiter), width, how)
     return _long(text, sample) or _tuples(text, sample)
+
+
+def objects(text: str) -> Table | None:
+    """A text with objects in quotes that are printed with their fields as a plain table, None where
+    it has none.
+    """
+    quoted = re.search(rf'"[\w./ ]*[({{]\s*{_FIELD}[^"\n]*[)}}]"', text[:8000])
+    return plain(text) if quoted else None
 
 
 def _tuples(text: str, sample: str) -> Table | None:
@@ -74,14 +87,15 @@ def _rows(text: str, delimiter: str) -> list[tuple[list[str], int]]:
 
 
 def _kind(column: list[str]) -> str | None:
-    """What the cells of a column are: list, hex, unit; None where plain."""
+    """What the cells of a column are: list, object, hex, unit; None where plain."""
     there = [c for c in column if c]
     if len(there) < 2:
         return None
     if sum(bool(_LIST.match(c)) for c in there) > 0.9 * len(there):
         return "list"
-    if sum(bool(_HEX.match(c)) for c in there) > 0.9 * len(there):
-        return "hex"
+    for shape, word in ((_OBJECT, "object"), (_HEX, "hex")):
+        if sum(bool(shape.match(c)) for c in there) > 0.9 * len(there):
+            return word
     units = [m[2] for c in there if (m := _UNIT.match(c)) and names.unit_of(m[2])]
     if len(units) > 0.9 * len(there) and len(set(units)) == 1:
         return "unit"
@@ -98,10 +112,7 @@ def _rewritten(rows, width: int, how: list[str | None]) -> Table | None:
         return None
     first = rows[0][0]
     size = [
-        len(_LIST.match(c)[1].replace(",", " ").replace(";", " ").split())
-        if h == "list" and _LIST.match(c)
-        else 1
-        for c, h in zip(first, how)
+        len(_cell(c, h, 0) or [""]) if h in ("list", "object") else 1 for c, h in zip(first, how)
     ]
     out, places, lost = [], [], 0
     for fields, line in rows:
@@ -129,6 +140,7 @@ def _rewritten(rows, width: int, how: list[str | None]) -> Table | None:
         for name, cell, h, k in zip(line_, first, how, size):
             unit = f" [{_UNIT.match(cell)[2]}]" if h == "unit" and _UNIT.match(cell) else ""
             axes = "xyz" if k == 3 else [f"#{i + 1}" for i in range(k)]
+            axes = re.findall(r"(\w+)\s*[=:]", cell) if h == "object" else axes
             names_ += [f"{name} {a}" for a in axes] if k > 1 else [name + unit]
         text = "\t".join(n.replace("\t", " ") for n in names_) + "\n" + text
     return Table(text, places, notes)
@@ -142,10 +154,11 @@ def _cell(cell: str, how: str | None, size: int) -> list[str] | None:
     """The numbers of a cell; None where it is of another shape."""
     if how is None or cell == "":
         return [cell] * size
-    if how == "list":
-        m = _LIST.match(cell)
-        found = m[1].replace(",", " ").replace(";", " ").split() if m else []
-        return found if len(found) == size else None
+    if how in ("list", "object"):
+        m = (_LIST if how == "list" else _OBJECT).match(cell)
+        inner = re.sub(r"\w+\s*[=:]", " ", m[1]) if m and how == "object" else m[1] if m else ""
+        found = re.sub("[,;]", " ", inner).split()
+        return found if len(found) == size or not size else None
     if how == "hex":
         m = _HEX.match(cell)
         if not m:

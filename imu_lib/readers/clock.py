@@ -27,6 +27,9 @@ USUAL = np.array(
      476, 500, 512, 562.5, 600, 800, 833, 900, 952, 1000, 1024, 1100, 1125, 1200, 1600, 1660, 2000, 2048, 2400, 3200, 3330,
      4000, 4096, 5000, 6400, 6660, 8000, 10000]
 )  # fmt: skip
+FAST = 2050.0  # Hz
+#: Fast rates of accelerometers for vibration, and of a few gyros, that are no round ones.
+OUTPUT_RATES = np.array([2660.0, 3330.0, 3332.0, 6400.0, 6660.0, 6664.0, 6667.0, 26_667.0])
 ODDS = 15.0  # the best reading must be this much likelier than the next one
 EPOCH = (9.0e8, 2.3e9)  # s since 1970: 1998 to 2042
 IMPOSSIBLE = 1e-6
@@ -117,6 +120,8 @@ def weights(
         if unit == "day":
             date = 36_000 < first < 56_000 or 729_000 < first < 748_000
         out[unit] = prior * usual_rate(rate) * (20.0 if date else 1.0) * (0.3 if odd else 1.0)
+        if unit == "s" and rate > FAST and np.abs(OUTPUT_RATES / rate - 1.0).min() < 2e-3:
+            out[unit] *= 20.0  # a fast rate that a data sheet has
         if whole and not date and first * seconds > UPTIME and not _other_date(first * seconds):
             out[unit] *= 1e-3  # neither a date nor a time since a device was switched on
     if known:

@@ -21,6 +21,7 @@ from imu_lib.readers import (
     names,
     preferred,
     question,
+    summed,
     twins,
     unused,
 )
@@ -70,6 +71,8 @@ def decide(
 
 
 def _decided(raw: Raw, headings, load, columns, signal, named: bool) -> Raw:
+    if named and not columns:
+        question.refuse_deviations(raw, headings, load)
     told = _told(raw, headings, columns, signal, named)
     told, interval = intervals(raw, told, headings)
     long = by_rows.by_call(told) if columns else by_rows.sensors(raw, told, headings, load)
@@ -93,6 +96,8 @@ def _decided(raw: Raw, headings, load, columns, signal, named: bool) -> Raw:
     if not columns:
         told = letter_t(raw, told, headings, values)
     told = one_time(raw, told, headings, values)
+    if named and not columns:
+        told = summed.divided(raw, told, headings, values, load)
     unused.say(raw, told, headings)
     _fill(raw, told, headings, values, " (--columns)" if columns else "")
     formats.fix(raw, [h.name for h in headings] if named else [])
@@ -167,8 +172,10 @@ def _by_kind(told: Meaning, heading: Heading, by_call: bool) -> Meaning:
         if by_call:
             return told
         return Meaning(why=f"it holds {'text' if heading.kind == 'text' else 'dates'}")
-    if told.quantity == "date" and heading.kind == "number" and not by_call:
-        return Meaning("time", unit=told.unit, why="named a date, its values are numbers")
+    if told.quantity in ("date", "clock") and heading.kind == "number" and not by_call:
+        return Meaning(
+            "time", unit=told.unit, why=f"named a {told.quantity}, its values are numbers"
+        )
     if heading.kind == "text":
         return Meaning(why="it holds text")
     if heading.kind == "empty" and told.quantity is None:

@@ -64,7 +64,10 @@ def fields(line: str, delimiter: str | None) -> list[str]:
         return [f.strip().strip('"') for f in line.split()]
     if '"' in line and line.count('"') % 2 == 0:
         found = next(
-            csv.reader([line.rstrip("\r\n")], delimiter=delimiter, skipinitialspace=True), []
+            csv.reader(
+                [line.rstrip("\r\n").replace("\r", " ")], delimiter=delimiter, skipinitialspace=True
+            ),
+            [],
         )
         return [f.strip().strip('"') for f in found]
     return [f.strip().strip('"') for f in line.split(delimiter)]

@@ -118,13 +118,14 @@ def habits(told: list[Meaning], headings) -> list[Meaning]:
     """
     heads = {h.name.strip().lower() for h in headings}
     if {"delta_angle_dt", "delta_velocity_dt"} <= heads:
+        units = {"dtheta": "rad", "dv": "m/s", "time": "us"}
         return [
             replace(
                 m,
-                unit={"dtheta": "rad", "dv": "m/s"}[m.quantity],
-                why="beside delta_angle_dt: PX4 writes rad and m/s",
+                unit=units[m.quantity],
+                why="beside delta_angle_dt: PX4 writes rad, m/s and us",
             )
-            if m.quantity in ("dtheta", "dv") and m.unit is None
+            if m.quantity in units and m.unit is None
             else m
             for m in told
         ]

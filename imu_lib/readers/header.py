@@ -24,7 +24,7 @@ _OTHER_UNIT = re.compile(
 
 #: How a date or a clock is written, in the place of a unit: yyyy/mm/dd hh:mm:ss.000.
 _FORM = re.compile(
-    r"^(?:[ymd]{1,4}[-/.][ymd]{1,4}[-/.][ymd]{1,4})?[T ]*(?:h{1,2}:m{1,2}:s{1,2}(?:[.,:]\w+)?)?$", re.IGNORECASE
+    r"^[\[(]?(?:[ymd]{1,4}[-/.][ymd]{1,4}[-/.][ymd]{1,4})?[T ]*(?:h{1,2}:m{1,2}:s{1,2}(?:[.,:]\w+)?)?[\])]?$", re.IGNORECASE
 )  # fmt: skip
 
 
@@ -143,6 +143,8 @@ def header_of(lines, first, delimiter, width):
             re.sub(r"\s*[\[(]\s*Hz\s*[\])]", "", pair[1], flags=re.IGNORECASE).strip(" :=,;\t")
         ):
             rate = float(pair[2])
+    if header and unit_row is None:
+        unit_row = _listed(lines[:first], width)
     if header and delimiter is None and len(header) != width:
         header = None
     if header and above:
@@ -150,6 +152,22 @@ def header_of(lines, first, delimiter, width):
     if header is None and unit_row is not None:
         header, unit_row = unit_row, None
     return header, unit_row, rate
+
+
+def _listed(lines, width: int) -> tuple[str, ...] | None:
+    """Units that stand one below the other under `[channel units]`, as a VBOX writes those of the
+    last channels.
+    """
+    above = [line.strip().lower() for line in lines]
+    if "[channel units]" not in above:
+        return None
+    found: list[str] = []
+    for line in lines[above.index("[channel units]") + 1 :]:
+        if not line.strip() or line.lstrip().startswith("["):
+            break
+        found.append(line.strip())
+    fits = 0 < len(found) <= width
+    return ("",) * (width - len(found)) + tuple(found) if fits else None
 
 
 def _remarks(row: list[str], above: list[str], delimiter) -> bool:

@@ -17,6 +17,9 @@ _DATA_MARK = re.compile(
 )
 
 
+_BEGINS = re.compile(r"^\s*[+-]?[\d.]")
+
+
 @dataclass(frozen=True)
 class Layout:
     """delimiter None is any white space. header: names or None; units: of a row of units below it.
@@ -80,8 +83,10 @@ def sniff(head: bytes, source: str, *, whole: bool = True) -> Layout:
         i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(COMMENTS)
     ]
     marks = [j for j, i in enumerate(kept) if _DATA_MARK.match(lines[i])]
-    if marks and marks[-1] + 1 < len(kept):
-        kept = kept[marks[-1] + 1 :]  # what stands above the last mark is no row
+    begins = [j for j in marks if any(_BEGINS.match(lines[i]) for i in kept[j + 1 : j + 4])]
+    if begins or marks and marks[-1] + 1 < len(kept):
+        # what stands above the mark before the first rows is no row
+        kept = kept[(begins[0] if begins else marks[-1]) + 1 :]
     best = _best(lines, kept)
     if best is None:
         where = f" (line {kept[0] + 1}: {lines[kept[0]][:40]!r})" if kept else ""

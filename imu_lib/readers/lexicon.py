@@ -25,7 +25,7 @@ def words(text: str) -> set[str]:
 GYRO = words(
     "gyro gyros gyr gyroscope gyroscopes gyroskop giroscopio gyroscoop zyroskop giroskop giro omg "
     "gyrometer pqr omega w wb wib wibb angvel anglvel angrate turnrate rotationrate "
-    "winkelgeschwindigkeit drehrate drehraten hoeksnelheid vinkelhastighet vinkelhastighed "
+    "winkelgeschwindigkeit drehrate drehraten drehr hoeksnelheid vinkelhastighet vinkelhastighed "
     "kulmanopeus jiroskop uhlovarychlost szogsebesseg acisalhiz gy гироскоп гиро 陀螺仪 陀螺儀 陀螺 角速度 "
     "ジャイロ 자이로 각속도 gyroreading gyrodata rateofturn"
 )
@@ -60,7 +60,7 @@ TIME = words(
     "datetime datenum serialdate filetime seconds secs sec second nsecs nsec nanosec nanosecs "
     "nanoseconds usec usecs microseconds frac fraction fractional subsec subsecs subsecond "
     "subseconds milliseconds msec msecs ms us ns s minutes unix jd mjd julian juliandate "
-    "timestampstart ticks tick sampletimefine"
+    "tov timestampstart ticks tick sampletimefine"
 )
 TEMPERATURE = words(
     "temp temps temperature temperatures temperatur temperatura tmp temper температура 温度 온도 "
@@ -156,6 +156,8 @@ COMPACT_FRONT = re.compile(
     r"^([xyz])(gyro|gyr|gyroscope|rate|omega|accelerometer|acceleration|accel|acc|accl|mag|dtheta|"
     r"dang|dvel)$"
 )
+#: Poses: the vector and the quaternion of a trajectory.
+POSE = re.compile(r"([tpq])[xyz]|(q)[w0-3]")
 KIND_OF = {
     "ag": "accel", "ac": "accel", "gy": "gyro", "g": "gyro", "w": "gyro", "gyro": "gyro", "gyr": "gyro", "gyroscope": "gyro", "omega": "gyro",
     "wb": "gyro", "rate": "gyro", "ang": "gyro", "rot": "gyro", "a": "accel", "f": "accel", "sf": "accel", "fb": "accel",

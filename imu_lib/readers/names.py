@@ -198,6 +198,9 @@ def by_unit(name: str, unit: str | None) -> Meaning | None:
     if kind is None:
         return None
     tokens = [t for t in headings.key(text).split("_") if t]
+    letter = lexicon.COMPACT.match(tokens[0]) if len(tokens) > 1 else None
+    if letter and lexicon.KIND_OF.get(letter[1]) == kind:  # ax_Sensor_6D [m/s^2]
+        return Meaning(kind, letter[2], found, 2, why=f"{letter[1]}{letter[2]} in {found}")
     axes = {"p": "x", "q": "y", "r": "z"} if kind == "gyro" else {}
     axis = pointed if pointed in ("x", "y", "z") else None
     rest = []

@@ -4,6 +4,7 @@ name.
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 
@@ -103,6 +104,11 @@ def _of_file(path: Path, magic: bytes, options) -> Raw:
             f"{path} is a Python pickle, which runs code when it is opened; write what it holds "
             "as .npz, .csv or .parquet."
         )
+    if magic[:3] == b"\xa3\x95\x80":
+        raise InputError(
+            f"{path} is a binary log of ArduPilot; write it as text first (`mavlogdump.py --format "
+            "csv --types IMU`, or Mission Planner's conversion)."
+        )
     if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or suffix == ".mat":
         return binary.read_mat(path, **table)
     if magic[:8] == b"#ROSBAG " or magic[:15] == b"SQLite format 3" or magic[:5] == b"\x89MCAP":
@@ -122,6 +128,11 @@ def _of_text(data: bytes, path: Path, table) -> Raw:
         found = json_tables.read_json(data, str(path), *table.values())
         if found is not None:
             return found
+    if re.match(rb"\s*<(?:!doctype html|html)", data[:200], re.IGNORECASE):
+        raise InputError(
+            f"{path} is a web page, no table: the address gave a page in the place of the file; "
+            "fetch the file itself."
+        )
     return read_text(path, data=data, **table)
 
 

@@ -13,6 +13,25 @@ from imu_lib.readers.names import SIGNALS
 from imu_lib.readers.raw import Raw
 
 UNITS = " with --gyro-unit and --accel-unit"
+WIDE = 60  # columns; no logger of one sensor writes as many without names
+_VOLTS = re.compile(r"[\[(]\s*m?v(?:olts?)?\s*[\])]", re.IGNORECASE)
+_TAU = re.compile(r"(?:tau|averaging|cluster)(?:s|_?times?)?(?:_?s)?", re.IGNORECASE)
+
+
+def refuse_deviations(raw: Raw, headings, load) -> None:
+    """InputError where the rows are those of an Allan deviation: a time of averaging that grows by
+    a factor from row to row.
+    """
+    there = [i for i, h in enumerate(headings) if _TAU.fullmatch(names.stem(h.name)[0].strip())]
+    if len(there) != 1 or headings[there[0]].kind != "number":
+        return
+    tau = np.asarray(load(there)[there[0]], dtype=float)
+    if len(tau) > 5 and (np.diff(tau) > 0).all() and tau[0] > 0 and tau[-1] > 50 * tau[0]:
+        if np.diff(tau)[-1] > 5 * np.diff(tau)[0]:
+            raise InputError(
+                f"{raw.source}: `{headings[there[0]].name}` holds averaging times, and the rows "
+                "deviations at them: the result of an Allan analysis, no samples; give the record."
+            )
 
 
 def clock_of(raw: Raw, headings, named: bool, load) -> str:
@@ -61,6 +80,12 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
             "write a table with a row a sample."
         )
     width = len(headings)
+    if width > WIDE and not named:
+        return Unnamed(
+            f"{raw.source} has {width} columns and no header of {width} names: no table of one "
+            "sensor's samples, as features of windows are none; give the file with the readings, "
+            "or name every column by position with --columns (gyro_x .. accel_z, - skips)."
+        )
     many = f"{width} column{'s' * (width > 1)}"
     header = (
         f"its header ({', '.join(h.name for h in headings)[:80]}) names no gyro or accelerometer"
@@ -90,6 +115,12 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
     stamps = {n.partition("[")[0] for n in named_so.split(",")} & {"time", "date", "clock"}
     timed = stamps or any(m.quantity in ("time", "date", "clock") for m in told)
     rate = "" if timed or raw.rate else " and the rate with --rate HZ"
+    volts = [h.name for h in headings if _VOLTS.search(f"{h.name} [{h.unit or ''}]")]
+    if volts:
+        one += (
+            f"; `{volts[0]}` is in volts, of which counts:C:ZERO takes C volts per g or deg/s and "
+            "ZERO volts at rest, from the data sheet"
+        )
     return Unnamed(
         f"{raw.source} has {many} and {header}{_commas(headings, values)}{damage}; name them by "
         f"position with --columns, as in {named_so}{units_open(named_so)}{rate}{one}."

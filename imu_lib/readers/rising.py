@@ -38,7 +38,10 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
     usual = float(np.median(ups)) if ups.size else 0.0
     top = float(stamp.max())
     for wrap, name in sorted(WRAPS.items()):
-        if top >= wrap or stamp.min() < 0 or top < 0.5 * wrap:
+        low = wrap / 2 if stamp.min() < 0 else 0.0  # a register with a sign begins at its least
+        if top + low >= wrap or stamp.min() < -low or top < 0.5 * wrap - 0.1 * low:
+            continue
+        if low and (top < 0.8 * low or "bits" not in name):
             continue
         if wrap in (1e3, 1e6, 1e9) and not (falls.size > 2 and top > 0.9 * wrap):
             continue  # a fraction of a second, of which the seconds are elsewhere

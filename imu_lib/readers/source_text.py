@@ -52,7 +52,7 @@ class Lines:
                 "ASCII were not understood; save it as UTF-8 where they name readings.",
             )
         lines._start_and_rate()
-        if not wide:
+        if not wide and b"\0" not in data[: fields.HEAD]:
             lines._without_thousands(thousands.without(lines.data))
         return lines
 
@@ -98,6 +98,7 @@ class Lines:
         for how in (
             folded.unfold,
             lambda t: tagged.unfold(t, self.source),
+            cells.objects,
             labelled.unfold,
             cells.plain,
             commas.joined,
@@ -150,13 +151,20 @@ class Lines:
         tail = self.data[-4096:].rstrip().split(b"\n")
         words = next((k for k, r in enumerate(reversed(tail)) if not _words(r, layout)), 0)
         top = self.data[: fields.HEAD].split(b"\n")[: layout.first]
-        named = next((r for r in reversed(top) if r.strip()), b"").strip() if layout.header else b""
+        heads = [r for r in reversed(top) if r.strip() and not _BEGINS.match(r)]
+        named = heads[0].strip() if layout.header and heads else b""
         below = sum(len(r) + 1 for r in top)
-        if not words and not (named and self.data.find(named, below) >= 0):
+        cut = 0 if words else _is_cut(tail, layout)
+        if not words and not cut and not (named and self.data.find(named, below) >= 0):
             return False
         rows = self.data.rstrip().split(b"\n")
-        end = len(rows) - words
+        first = layout.first - _without_remark(rows, layout)
+        end = len(rows) - words - cut
         again = {i for i in range(layout.first, end) if named and rows[i].strip() == named}
+        for i in sorted(again):  # with what stands above it: LabVIEW's heading of a block
+            while not _BEGINS.match(rows[i - 1]):
+                i -= 1
+                again.add(i)
         text = [i for i in range(layout.first, len(rows)) if i >= end and rows[i].strip()]
         if not again and not text:
             return False
@@ -166,18 +174,45 @@ class Lines:
         self.places = [
             i + 1
             for i in keep
-            if i >= layout.first and rows[i].strip() and not rows[i].lstrip().startswith(comment)
+            if i >= first and rows[i].strip() and not rows[i].lstrip().startswith(comment)
         ]
         if again:
             self.notes += (
-                f"The header stands {len(again) + 1} times in the file (line {min(again) + 1} is "
-                "the second): sessions that were appended.",
+                f"The header stands {sum(rows[i].strip() == named for i in again) + 1} times in "
+                f"the file (line {min(again) + 1} begins the second): sessions that were appended, "
+                "or blocks.",
             )
-        if text:
+        if cut:
+            self.notes += (f"The last line ({len(rows)}) is cut off and was left out.",)
+        elif text:
             self.notes += (
                 f"{len(text)} line{'s' * (len(text) > 1)} of words at the end were left out.",
             )
         return True
+
+
+#: How a row of numbers begins.
+_BEGINS = re.compile(rb"^\s*\"?[+-]?\.?\d")
+
+
+def _without_remark(rows: list[bytes], layout) -> int:
+    """1 where the row above the first was one with a remark behind it, as LabVIEW puts it there,
+    which is taken off; else 0.
+    """
+    at = layout.first - 1
+    found = layout.split(rows[at].decode(layout.encoding, "replace").strip("\r")) if at > 0 else []
+    full = len(layout.kinds)
+    if len(found) != full + 1 or fields.kind(found[-1]) != "text" or not _BEGINS.match(rows[at]):
+        return 0
+    rows[at] = (layout.delimiter or " ").join(found[:-1]).encode()
+    return 1
+
+
+def _is_cut(tail: list[bytes], layout) -> int:
+    """1 where the last line has fewer fields than the rows, and those before it have all."""
+    width = [len(layout.split(r.decode(layout.encoding, "replace").strip("\r"))) for r in tail[-4:]]
+    full = len(layout.kinds)
+    return int(len(width) == 4 and width[-1] < full and width[1:3] == [full] * 2)
 
 
 def _ended(data: bytes) -> bool:

@@ -128,6 +128,7 @@ def drop_copies(raw: Raw) -> None:
     """Leave out rows that repeat stamp and values of the row before, where such copies are no
     accident: a row logged twice, or a copy that a driver puts in the place of a lost sample.
     """
+    _drop_blanks(raw)
     stamps = _stamps_of(raw)
     if raw.rows() < 3:
         return
@@ -154,6 +155,22 @@ def drop_copies(raw: Raw) -> None:
         "values) and were left out.",
     )
     without(raw, np.flatnonzero(np.r_[True, ~(same & twice)]))
+
+
+def _drop_blanks(raw: Raw) -> None:
+    """Leave out rows that have neither a stamp nor a reading: another topic's, or the end of a
+    table whose other columns are longer.
+    """
+    time = raw.columns.get("time", np.zeros(0))
+    if time.dtype.kind != "f" or not np.isnan(time).any():
+        return
+    blank = np.isnan(time) & empty(raw, PAIR)
+    if blank.any() and not blank.all():
+        raw.notes += (
+            f"{int(blank.sum()):,} rows have neither a stamp of the sensor nor a reading: they are "
+            "of something else in the table, and were left out.",
+        )
+        without(raw, np.flatnonzero(~blank))
 
 
 def _drop_events(raw: Raw, stamps: list[np.ndarray]) -> None:

@@ -76,6 +76,7 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     told = time_parts.subseconds(
         raw, time_parts.fractions(told, headings, values), headings, values
     )
+    told = _one_counter(told, headings, values)
     out = list(told)
     together = time_parts.put_together(told, headings, values)
     if together:
@@ -113,7 +114,9 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
                     "sample goes with the nearest one.",
                 )
         return out
-    order = sorted(times, key=lambda i: (out[i].rank, out[i].unit is None, i))
+    order = sorted(
+        times, key=lambda i: (out[i].rank, out[i].unit is None, not _leads(out, headings, i), i)
+    )
     order = _steadier(raw, order, out, headings, values)
     for i in order[1:]:
         out[i] = Meaning(why=f"`{headings[order[0]].name}` is the time")
@@ -125,13 +128,36 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
     return out
 
 
+def _one_counter(told, headings, values) -> list[Meaning]:
+    """Of several counters the first that counts by one, or the first."""
+    there = [i for i, m in enumerate(told) if m.quantity == "counter" and i in values]
+    if len(there) < 2:
+        return told
+    by_one = [i for i in there if (np.diff(np.asarray(values[i], dtype=float)) == 1).mean() > 0.9]
+    first = (by_one or there)[0]
+    name = headings[first].name
+    return [
+        Meaning(why=f"`{name}` is the counter") if i in there and i != first else m
+        for i, m in enumerate(told)
+    ]
+
+
+def _leads(told, headings, i: int) -> bool:
+    """Whether a time stands right before a reading, where each channel has one of its own."""
+    alike = sum(h.name == headings[i].name for h in headings) > 1
+    return alike and i + 1 < len(told) and told[i + 1].quantity in names.SIGNALS
+
+
 def _steadier(raw: Raw, order, told, headings, values) -> list[int]:
     """Of times of one standing the one that moves in even steps, where the first does not: that
     one is of the host. Which was taken is said.
     """
     first = order[0]
     equal = [
-        i for i in order if (told[i].rank, told[i].unit) == (told[first].rank, told[first].unit)
+        i
+        for i in order
+        if (told[i].rank, told[i].unit) == (told[first].rank, told[first].unit)
+        and _leads(told, headings, i) == _leads(told, headings, first)
     ]
     if len(equal) < 2:
         return order

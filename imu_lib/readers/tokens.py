@@ -22,6 +22,8 @@ def read(key: str, axis: str | None, signal: str | None, name: str) -> Meaning:
     if signal in ("gyro", "accel") and len(tokens) == 1 and re.fullmatch(r"[xyz1-3]", tokens[0]):
         return Meaning(signal, tokens[0], why=f"the file was given as --{signal}")
     joined = "".join(tokens)
+    if pose := lexicon.POSE.fullmatch(joined):
+        return Meaning(why="an attitude" if "q" in pose[0] else "a position")
     if lexicon.interval(tokens):
         return Meaning(unit=lexicon.fine(tokens), part="interval", why="an interval between stamps")
     stamp = stamp_of(tokens, joined, name)
