@@ -133,6 +133,8 @@ ON_RECORD = {
         {"process": "dropout", "fraction": 0.01, "held": True, "channels": ["gyro_x", "accel_x"]},
         {"process": "dropout", "fraction": 0.01, "value": [0.0, 1.0], "period": 50,
          "channels": ["gyro_x", "accel_z"]},
+        {"process": "dropout", "fraction": 0.1, "held": True, "from": 50.0, "to": 70.0,
+         "channels": ["accel_z"]},
         {"process": "time_gaps", "fraction": 0.01},
     ],
 }  # fmt: skip

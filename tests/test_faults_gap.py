@@ -9,7 +9,8 @@ from imu_lib import faults
 from imu_lib.cli.main import main
 from imu_lib.errors import InputError
 from imu_lib.gap import close
-from imu_lib.gap.faulty import DETECTED, ready
+from imu_lib.gap.fault_steps import DETECTED
+from imu_lib.gap.faulty import ready
 from imu_lib.model import Model
 from imu_lib.processes import from_json
 from imu_lib.record import CHANNELS, Record
@@ -64,10 +65,10 @@ def test_copies_and_missing_values_are_drawn():
     rng = np.random.default_rng(2)
     x = {"gyro_x": rng.standard_normal(5000), "gyro_y": rng.standard_normal(5000)}
     entry = {"process": "dropout", "fraction": 0.02, "channels": ["gyro_x"]}
-    lost = from_json(entry, on_record=True).act(x, rng)
+    lost = from_json(entry, on_record=True).act(x, 100.0, rng)
     assert np.isnan(lost["gyro_x"]).mean() == pytest.approx(0.02, abs=0.008)  # four sigma
     assert lost["gyro_y"] is x["gyro_y"]
-    copied = from_json({**entry, "held": True}, on_record=True).act(x, rng)
+    copied = from_json({**entry, "held": True}, on_record=True).act(x, 100.0, rng)
     assert np.mean(np.diff(copied["gyro_x"]) == 0) == pytest.approx(0.02, abs=0.008)
 
 

@@ -7,7 +7,15 @@ import pytest
 from conftest import ROOT
 
 #: What compares names for a reason: the sentences and tables of a report, which speak of one effect.
-SPEAKS = ("summary.py", "sensor.py", "wrong.py", "table.py", "faulty.py", "described.py")
+SPEAKS = (
+    "summary.py",
+    "sensor.py",
+    "wrong.py",
+    "table.py",
+    "faulty.py",
+    "fault_steps.py",
+    "described.py",
+)
 FILES = [
     path
     for room in ("gap", "likelihood")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from imu_lib.faults import Finding
-from imu_lib.gap import effects, faulty, once
+from imu_lib.gap import effects, fault_steps, faulty, once
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.effects.wandering_level import behaviour, in_short
 from imu_lib.gap.found import ChannelReport, Report
@@ -77,7 +77,7 @@ def said(steps=(), of_record=(), stages=(), **more):
 
 
 def test_every_effect_has_its_words_here():
-    assert set(TOLD) >= set(effects.CATALOGUE) | set(faulty.DETECTED)
+    assert set(TOLD) >= set(effects.CATALOGUE) | set(fault_steps.DETECTED)
 
 
 @pytest.mark.parametrize("sure", [0.55, 0.99])

@@ -65,7 +65,9 @@ def _(process, model, n, fs, rng, folder, add):
 @_parts.register(Vibration)
 def _(process, model, n, fs, rng, folder, add):
     process._require()
-    if process.band and (n % 2 or n <= CHUNK):  # the transform over the disk is of even length
+    whole = process.wander is not None  # one draw for all lines
+    whole |= process.band and (n % 2 or n <= CHUNK)  # the transform over the disk is even
+    if whole:
         for channel, x in process.on(n, fs, rng).items():
             add(channel, (x[low:high] for low, high in bounds(n)))
         return
@@ -191,13 +193,13 @@ def _(process, model, n, fs, rng, folder, add):
         add(channel, (process.on(b - a, fs, first=a)[channel] for a, b in bounds(n)))
 
 
-def lost(process, channels, n, rng):
-    """Drop-outs in channels on disk (name -> Scratch)."""
-    if process.period is None:
+def lost(process, channels, n, fs, rng):
+    """Drop-outs in channels on disk (name -> Scratch), `n` samples at `fs` Hz."""
+    if process.period is None and not process.at_once:
         process._require()
         gone = np.concatenate([rng.random(b - a) < process.fraction for a, b in bounds(n)])
     else:
-        gone = process.rows(n, rng)
+        gone = process.rows(n, fs, rng)
     if process.held:
         gone[0] = False
     for i, name in enumerate(process.channels):

@@ -120,7 +120,7 @@ def draw(
             progress(name)
     for process in model.record:
         if isinstance(process, LOST):
-            lost(process, channels, n, generators["record"])
+            lost(process, channels, n, rate, generators["record"])
     time, keep = clock(model.record, n, fs, rng)
     return Drawn(channels, float(fs), n, time, keep, temperature)
 

@@ -34,23 +34,41 @@ def masked(record: Record) -> tuple[Record, tuple[str, ...]]:
     channels, time = dict(record.channels), record.times()
     told: dict[str, list[str]] = {}
     for name, x in record.channels.items():
-        rows = _long_runs(frozen_rows(repeats(x), LEAST))
+        rows = _in_long_runs(frozen_rows(repeats(x), LEAST))
         if not len(rows) or np.nanmin(x) == np.nanmax(x):
             continue
         share, first, last = len(rows) / len(x), run_starts(rows)[0], rows[-1]
-        text = (
-            f"{100 * share:.2g} % of the samples stand still, from {seconds(time[first])} to "
-            f"{seconds(time[last])} s (frozen output); "
-        )
         if share > MOST_STILL:
             del channels[name]
-            text += "the channel is left out."
         else:
             channels[name] = np.where(np.isin(np.arange(len(x)), rows), np.nan, x)
-            text += "these samples are left out."
+        text = sentence(share, float(time[first]), float(time[last]), name in channels)
         told.setdefault(text, []).append(name)
-    notes = tuple(f"On {named(tuple(on))} {text}" for text, on in told.items())
+    notes = noted(told)
     return (replace(record, channels=channels) if notes and channels else record), notes
+
+
+def sentence(share: float, start: float, stop: float, kept: bool) -> str:
+    """What is said of channels that stand still for a `share` of the samples, `start` to `stop` s,
+    of which the rest is `kept`.
+    """
+    left_out = "these samples are" if kept else "the channel is"
+    return (
+        f"{100 * share:.2g} % of the samples stand still, from {seconds(start)} to {seconds(stop)} "
+        f"s (frozen output); {left_out} left out."
+    )
+
+
+def noted(told: dict[str, list[str]]) -> tuple[str, ...]:
+    """Sentences by the channels that they are about."""
+    return tuple(f"On {named(tuple(on))} {text}" for text, on in told.items())
+
+
+def least_run(n: int, chance: float) -> float:
+    """Equal neighbours in a row beyond which chance makes none in `n` samples, where a share
+    `chance` of them is equal.
+    """
+    return max(8.0, np.log(n / FROZEN) / -np.log(min(chance, 0.995)))
 
 
 def repeats(x: np.ndarray) -> np.ndarray:
@@ -64,7 +82,7 @@ def frozen_rows(again: np.ndarray, chance: float) -> np.ndarray:
     start, stop = timing.runs(again)
     length = stop - start
     p = min(max(chance, float(again.mean())), 0.995)
-    long = np.flatnonzero(length > max(8.0, np.log(n / FROZEN) / -np.log(p)))
+    long = np.flatnonzero(length > least_run(n, p))
     total = np.r_[0, np.cumsum(again)]
     rows = []
     for i in long:
@@ -83,7 +101,7 @@ def together(frozen: dict, n: int) -> list[tuple[list[str], np.ndarray]]:
     groups: list[tuple[list[str], np.ndarray]] = []
     for c, rows in frozen.items():
         mask = np.zeros(n, bool)
-        mask[_long_runs(rows)] = True
+        mask[_in_long_runs(rows)] = True
         home = next((g for g in groups if mask.any() and _same(g[1], mask)), None)
         if home is not None:
             home[0].append(c)
@@ -93,10 +111,16 @@ def together(frozen: dict, n: int) -> list[tuple[list[str], np.ndarray]]:
     return [(group, np.flatnonzero(mask)) for group, mask in groups if len(group) > 1]
 
 
-def _long_runs(rows: np.ndarray) -> np.ndarray:
-    """Rows of the runs of STANDS or more."""
+def long_runs(rows: np.ndarray) -> list[tuple[int, int]]:
+    """(first, one behind the last) row of the runs of STANDS or more."""
     parts = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
-    return np.concatenate([p for p in parts if len(p) >= STANDS] or [np.zeros(0, np.int64)])
+    return [(int(p[0]), int(p[-1]) + 1) for p in parts if len(p) >= STANDS]
+
+
+def _in_long_runs(rows: np.ndarray) -> np.ndarray:
+    """Rows of the runs of STANDS or more."""
+    parts = [np.arange(a, b) for a, b in long_runs(rows)]
+    return np.concatenate(parts or [np.zeros(0, np.int64)])
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:

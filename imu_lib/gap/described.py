@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from imu_lib import units
-from imu_lib.gap import faulty
+from imu_lib.gap import fault_steps
 
 if TYPE_CHECKING:
     from imu_lib.gap.steps import Step
@@ -76,7 +76,7 @@ def _of_samples(x: float, channel: str) -> str:
 def describe(step: Step, channel: str) -> str:
     """Name and parameters of a step."""
     p = step.parameters
-    if (words := faulty.described(step.effect, p)) is not None:
+    if (words := fault_steps.described(step.effect, p)) is not None:
         return words
     if step.effect == "vibration":
         return _vibration(p)
@@ -107,7 +107,8 @@ def _vibration(p: dict[str, Any]) -> str:
     """A vibration with its lines, its amplitude on each channel and its time."""
     out = f"vibration  {p['frequency']:.5g} Hz"
     if p["harmonics"] > 1:
-        out += f", {p['harmonics']} {'lines' if p.get('lines') else 'multiples'}"
+        count = sum(r > 0 for r in p.get("ratios") or ()) or p["harmonics"]
+        out += f", {count} {'lines' if p.get('lines') else 'multiples'}"
     if p["bandwidth"]:
         out += f", {p['bandwidth']:.2g} Hz wide"
     if p.get("from") is not None:

@@ -5,9 +5,8 @@ command.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -16,10 +15,10 @@ from imu_lib.arrays import Array
 from imu_lib.errors import InputError
 from imu_lib.faults import Finding, travelling
 from imu_lib.faults.disturbance import KNOCK
-from imu_lib.faults.finding import named, seconds
+from imu_lib.faults.finding import seconds
 from imu_lib.faults.soundness import Sound
 from imu_lib.faults.standing import stands
-from imu_lib.gap import record_level
+from imu_lib.gap import fault_steps, record_level
 from imu_lib.gap.silent import MOST_LOST, says_nothing
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
@@ -34,9 +33,6 @@ LONGEST_HOLES = 0.2
 LEAST, LEAST_BURSTS = 2000, 800
 #: Evidence of samples that are missing because the sensor sends them in bursts.
 BURSTS = "bursts of the sensor's own"
-#: Findings of each kind in the records of benchmarks/fault_score.py, and those of them that were
-#: put in; tests/test_faults.py counts again.
-DETECTED = {"dropout": (54, 54), "disturbance": (32, 28), "tilt": (30, 28)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +91,7 @@ def ready(record: Record, model: Model | None = None) -> Ready:
     held = {p.name for p in model.record} if model is not None else set()
     clock, doubt = _clock(whole, sound, model, findings)
     told = without_turns(_of(findings, kept))
-    steps = [*clock, *(s for s in map(_step, told) if s is not None)]
+    steps = [*clock, *(s for f in told for s in fault_steps.steps(f, record))]
     steps = [s for s in steps if s.effect not in held]
     processes = tuple(
         from_json({"process": s.effect, **s.parameters}, on_record=True) for s in steps
@@ -205,57 +201,3 @@ def _clock(
         gaps = [s for s in steps if s.effect == "time_gaps"]
         return [replace(s, where=bursts.sentence, evidence=BURSTS) for s in gaps], None
     return steps, doubt
-
-
-def _step(finding: Finding) -> Step | None:
-    """A finding as a step of the record; None where the effect has no name in a model file."""
-    if finding.kind == "stuck" and stands(finding):
-        # masked like the drop-outs that hold several channels
-        copies = {"held": True, "period": None, "channels": list(finding.channels)}
-        p = {"fraction": finding.parameters["fraction"], **copies}
-        finding = replace(finding, kind="dropout", parameters=p)
-    if finding.kind not in DETECTED:
-        return None
-    parameters = dict(finding.parameters)
-    if finding.kind == "dropout":
-        if parameters.get("value") is None and not parameters.get("held"):
-            return None  # NaN: the file says itself that nothing is there
-        parameters = {k: v for k, v in parameters.items() if v is not None}
-    found, right = DETECTED[finding.kind]
-    sure = (right + 1) / (found + 2)  # Laplace's rule of succession
-    return Step(
-        finding.kind,
-        parameters,
-        {},
-        finding.sentence,
-        sure,
-        {"effect": "none", "confidence": round(1 - sure, 4)},
-        [],
-        gain=None,
-        cause=finding.means,
-        detected=True,
-        evidence=", ".join(
-            f"{k.replace('_', ' ')} {_figure(v)}" for k, v in finding.evidence.items()
-        ),
-    )
-
-
-def _figure(value: float | Sequence[float] | None) -> str:
-    if isinstance(value, (list, tuple)):
-        return "(" + ", ".join(map(_figure, value)) + ")"
-    return "none" if value is None else f"{value:.3g}"
-
-
-def described(effect: str, p: dict[str, Any]) -> str | None:
-    """The parameters of a step in words, for a table; None where it is none of these effects."""
-    if effect not in DETECTED:
-        return None
-    if effect == "tilt":
-        angles = ", ".join(f"{1e3 * a:.3g}" for a in p["angles"])
-        return f"tilt  {seconds(p['time'])} s, ({angles}) mrad"
-    where = f"on {named(tuple(p['channels']))}"
-    if effect == "disturbance":
-        return f"disturbance  {seconds(p['start'])} s, {p['duration']:.2g} s long, {where}"
-    what = "copies of the row before" if p.get("held") else f"at {p['value']}"
-    even = f", one in {p['period']}" if p.get("period") else ""
-    return f"dropout  {100 * p['fraction']:.3g} % of the rows{even}, {what}, {where}"

@@ -263,7 +263,7 @@ class Model:
         }
         for process in self.record:
             if isinstance(process, Dropout):
-                out = process.act(out, generators["record"])
+                out = process.act(out, fs, generators["record"])
         return out
 
     def simulate_record(

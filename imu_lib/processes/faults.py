@@ -46,6 +46,8 @@ class Dropout(Process):
         The row before stands there.
     period : int, samples, optional
         They come as evenly as that, some left out; at random where not given.
+    start, stop : float, s from the first sample, optional; `from` and `to` in a file
+        The output stands still, or is lost, from the one to the other and nowhere else.
     channels : sequence of str
     """
 
@@ -54,10 +56,15 @@ class Dropout(Process):
     held: bool | None = None
     period: int | None = None
     channels: tuple[str, ...] = ()
+    start: float | None = None
+    stop: float | None = None
     name: ClassVar[str] = "dropout"
+    keys: ClassVar[dict[str, str]] = {"from": "start", "to": "stop"}
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("fraction", "fraction", "of the samples"),
         Parameter("period", "count", "from one to the next, samples", optional=True),
+        Parameter("start", "other", "from, s", optional=True),
+        Parameter("stop", "other", "to, s", optional=True),
     )
 
     def __post_init__(self) -> None:
@@ -83,11 +90,29 @@ class Dropout(Process):
             entry["value"] = list(self.value) if isinstance(self.value, tuple) else self.value
         if self.held:
             entry["held"] = True
+        for key, field in self.keys.items():
+            if field in entry:
+                entry[key] = entry.pop(field)
         return {**entry, "channels": list(self.channels)}
 
-    def rows(self, n: int, rng: np.random.Generator) -> Array:
+    @property
+    def at_once(self) -> bool:
+        """Whether it is one stretch of the record, not rows all over it."""
+        return self.start is not None or self.stop is not None
+
+    def stretch(self, n: int, fs: float) -> tuple[int, int]:
+        """First row and the one behind the last of that stretch, among `n` at `fs` Hz."""
+        first = 0 if self.start is None else int(np.ceil(self.start * fs - 1e-6))
+        last = n if self.stop is None else int(np.ceil(self.stop * fs - 1e-6))
+        return min(max(first, 0), n), min(max(last, 0), n)
+
+    def rows(self, n: int, fs: float, rng: np.random.Generator) -> Array:
         """One draw of the rows that are lost: bool, shape (n,)."""
         self._require()
+        if self.at_once:
+            out = np.zeros(n, dtype=bool)
+            out[slice(*self.stretch(n, fs))] = True
+            return out
         if self.period is None:
             return rng.random(n) < self.fraction
         at = np.arange(int(rng.integers(self.period)), n, self.period)
@@ -95,10 +120,12 @@ class Dropout(Process):
         out[at[rng.random(len(at)) < self.fraction * self.period]] = True
         return out
 
-    def act(self, signals: dict[str, Array], rng: np.random.Generator) -> dict[str, Array]:
-        """The signals (name -> ndarray, shape (n,)) with one draw of the rows lost."""
+    def act(
+        self, signals: dict[str, Array], fs: float, rng: np.random.Generator
+    ) -> dict[str, Array]:
+        """The signals (name -> ndarray, shape (n,)) at `fs` Hz with one draw of the rows lost."""
         n = len(next(iter(signals.values())))
-        lost = self.rows(n, rng)
+        lost = self.rows(n, fs, rng)
         if self.held:
             lost[0] = False
         last = np.maximum.accumulate(np.where(lost, 0, np.arange(n)))

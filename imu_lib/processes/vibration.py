@@ -11,6 +11,7 @@ from imu_lib.arrays import Array
 from imu_lib.errors import InputError
 
 from .base import FREE, Parameter, Process
+from .gauss_markov import GaussMarkov
 
 #: Bandwidth as a share of the frequency up to which a vibration is a line of steady amplitude
 #: whose phase diffuses; beyond it is a band of normal noise.
@@ -43,6 +44,11 @@ class Vibration(Process):
         given, 1 / h.
     lines : sequence of float, Hz, optional
         Frequencies of the lines where they are no multiples of `frequency`.
+    wander : float, optional
+        Standard deviation of the logarithm of the amplitude, a Gauss-Markov process; steady where
+        not given. `amplitude` is that of the same mean power.
+    wander_time : float, s, optional
+        Its correlation time.
     """
 
     frequency: float = FREE
@@ -54,6 +60,8 @@ class Vibration(Process):
     stop: float | None = None
     ratios: tuple[float, ...] | None = None
     lines: tuple[float, ...] | None = None
+    wander: float | None = None
+    wander_time: float | None = None
     name: ClassVar[str] = "vibration"
     keys: ClassVar[dict[str, str]] = {"from": "start", "to": "stop"}
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -62,6 +70,8 @@ class Vibration(Process):
         Parameter("harmonics", "count", "number of lines"),
         Parameter("start", "other", "from, s", optional=True),
         Parameter("stop", "other", "to, s", optional=True),
+        Parameter("wander", "other", "sd of the logarithm of its amplitude", optional=True),
+        Parameter("wander_time", "time", "over which the amplitude wanders, s", optional=True),
     )
 
     def __post_init__(self) -> None:
@@ -73,6 +83,10 @@ class Vibration(Process):
         if len(amplitude) == 1 and len(self.channels) > 1:
             amplitude = amplitude * len(self.channels)
         object.__setattr__(self, "amplitude", _numbers("amplitude", amplitude, len(self.channels)))
+        if (self.wander is None) != (self.wander_time is None):
+            raise InputError(
+                "process vibration: `wander` needs its `wander_time` in s, and the other way round"
+            )
         if self.harmonics is not None and self.harmonics < 1:
             raise InputError("process vibration: `harmonics` counts the lines, 1 or more")
         for each in ("ratios", "lines"):
@@ -154,12 +168,20 @@ class Vibration(Process):
     def on(self, n: int, fs: float, rng: np.random.Generator) -> dict[str, Array]:
         """What each of its channels gets of one draw: name -> ndarray, shape (n,)."""
         lines, active, shape = self.analytic(n, fs, rng), self.active(n, fs), self.shape
+        loud = self.loudness(n, fs, rng)
         out = {}
         for channel, amplitude in zip(self.channels, self.amplitude):
             turn = np.exp(2j * np.pi * rng.random(len(lines)))
             x = sum(r * (z * e).real for r, z, e in zip(shape, lines, turn))
-            out[channel] = amplitude * np.where(active, x, 0.0)
+            out[channel] = amplitude * np.where(active, loud * x, 0.0)
         return out
+
+    def loudness(self, n: int, fs: float, rng: np.random.Generator) -> Array | float:
+        """One draw of the amplitude over its root mean square, shape (n,); 1 where it is steady."""
+        if self.wander is None or self.wander_time is None:
+            return 1.0
+        level = GaussMarkov(sigma=self.wander, correlation_time=self.wander_time)
+        return np.exp(level.simulate(n, fs, rng) - self.wander**2)
 
 
 def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
