@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from imu_lib import InputError, characterise, long_record, readers
+from imu_lib.characterise import still
+from imu_lib.faults import standing
 from imu_lib.model import Model
 from imu_lib.record import Record
 from imu_lib.writers import arrays, write_record
@@ -250,3 +252,21 @@ def test_a_part_is_cut_without_reading_the_rest(signals, tmp_path):
     assert [g[2] for g in gaps] == [4, 10_000]
     with pytest.raises(InputError, match="fewer than two samples"):
         cut(record, 5000.0, None)
+
+
+def test_an_output_that_stands_still_is_found_on_disk_as_in_memory(tmp_path, short, signals):
+    """Five hundredths of the record, in two stretches, one of them at its end."""
+    x = signals["gyro_x"].copy()
+    x[300_000:315_000] = x[300_000]
+    x[395_000:] = x[395_000]
+    record = Record({"gyro_x": x, "accel_z": signals["accel_z"]}, FS)
+    on_disk = long_record.open_long(saved(record, tmp_path / "still.npz"))
+    name, rows = still.spans(on_disk, "gyro_x")
+    assert rows.tolist() == [[300_001, 315_000], [395_001, N]]
+    assert len(still.spans(on_disk, "accel_z")[1]) == 0
+    left, share = still.without(on_disk, rows)
+    masked, (note,) = standing.masked(record)
+    assert left.n == np.isfinite(masked["gyro_x"]).sum() and left.longest == 300_001
+    ends = (on_disk.second(int(row)) for row in (rows[0, 0], rows[-1, 1] - 1))
+    assert standing.noted({standing.sentence(share, *ends, True): [name]}) == (note,)
+    assert still.without(on_disk, np.array([[1, 250_000]]))[0] is None

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imu_lib import scheduler, units
-from imu_lib.characterise import causes
+from imu_lib.characterise import causes, still
 from imu_lib.characterise.channel import (
     Channel,
     channel,
@@ -95,7 +95,7 @@ def characterise(
     if apart:
         return _apart(record, apart, channels, candidates, workers, progress)
     given = record
-    record, still = standing.masked(given)
+    record, frozen = standing.masked(given)
     gone = set(given.channel_names) - set(record.channel_names)
     asked = [name for name in channels or given.channel_names if name not in gone]
     gap_free = record.continuous().enough()
@@ -113,7 +113,7 @@ def characterise(
     ]
     cores = workers or (min(len(tasks), scheduler.cores()) if record.n > PARALLEL else 1)
     results = scheduler.shared(channel, tasks, cores)
-    notes += still + _of_record(record, flat) + causes.notes(gap_free, names)
+    notes += frozen + _of_record(record, flat) + causes.notes(gap_free, names)
     return _gathered(record, results, progress, notes)
 
 
@@ -126,14 +126,25 @@ def _arrays(x, filled):
 def _of_long(record, channels, candidates, workers, progress):
     """A record on disk: each process reads one channel at a time."""
     names = tuple(n for n in channels or record.channel_names if n not in record.flat)
-    if not names:
+    cores = workers or min(max(len(names), 1), scheduler.cores())
+    stands = dict(scheduler.shared(still.spans, [(record, name) for name in names], cores))
+    tasks, told = [], {}
+    for name in names:
+        part, rows = record, stands[name]
+        if len(rows):
+            part, share = still.without(record, rows)
+            ends = (record.second(int(row)) for row in (rows[0, 0], rows[-1, 1] - 1))
+            text = standing.sentence(share, *ends, part is not None)
+            told.setdefault(text, []).append(name)
+        if part is not None:
+            tasks.append((part, name, candidates))
+    if not tasks:
         raise InputError(
             f"{record.source}: no channel ever changes, so there is no noise to describe; check "
             "the logger."
         )
-    tasks = [(record, name, candidates) for name in names]
-    cores = workers or min(len(tasks), scheduler.cores())
-    notes = (*_of_record(record, record.flat), *causes.of_parts(record, names))
+    notes = standing.noted(told) + _of_record(record, record.flat)
+    notes = (*notes, *causes.of_parts(record, names))
     return _gathered(record, scheduler.shared(of_long, tasks, cores), progress, notes)
 
 
