@@ -15,7 +15,9 @@ from imu_lib.faults import (
     held,
     hole,
     motion,
+    passing,
     restart,
+    rhythm,
     tilt,
     warm_up,
 )
@@ -130,6 +132,7 @@ def _within(live, channels, bad, levels, part, time, rate) -> list[Finding]:
     ready = {c: prepared(channels[c][part], bad[c][part], rate, _grid(levels[c])) for c in good}
     t = time[part]
     touched = disturbance.find(ready, t, rate)
+    touched = rhythm.gathered([*touched, *passing.find(ready, touched, t, rate)], ready, rate)
     spans = [(d.start, d.stop) for d in touched]
     tilts = tilt.find({c: ready[c].x for c in good}, t, rate, spans)
     calm = {c: _calm(ready[c].x, touched) for c in good}
