@@ -31,6 +31,7 @@ from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.state import MIN_EVIDENCE, State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
 from imu_lib.gap.undone import Channel, OfRecord, Undone, undone
+from imu_lib.gap.uneven import uneven
 from imu_lib.processes import Sum
 
 #: Confidence in one of two readings of a grid that the record does not tell apart.
@@ -96,6 +97,8 @@ def analyse(
     differenced = any(effect.of_differences(s.parameters) for s, effect in _told(found.steps))
     if grid is None or held is None and not alone and not differenced:
         return found
+    if uneven(raw[~np.isnan(raw)], *grid) is not None:
+        return found  # the increments of a rounded integral have no widths of their own
     if not electronics.may_be_of_integral(raw, grid[0], fs):
         return found
     if held is not None and base is not None:

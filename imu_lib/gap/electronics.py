@@ -8,11 +8,12 @@ may be wrong.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.arrays import Array
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.quantization import Quantization
@@ -24,6 +25,7 @@ from imu_lib.gap.innovations import Smooth
 from imu_lib.gap.loud import loud
 from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.gap.thrown_off import Hidden, thrown_off
+from imu_lib.gap.uneven import Uneven, uneven
 from imu_lib.processes import Quantization as OfIntegral
 from imu_lib.processes import Resolution as Grid
 from imu_lib.processes import Saturation as Range
@@ -43,7 +45,7 @@ class Clean:
     spectrum of `x - coarse`, `step` the grid, `of_integral` the quantization where it is the
     integral that is rounded, `blind` the bins of the spectrum where samples that were filled in
     (`filled` many) are stronger than the signal, `swing` how a coarse grid lets the noise rise and
-    fall (n,), 1 where it does not.
+    fall (n,), 1 where it does not, `uneven` whether its steps are.
     """
 
     x: np.ndarray
@@ -57,18 +59,21 @@ class Clean:
     of_integral: OfIntegral | None = None
     blind: np.ndarray | None = None
     filled: int = 0
+    uneven: bool = False
 
 
 @dataclass(frozen=True)
 class Levels:
     """The levels of the converter: their `step` and `grid` (step, offset), None where they are too
-    fine to matter; the quantization where it is the integral that is rounded; what was found.
+    fine to matter; the quantization where it is the integral that is rounded; what was found; the
+    steps where they are not equally wide.
     """
 
     step: float | None
     grid: tuple[float, float] | None
     of_integral: OfIntegral | None
     findings: list[Finding]
+    steps: Uneven | None = None
 
 
 def undo(
@@ -90,15 +95,25 @@ def undo(
     missing = np.isnan(raw)
     held: dict[str, Any] = {s.name: s for s in base.stages} if base is not None else {}
     levels = _levels(raw[~missing], fs, base, held.get("resolution"), integral)
-    clipped, side = _clipped(raw, missing, levels.step, held.get("saturation"))
+    clipped, side = _clipped(raw, missing, levels, held.get("saturation"))
     x = first_fill(raw, missing)
     known = np.zeros(len(x)) if known is None else known
     coarse = known + loud(x - known, fs)
     smooth = Smooth(x - coarse, fs)
     twin = None
     if levels.grid is not None:
-        twin = Rounding(x, smooth, levels.grid).twin(rng, levels.of_integral)
-    stuck = Stuck().detect(x, side != 0, twin, held.get("stuck"))
+        twin = Rounding(x, smooth, levels.grid, levels.steps).twin(rng, levels.of_integral)
+    stuck = None
+    if levels.steps is None or not _coarse(levels, smooth):  # on few wide steps neighbours agree
+        stuck = Stuck().detect(x, side != 0, twin, held.get("stuck"))
+    if clipped is not None:
+        at = np.flatnonzero(side) / fs
+        clipped = replace(clipped, where=f"{clipped.where}, from {at[0]:.1f} to {at[-1]:.1f} s")
+    if stuck is not None:
+        assert stuck.mask is not None, "it is found by its samples"
+        first, last = timing.runs(stuck.mask)
+        longest = first[np.argmax(last - first)] / fs
+        stuck = replace(stuck, where=f"{stuck.where}, at {longest:.1f} s")
     bad = missing if stuck is None else missing | stuck.mask
     hidden = Hidden.of(raw, x - coarse, coarse, bad, side, levels.grid)
     spikes, spiked, clean, smooth = thrown_off(hidden, smooth, held.get("spikes"), rng)
@@ -119,6 +134,7 @@ def undo(
         levels.of_integral,
         smooth.level < EMPTY * np.mean(smooth.on(2048)) if drawn.any() else None,
         int(np.count_nonzero(drawn)),
+        levels.steps is not None,
     )
 
 
@@ -133,7 +149,8 @@ def _levels(good: Array, fs: float, base: Sum | None, held: Grid | None, integra
     if step is not None and rounded is None and held is None:
         step = grid = None  # a number format, too fine to matter
     if not integral or step is None:
-        return Levels(step, grid, None, [] if rounded is None else [rounded])
+        steps = None if grid is None else uneven(good, *grid)
+        return Levels(step, grid, None, [] if rounded is None else [rounded], steps)
     of_integral, findings = OfIntegral.of_grid(step, fs), []
     if integral_of(base, step, fs) is None:
         doubt = None if rounded is None else rounded.doubt
@@ -142,13 +159,15 @@ def _levels(good: Array, fs: float, base: Sum | None, held: Grid | None, integra
 
 
 def _clipped(
-    raw: Array, missing: Array, step: float | None, held: Range | None
+    raw: Array, missing: Array, levels: Levels, held: Range | None
 ) -> tuple[Finding | None, Array]:
     """(finding or None, side of each sample: 1 at the upper limit, -1 at the lower, else 0); `held`
     is the saturation of the given model.
     """
-    good, side = raw[~missing], np.zeros(len(raw), np.int8)
+    good, side, step = raw[~missing], np.zeros(len(raw), np.int8), levels.step
     clipped = Saturation().detect(good, step, held)
+    if clipped is not None and levels.steps is not None and not _piled_up(good, step):
+        clipped = None  # the last step is a wide one
     if clipped is not None:
         assert clipped.mask is not None, "it is found by its samples"
         side[~missing] = clipped.mask
@@ -159,6 +178,21 @@ def _clipped(
     return clipped, side
 
 
+def _coarse(levels: Levels, smooth: Smooth) -> bool:
+    """Whether the steps are as wide as the noise."""
+    return levels.step is not None and levels.step > COARSE * np.sqrt(smooth.sample_variance)
+
+
+def _piled_up(x: Array, step: float | None) -> bool:
+    """Whether more samples lie on the level at an end than on the one before it."""
+    counts = [np.count_nonzero(np.abs(x - end) < 0.5 * (step or 0.0)) for end in (x.max(), x.min())]
+    beside = [
+        np.count_nonzero(np.abs(x - end) < 1.5 * (step or 0.0)) - count
+        for end, count in zip((x.max(), x.min()), counts)
+    ]
+    return any(count > other for count, other in zip(counts, beside))
+
+
 def _rounded(
     x: Array, smooth: Smooth, levels: Levels, integral: bool, rng: np.random.Generator
 ) -> tuple[float, Array | None, Array | float]:
@@ -167,9 +201,9 @@ def _rounded(
     """
     if levels.step is None or levels.grid is None or integral:
         return 0.0, None, 1.0
-    if not levels.step > COARSE * np.sqrt(smooth.sample_variance):
+    if levels.steps is None and not _coarse(levels, smooth):
         return levels.step**2 / 12.0, None, 1.0
-    rounding = Rounding(x, smooth, levels.grid)
+    rounding = Rounding(x, smooth, levels.grid, levels.steps)
     extra, swing, k = rounding.extra(rng), rounding.swing, smooth.layout.slow
     return float(np.mean(extra[k : k + 12]) * smooth.fs / 2), extra, swing
 

@@ -13,6 +13,7 @@ from scipy.special import ndtr
 from imu_lib.arrays import Array
 from imu_lib.gap.data import statistics
 from imu_lib.gap.innovations import Smooth, trend
+from imu_lib.gap.uneven import Uneven
 from imu_lib.processes import Quantization
 
 #: Steps in standard deviations of the rounded noise from which on rounding is more than white
@@ -39,17 +40,21 @@ class Rounding:
     `base` (n,) is the slow part before the rounding and `variance` that of the fast noise before
     it, both in steps; `slope` is how much faster the variance after it grows, `swing` (n,) how the
     noise after it rises and falls as the slow part moves between two levels (1 where that is less
-    than a per cent).
+    than a per cent). `steps` are those of a converter where they are not equally wide.
     """
 
-    def __init__(self, x: Array, smooth: Smooth, grid: tuple[float, float]) -> None:
+    def __init__(
+        self, x: Array, smooth: Smooth, grid: tuple[float, float], steps: Uneven | None = None
+    ) -> None:
         self.smooth, (self.step, offset), self.n = smooth, grid, len(x)
+        self.steps = steps
         level = (trend(x, smooth.m) - offset) / self.step
         after = smooth.sample_variance / self.step**2
         self.coarse = after < 1 / COARSE**2
-        self.base, self.variance, self.slope = level, max(after - 1 / 12, 0.0), 1.0
+        added = 1 / 12 if steps is None else steps.variance
+        self.base, self.variance, self.slope = level, max(after - added, 0.0), 1.0
         self.swing: Array | float = 1.0
-        if self.coarse:
+        if self.coarse and steps is None:
             self._before(level, after)
 
     def _before(self, level: Array, variance: float) -> None:
@@ -91,6 +96,8 @@ class Rounding:
             size,
         )[: self.n]
         before = self.base * self.step + noise
+        if self.steps is not None:
+            return before, self.steps.rounded(before / self.step)
         return before, np.rint(before / self.step)
 
     def twin(self, rng: np.random.Generator, of_integral: Quantization | None = None) -> np.ndarray:
@@ -101,7 +108,7 @@ class Rounding:
         if of_integral is None:
             before = (
                 self._unrounded(rng)[0]
-                if self.coarse
+                if self.coarse or self.steps is not None
                 else np.maximum(level - self.step**2 / (6 * fs), 0.02 * level)
             )
             return self._drawn(before, rng)[1]

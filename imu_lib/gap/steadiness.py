@@ -14,6 +14,9 @@ from imu_lib.gap.innovations import Smooth
 from imu_lib.gap.state import State
 from imu_lib.likelihood.evaluate import with_extra
 
+#: Streams that may take turns.
+TURNS = (2, 3, 4)
+
 
 def stationarity(y: Array, fs: float, smooth: Smooth, *, coarse_steps: bool = False) -> list[Check]:
     """Variance at several scales, as a whole and in bands of frequency outside the stop band of a
@@ -26,6 +29,7 @@ def stationarity(y: Array, fs: float, smooth: Smooth, *, coarse_steps: bool = Fa
     found = unsteady(y, fs, smooth.independent)
     if found is not None:
         out.append(Check("stationarity", float(found[0] + np.log10(8)), found[1]))
+    out += _alternates(y, smooth.independent)
     m = 256
     k = len(y) // m
     if k >= 32:
@@ -34,6 +38,27 @@ def stationarity(y: Array, fs: float, smooth: Smooth, *, coarse_steps: bool = Fa
         # outside of what is little but leakage from elsewhere
         bands = [(a, b) for a, b in zip(edges[:-1], edges[1:]) if passed[a:b].mean() >= 0.9]
         out += _levels(_block_powers(y, m), fs, bands, (4, 32), excess)
+    return out
+
+
+def _alternates(y: Array, independent: float) -> list[Check]:
+    """Whether every second, third or fourth sample is as loud as the others: of streams that take
+    turns in one column each has a noise of its own.
+    """
+    square = y**2
+    kurtosis = max(float(np.mean(square**2) / np.mean(square) ** 2) - 1.0, 0.5)
+    out = []
+    for turns in TURNS:
+        k = len(y) // turns
+        level = square[: k * turns].reshape(k, turns).mean(axis=0)
+        z = (level / level.mean() - 1.0) * np.sqrt(k * independent / kurtosis)
+        log_p = chi2.logsf(float(np.sum(z**2)), turns - 1) / np.log(10)
+        loud = float(np.sqrt(level.max() / level.min()))
+        text = (
+            f"variance of the innovations: one sample in {turns} is {loud:.3g} times as loud as "
+            "another, as of streams that take turns in one column"
+        )
+        out.append(Check("stationarity", float(log_p + np.log10(len(TURNS))), text))
     return out
 
 

@@ -5,11 +5,12 @@ its neighbours surprising.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from imu_lib.arrays import Array
+from imu_lib.gap import words
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.spikes import Spikes
 from imu_lib.gap.imputation import impute
@@ -27,6 +28,8 @@ ROUNDS = 5
 #: Share of clipped samples from which on the spectrum hangs on what is drawn for them: they are
 #: drawn until the variance keeps to this share of itself.
 MANY, STEADY = 0.01, 0.01
+#: Samples whose times are told one by one.
+TOLD = 5
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,20 @@ def thrown_off(
     if (hidden.mask | spiked).any():
         clean = hidden.filled(spiked, smooth, rng, former)
         smooth = Smooth(clean, smooth.fs)
+    if spikes is not None:
+        spikes = replace(spikes, where=spikes.where + _when(y, spiked, smooth.fs))
     return spikes, spiked, clean, smooth
+
+
+def _when(y: Array, spiked: Array, fs: float) -> str:
+    """When the samples `spiked` came, in words, by the sizes of their surprises."""
+    at = np.flatnonzero(spiked)
+    if not len(at):
+        return ""
+    if len(at) <= TOLD:
+        return f", at {words.listed([f'{i / fs:.1f}' for i in at])} s"
+    largest = at[np.argmax(np.abs(y[at]))]
+    return f", from {at[0] / fs:.1f} to {at[-1] / fs:.1f} s, the largest at {largest / fs:.1f} s"
 
 
 def _of_model(y: Array, smooth: Smooth, held: Thrown) -> np.ndarray:

@@ -107,9 +107,12 @@ class Undone:
 
     @property
     def coarse_steps(self) -> bool:
-        """Whether the output is rounded so coarsely that it is no longer normal."""
+        """Whether the output is rounded so coarsely, or so unevenly, that it is no longer
+        normal.
+        """
         step, variance = self.clean.step, self.clean.smooth.conditional_variance
-        return step is not None and step > COARSE_STEPS * np.sqrt(variance)
+        coarse = step is not None and step > COARSE_STEPS * np.sqrt(variance)
+        return bool(coarse or self.clean.uneven)
 
     def bared(self, state: State) -> tuple[np.ndarray, np.ndarray, Smooth]:
         """What a state leaves of the samples, its innovations, and the spectrum that whitens it."""
@@ -136,6 +139,7 @@ def undone(
         temperature=channel.temperature,
         extra=clean.extra,
         blind=clean.blind,
+        missing=np.isnan(channel.raw),
     )
     lines = []
     for effect in effects.SIGNALS:

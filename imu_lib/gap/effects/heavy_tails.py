@@ -10,12 +10,15 @@ from scipy.stats import t as student
 from imu_lib.arrays import Array
 from imu_lib.gap import turns
 from imu_lib.gap.innovations import whitened
+from imu_lib.gap.uneven import uneven
 from imu_lib.processes import HeavyTails as Stage
 
 from .base import ChannelEffect, ChannelView, Finding
 from .noise_level_change import unsteady
 from .resolution import grid_of
 
+#: Freedom above which the tails are no heavier than uneven steps of a converter make them.
+BENT = 12.0
 #: Gain in log-likelihood over a normal distribution, and degrees of freedom beyond which nobody
 #: would tell.
 GAIN, MOST = 14.0, 60.0
@@ -88,6 +91,9 @@ class HeavyTails(ChannelEffect):
         gain *= independent
         if gain < GAIN or freedom > MOST:
             return []
+        if freedom > BENT and grid is not None:
+            if uneven(view.raw[~np.isnan(view.raw)], *grid) is not None:
+                return []  # the converter's own steps bend the distribution as much
         u = (y - np.mean(y)) / np.std(y)
         found = Finding(
             self,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.arrays import Array
+from imu_lib.gap.uneven import uneven
 from imu_lib.processes import Resolution as Stage
 
 from .base import Effect, Finding
@@ -126,18 +127,24 @@ class Resolution(Effect):
         found = grid_of(x)
         if found is None:
             return None
-        step, _ = found
+        step, offset = found
         single = np.spacing(np.float32(np.abs(x).max()))
         if held is not None and abs(step / held - 1) < 0.02:
             return None
         if step < sd / 100 or (step <= 4 * single and step < sd / 20):
             return None  # the number format of the file, not the sensor
-        levels, doubt = len(np.unique(x)), missing_codes(x, step)
+        levels, steps = len(np.unique(x)), uneven(x, step, offset)
+        doubt = missing_codes(x, step) if steps is None else None
+        words = (
+            ""
+            if steps is None
+            else f", whose steps are uneven: their widths scatter by {100 * steps.scatter:.2g} %"
+        )
         return Finding(
             self,
             Stage(lsb=step),
             None,
-            f"distribution of the samples: {levels} distinct values, all on one grid",
+            f"distribution of the samples: {levels} distinct values, all on one grid{words}",
             {"lsb": [step * (1 - 1e-6), step * (1 + 1e-6)]},
             doubt=doubt,
             counted=doubt is None,

@@ -1,0 +1,94 @@
+"""A converter whose steps are not equally wide: how its levels are occupied tells where each step
+is (the code-density test, IEEE Std 1241), and what the unevenness adds to the noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imu_lib.arrays import Array
+
+#: Samples on a level from which on its width is told, and levels of that kind at the least;
+#: samples below which a code between them is missing.
+MANY, LEVELS, FEW = 200, 5, 20
+#: Order of the smooth density in its logarithm, and points of it a step.
+ORDER, POINTS = 4, 40
+#: By how much the widths scatter before they are uneven, in steps and in what the counts scatter.
+UNEVEN, CHANCE = 0.06, 4.0
+
+
+@dataclass(frozen=True)
+class Uneven:
+    """Steps of a converter that are not equally wide.
+
+    Attributes
+    ----------
+    edges : ndarray, shape (k,)
+        Between the levels of the grid, in steps from the first level.
+    first : int
+        Number of the first level, counted in steps from 0 of the grid.
+    scatter : float
+        Standard deviation of the widths, in steps.
+    variance : float
+        Of what the rounding adds to a sample, in squared steps.
+    """
+
+    edges: np.ndarray
+    first: int
+    scatter: float
+    variance: float
+
+    def rounded(self, u: Array) -> np.ndarray:
+        """Numbers of the levels for a signal `u` in steps."""
+        return self.first + np.searchsorted(self.edges, u - self.first)
+
+
+def uneven(x: Array, step: float, offset: float) -> Uneven | None:
+    """The steps behind samples `x`, shape (n,), on an even grid; None where they are even, or
+    where a code is missing.
+    """
+    k = np.rint((x - offset) / step).astype(np.int64)
+    first = int(k.min())
+    if k.max() - first > 20_000:
+        return None
+    count = np.bincount(k - first).astype(float)
+    often = np.flatnonzero(count >= MANY)
+    if len(often) < LEVELS:
+        return None
+    seen = np.arange(often[0], often[-1] + 1)
+    if count[seen].min() < FEW:  # a code that hardly occurs among those that do
+        return None
+    density, fine = _density(count, seen)
+    between = np.cumsum(density) / np.sum(density)
+    edges = np.interp(np.cumsum(count)[:-1] / count.sum(), between, fine)
+    width = np.diff(edges)[seen[0] : seen[-1] - 1]
+    chance = float(np.mean(1.0 / np.sqrt(count[seen])))
+    scatter = float(np.std(width))
+    if scatter < max(UNEVEN, CHANCE * chance):
+        return None
+    level = np.searchsorted(edges, fine)
+    # a gain or an offset of its own is no error
+    fitted = np.polyval(np.polyfit(level, fine, 1, w=np.sqrt(density)), level)
+    variance = float(np.average((fine - fitted) ** 2, weights=density))
+    return Uneven(edges, first, scatter, variance)
+
+
+def _density(count: Array, seen: Array) -> tuple[Array, Array]:
+    """The smooth density behind the counts of the levels, and the places, in steps, at which it
+    is.
+    """
+    at = np.arange(len(count))
+    middle, size = at[seen].mean(), max(np.ptp(at[seen]) / 2.0, 1.0)
+    order = min(ORDER, len(seen) - 2)
+    fit = np.polyfit((at[seen] - middle) / size, np.log(count[seen]), order, w=np.sqrt(count[seen]))
+    fine = (np.arange(-POINTS, (len(count) + 1) * POINTS) + 0.5) / POINTS - 0.5
+    z = (fine - middle) / size
+    inside = np.clip(z, -1.1, 1.1)
+    # beyond the levels that tell it falls off as it does at their ends
+    slope = np.polyval(np.polyder(fit), inside)
+    log = np.polyval(fit, inside) + np.where(z > 0, np.minimum(slope, -1), np.maximum(slope, 1)) * (
+        z - inside
+    )
+    return np.exp(log - log.max()), fine
