@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from imu_lib import report
+from imu_lib.gap import swallowed
 from imu_lib.gap.summary import sentences
 from imu_lib.gap.table import describe, on_channel
 from imu_lib.plots import gap as plots
@@ -37,6 +38,8 @@ def write(found, path) -> None:
             parts.append(report.paragraph(f"Unexplained: {found.record_unexplained}."))
     for name in names:
         parts += _channel(found, name)
+    if said := swallowed.sentence(found):
+        parts.append(report.paragraph(said))
     clean = [n for n in names if on_channel(found, n).startswith("nothing")]
     if clean:
         said = on_channel(found, clean[0]).partition("nothing")[2].lstrip(": ")
@@ -62,7 +65,6 @@ def _channel(found, name):
         return []
     parts = [report.heading(name), *_steps(result.steps, name)]
     for text, what in (
-        ("The fitted base may have absorbed: ", ", ".join(result.absorbed)),
         ("Unexplained, no effect of the catalogue accounts for it: ", result.unexplained),
         (
             "Beyond chance, yet too small to matter at three standard deviations: ",

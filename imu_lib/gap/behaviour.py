@@ -31,6 +31,9 @@ STRAIGHT, BENT, BEYOND, CROSSED = 0.5, 0.6, 20.0, 0.4
 SECTION = 64
 #: Share of the time from which down half of the power of a band comes in bursts.
 BURSTS = 0.2
+#: Crossings of its mean, and standard deviation of its logarithm, from which on an amplitude
+#: wanders; share of a line's power in one wave.
+CROSSINGS, LITTLE, CARRIER = 6, 0.15, 0.6
 #: Share by which the power at the ends of an episode is less than in its middle, where it rises and
 #: falls.
 LESS = 0.25
@@ -57,6 +60,45 @@ def breathes(x: Array) -> bool:
     rare = chi2.logsf(scatter / chance, blocks - 1) / np.log(10)
     depth = np.sqrt(max(scatter / (blocks - 1) - chance, 0.0)) / max(e.mean() - 1.0, 1e-9)
     return bool(rare < RARE and depth > DEPTH)
+
+
+def wander(x: Array, width: float) -> tuple[float, float] | None:
+    """(standard deviation of the logarithm of the amplitude of a line, its correlation time in s)
+    where the amplitude wanders about a mean; None where it only rises and falls, or turns its sign
+    as that of two lines does.
+
+    Parameters
+    ----------
+    x : ndarray of complex, shape (n,)
+        As above.
+    width : float, Hz
+        Of the band.
+    """
+    power = np.abs(x) ** 2
+    excess = float(power.mean()) - 1.0
+    if not breathes(x):
+        return None
+    # of the line without the noise: mean square one, fourth moment that of a steady one and more
+    square = (float(np.mean(power**2)) - 4.0 * excess - 2.0) / excess**2
+    sd = 0.5 * np.sqrt(np.log(max(square, 1.0 + 1e-6)))
+    if sd < LITTLE:
+        return None
+    z = np.convolve(power - power.mean(), np.ones(SAMPLES) / SAMPLES, "same")
+    crossed = np.count_nonzero(np.diff(np.signbit(z)))
+    lagged = np.correlate(z, z, "full")[len(z) - 1 :] / max(float(z @ z), 1e-300)
+    below = np.flatnonzero(lagged < np.exp(-1.0))
+    if not len(below) or crossed < CROSSINGS:
+        return None
+    return float(sd), float(max(below[0], 1) / width)
+
+
+def carried(x: Array) -> bool:
+    """Whether most of a line (as above) is one steady wave, however its amplitude wanders: of two
+    lines beside one another, which beat, either has half.
+    """
+    n, excess = len(x), float(np.mean(np.abs(x) ** 2)) - 1.0
+    line = float(np.max(np.abs(np.fft.fft(x, 8 * n)) ** 2)) / n**2
+    return bool(excess > 0 and line - 1.0 / n > CARRIER * excess)
 
 
 def sweeps(x: Array, width: float, crossed: float, frequency: float, *, whole: bool) -> bool:

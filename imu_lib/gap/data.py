@@ -49,6 +49,8 @@ class Data:
     blind : ndarray of bool, optional
         Bands that tell nothing: the stop band of a filter, where samples that were filled in are
         stronger than the signal.
+    missing : ndarray of bool, shape (n,), optional
+        Samples that were filled in: they tell nothing of when something happened.
     """
 
     def __init__(
@@ -60,8 +62,10 @@ class Data:
         temperature: Array | None = None,
         extra: Array | None = None,
         blind: Array | None = None,
+        missing: Array | None = None,
     ) -> None:
         self.x, self.fs, self.white, self.blind = x, float(fs), white, blind
+        self.missing = missing
         self.n = len(x)
         self.m = block_length(self.n, self.fs)
         self.duration = self.n / self.fs
@@ -78,6 +82,7 @@ class Data:
             temperature=self.temperature,
             extra=self._extra,
             blind=self.blind,
+            missing=self.missing,
         )
         out._kept = self._kept
         return out

@@ -18,6 +18,9 @@ BLOCKS, MOST = 360, 12
 SHORTEST = 3
 #: Share of the gain of the episodes that what is left between them may have.
 STILL = 0.25
+#: Share of the excess that half of the time between them has, and its standard deviations, from
+#: which on it is there all the time and its amplitude wanders.
+FAINT, SURE = 0.02, 5.0
 
 
 def episodes(power: Array, dof: float, duration: float) -> tuple[tuple[float, float], ...] | None:
@@ -123,5 +126,9 @@ def _worth(
     # fainter, but there all the same
     still = dof * n_off * (outside - np.log1p(outside))
     if still > STILL * dof * n_on * (excess - np.log1p(excess)):
+        return None
+    # median of chi-square values over their degrees of freedom (Wilson and Hilferty 1931)
+    usual = float(np.median(e[~inside])) / (1.0 - 1.0 / (9.0 * dof)) ** 3 - 1.0
+    if usual > max(FAINT * excess, SURE * 1.25 / np.sqrt(dof * n_off)):
         return None
     return gain, runs

@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from imu_lib.gap import mains
 from imu_lib.gap.sources import Source
 from imu_lib.gap.transforms import Transforms
 
@@ -19,16 +20,14 @@ MULTIPLES, SHARE = 40, 0.5
 FAMILY_LINES = 4
 #: Gain from which on a multiple counts that did not stand out by itself.
 WEAK = 6.0
+#: Power over its surroundings of a multiple that fills so many ordinates, and gain of a line that
+#: wanders from which on its multiples are looked for.
+LEAST, MANY, WANDERS = 1.35, 20, 100.0
 #: Width over frequency up to which a source is a line.
 NARROW = 0.04
-#: Frequencies of the mains, Hz, and share by which they (EN 50160: 1 % in 99.5 % of a year, in
-#: minutes a tenth of that) and the clock of a record may be off.
-MAINS, MAINS_OFF = (50.0, 60.0), 5e-3
-
-
-def of_mains(frequency: float, harmonics: int) -> bool:
-    """Whether a family of lines is the hum of the mains."""
-    return harmonics > 1 and any(abs(frequency / f - 1) < MAINS_OFF for f in MAINS)
+#: Multiples of the mains that are looked for where the sampling folds them to, and probability of
+#: as many lines there by chance.
+FOLDED, BY_CHANCE = 20, 1e-2
 
 
 def _slack(s: Source, transforms: Transforms) -> float:
@@ -60,6 +59,9 @@ def grouped(found: list[Source], transforms: Transforms) -> list[Family]:
             break
         out.append(comb)
         left = [s for s in left if s not in comb[1]]
+    for family, gone in _wandering(left, transforms):
+        out.append(family)
+        left = [s for s in left if s not in gone]
     for first in left:
         if any(first in family for _, family in out):
             continue
@@ -74,7 +76,67 @@ def grouped(found: list[Source], transforms: Transforms) -> list[Family]:
             and not any(s in family for _, family in out)
         ]
         out.append((0.0, alike if len(alike) >= FAMILY_LINES else [first]))
-    return _one_cause(out)
+    return _one_cause(_with_folds(out, transforms))
+
+
+def order_of(s: Source, f0: float, transforms: Transforms) -> int:
+    """Which multiple of `f0` Hz a source is, as the sampling shows it."""
+    plain = max(int(round(s.frequency / f0)), 1)
+    if abs(s.frequency - plain * f0) < 0.1 * f0:
+        return plain
+    order = _folded_order(s, f0, _slack(s, transforms), transforms)
+    return plain if order is None else order[0]
+
+
+def _folded_order(
+    s: Source, f0: float, slack: float, transforms: Transforms
+) -> tuple[int, float] | None:
+    """The multiple of `f0` Hz, known to `slack` Hz, that the sampling folds to a source, and the
+    probability that one of those looked for lies as near by chance; None where none does.
+    """
+    fs, chance, found = transforms.fs, 0.0, None
+    for order in range(2, FOLDED + 1):
+        if order * f0 < 0.5 * fs:
+            continue
+        near = _slack(s, transforms) + order * slack
+        chance += 2 * near / (0.5 * fs)
+        if found is None and abs(mains.folded(order * f0, fs) - s.frequency) < near:
+            found = order
+    return None if found is None else (found, min(chance, 1.0))
+
+
+def _with_folds(families: list[Family], transforms: Transforms) -> list[Family]:
+    """The families, that of the mains with its multiples beyond half the sampling rate."""
+    out = list(families)
+    for f0, family in families:
+        first = family[0]
+        if (f0, family) not in out or not (_line(first) and first.whole):
+            continue
+        if len(family) == 1:
+            start = mains.unfolded(first.frequency, transforms.fs)
+            slack = _slack(first, transforms)
+        else:
+            start = f0 if f0 and mains.of_mains(f0, len(family)) else None
+            slack = 0.0
+        if start is None:
+            continue
+        if len(family) > 1:
+            slack = min(_slack(s, transforms) / order_of(s, f0, transforms) for s in family)
+        more: list[tuple[list[Source], float]] = []
+        chance = 1.0
+        for _, single in out:
+            (s, *rest) = single
+            if rest or single is family or not _line(s) or not _together(first, s):
+                continue
+            found = _folded_order(s, start, slack, transforms)
+            if found is not None:
+                more.append(([s], found[1]))
+                chance *= found[1]
+        if more and chance < BY_CHANCE:
+            gone = [family, *(single for single, _ in more)]
+            out = [f for f in out if f[1] not in gone]
+            out.append((start, [s for some in gone for s in some]))
+    return out
 
 
 def _one_cause(families: list[Family]) -> list[Family]:
@@ -168,6 +230,48 @@ def folds(s: Source, families: list[Family], transforms: Transforms) -> bool:
     return False
 
 
+def multiple(
+    order: int, f0: float, family: list[Source], transforms: Transforms
+) -> tuple[float, float]:
+    """Band in Hz of a multiple of `f0` Hz, as the sampling shows it: what wanders by so many Hz
+    does so by a multiple of that there.
+    """
+    best = max(family, key=lambda s: s.gain)
+    own = order_of(best, f0, transforms)
+    if best.bandwidth > 0 and len(family) == 1:
+        low, high = order * best.place.low / own, order * best.place.high / own
+    else:
+        half = max(2.0 / transforms.duration, max(s.bandwidth for s in family))
+        low, high = order * f0 - half, order * f0 + half
+    ends = sorted(mains.folded(f, transforms.fs) for f in (low, high))
+    return ends[0], ends[1]
+
+
+def _wandering(left: list[Source], transforms: Transforms) -> list[tuple[Family, list[Source]]]:
+    """Lines that wander with multiples that do, and the sources in the bands of these: where a
+    multiple passes by it seems to come and go.
+    """
+    out: list[tuple[Family, list[Source]]] = []
+    for s in sorted(left, key=lambda s: s.frequency):
+        taken = [t for _, gone in out for t in gone]
+        if s in taken or not (_line(s) and s.bandwidth > 0 and s.gain > WANDERS):
+            continue
+        orders = weak_lines(s.frequency, [s], transforms)
+        gone = [s]
+        for order in orders:
+            low, high = multiple(order, s.frequency, [s], transforms)
+            gone += [
+                t
+                for t in left
+                if t not in (*gone, *taken)
+                and low - t.bandwidth <= t.frequency <= high + t.bandwidth
+                and set(t.channels) & set(s.channels)
+            ]
+        if len(gone) > 1:
+            out.append(((s.frequency, [s]), gone))
+    return out
+
+
 def weak_lines(
     f0: float, family: list[Source], transforms: Transforms
 ) -> dict[int, dict[str, float]]:
@@ -175,25 +279,32 @@ def weak_lines(
     amplitude}.
     """
     strongest = max(family, key=lambda s: s.gain)
-    have = {int(round(s.frequency / f0)) for s in family}
-    width = max(2.0 / transforms.duration, max(s.bandwidth for s in family))
+    have = {order_of(s, f0, transforms) for s in family}
+    taken = [(s.place.low, s.place.high) for s in family]
     out: dict[int, dict[str, float]] = {}
     missed = 0
     for order in range(1, MULTIPLES + 1):
         f = order * f0
-        if f > 0.49 * transforms.fs or missed > 2:
+        if f > 0.98 * transforms.fs or missed > 2:
             break
+        if 0.49 < f / transforms.fs < 0.51:
+            continue
         if order in have:
             missed = 0
             continue
-        a, b = transforms.ordinates(f - width, f + width)
+        low, high = multiple(order, f0, family, transforms)
+        if any(low <= stop and start <= high for start, stop in taken):
+            continue  # a multiple below half the rate is there
+        taken.append((low, high))
+        a, b = transforms.ordinates(low, high)
         amplitude: dict[str, float] = {}
         gain = 0.0
         for name in strongest.channels:
             z = transforms.z[name][a:b]
             density = transforms.density(name, a, b)
             r = float(np.mean(np.abs(z) ** 2)) * 2 / (transforms.n * transforms.fs) / density
-            own = (b - a) * (r - 1 - np.log(max(r, 1e-9))) if r > 1 else 0.0
+            least = LEAST if b - a > MANY else 1.0  # a slope over many ordinates is no line
+            own = (b - a) * (r - 1 - np.log(max(r, 1e-9))) if r > least else 0.0
             gain += own
             excess = max(r - 1, 0.0) * density * (b - a) / transforms.duration
             amplitude[name] = float(np.sqrt(2 * excess))

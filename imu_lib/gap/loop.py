@@ -8,7 +8,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 
-from imu_lib.gap import axes, ensemble, gauge, once
+from imu_lib.gap import axes, ensemble, gauge, knocked, once
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.moved import as_tilts
@@ -67,7 +67,8 @@ def close(
     told.one("coherence")
     results = _named(about, seed, jobs, told)
     base, grown = _models(about, results)
-    results, moved = as_tilts(once.doubted(axes.agreed(results), about), about)
+    results = knocked.told(once.doubted(axes.agreed(results), about), about)
+    results, moved = as_tilts(results, about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:
         reports = gauge.measured(

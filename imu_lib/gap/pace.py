@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap.families import MAINS
 from imu_lib.gap.forest import level_of
 from imu_lib.gap.imputation import first_fill
+from imu_lib.gap.mains import MAINS
 from imu_lib.gap.steps import Step
 from imu_lib.likelihood.tapered import taper
 from imu_lib.model import Model

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap.families import weak_lines
+from imu_lib.gap import words
+from imu_lib.gap.families import multiple, order_of, weak_lines
 from imu_lib.gap.forest import Forest
+from imu_lib.gap.mains import folded
 from imu_lib.gap.shared_band import Band
 from imu_lib.gap.sources import Source
 from imu_lib.gap.transforms import Transforms
@@ -50,13 +52,14 @@ def of_family(
     names = [n for n in transforms.names if any(n in s.amplitude for s in family)]
     matrix = np.array([[amplitudes[k].get(n, 0.0) for k in keys] for n in names])
     strength, ratios = _factors(matrix)
-    order = max(round(best.frequency / f0), 1) if f0 else 1
+    order = order_of(best, f0, transforms) if f0 else 1
     process = Process(
         frequency=float(f0 or best.frequency),
         amplitude=tuple(float(v) for v in strength),
         bandwidth=float(best.bandwidth / order),
         channels=tuple(names),
         **_lines(f0, keys, ratios),
+        **_wander(best),
     )
     spread = 1.96 * max(best.frequency_sd / order, 1e-9)
     intervals: dict[str, Any] = {
@@ -66,10 +69,9 @@ def of_family(
         [max(0.0, a - 1.96 * _sd(family, n)), a + 1.96 * _sd(family, n)]
         for n, a in zip(names, process.amplitude)
     ]
-    half = max(1.0 / transforms.duration, 0.5 * process.bandwidth)
     bands = _merged(
         [(s.place.low, s.place.high) for s in family]
-        + [(k * f0 - k * half, k * f0 + k * half) for k in weak]
+        + [multiple(k, f0, family, transforms) for k in weak]
     )
     gain, out = float(sum(s.gain for s in family)), []
     spans = [v for v in best.spans if len(best.spans) < 2 or v[1] - v[0] >= shortest]
@@ -78,7 +80,7 @@ def of_family(
     for start, stop in times:
         one = process.with_(start=start, stop=stop)
         share = 1.0 if start is None or stop is None else (stop - start) / total
-        text = where(one, best.strength, transforms.duration)
+        text = where(one, best.strength, transforms.duration, transforms.fs)
         out.append(Shake(one, gain * share, text, intervals, bands))
     return out
 
@@ -91,11 +93,16 @@ def _amplitudes(
     """
     weak = weak_lines(f0, family, transforms) if f0 else {}
     out: dict[float, dict[str, float]] = {
-        int(round(s.frequency / f0)) if f0 else s.frequency: s.amplitude for s in family
+        order_of(s, f0, transforms) if f0 else s.frequency: s.amplitude for s in family
     }
     for order, amplitude in weak.items():
         out[order] = amplitude
     return out, weak
+
+
+def _wander(s: Source) -> dict[str, Any]:
+    """Fields of a process whose amplitude wanders."""
+    return {} if s.wander is None else {"wander": s.wander[0], "wander_time": s.wander[1]}
 
 
 def _lines(f0: float, keys: list[float], ratios: Array) -> dict[str, Any]:
@@ -182,8 +189,8 @@ def of_forest(found: Forest, signal: dict[str, Array], duration: float) -> Shake
     )
 
 
-def where(process: Process, strength: float, duration: float) -> str:
-    """Where it shows, in a sentence."""
+def where(process: Process, strength: float, duration: float, fs: float) -> str:
+    """Where it shows, in a sentence; `duration` s at `fs` Hz."""
     lines = process.frequencies
     decibel = f", {10 * np.log10(1 + strength):.0f} dB above the noise"
     if process.harmonics == 1:
@@ -196,8 +203,17 @@ def where(process: Process, strength: float, duration: float) -> str:
     else:
         count = np.count_nonzero(process.shape)
         what = f"power spectral density at {count} multiples of {process.frequency:.5g} Hz{decibel}"
+        beyond = lines[(process.shape > 0) & (lines > 0.5 * fs)]
+        if len(beyond):
+            what += (
+                f", of which the sampling folds {words.listed([f'{f:.4g}' for f in beyond])} Hz to "
+                f"{words.listed([f'{folded(f, fs):.4g}' for f in beyond])} Hz"
+            )
     if process.bandwidth > 0 and process.harmonics == 1:
         what += f", {process.bandwidth:.2g} Hz wide"
+    if process.wander:
+        size, time = process.wander, process.wander_time
+        what += f", its amplitude wanders by {100 * size:.2g} % over {time:.2g} s"
     what += f", on {_names(process.channels)}"
     if process.start is not None:
         what += f", from {process.start:.0f} to {process.stop:.0f} s"

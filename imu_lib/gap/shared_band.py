@@ -10,6 +10,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from imu_lib.arrays import Array
+from imu_lib.gap.mains import folded
 from imu_lib.processes import Vibration
 
 #: Segments of the record, ordinates of each, and bands that the spectrum is divided into.
@@ -148,7 +149,9 @@ def _free(length: int, fs: float, known: Sequence[Vibration]) -> Array:
     out = np.ones(len(f), bool)
     for process in known:
         for line in process.frequencies:
-            out &= np.abs(f - line) > 1.5 * fs / length + process.bandwidth
+            # at a multiple it wanders by as many times its width
+            width = process.bandwidth * max(line / process.frequency, 1.0)
+            out &= np.abs(f - folded(line, fs)) > 1.5 * fs / length + width
     return out
 
 

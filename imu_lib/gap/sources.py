@@ -13,7 +13,17 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from imu_lib.arrays import Array
-from imu_lib.gap.behaviour import BREATHES, SWEEPS, breathes, coherent, fading, rises, sweeps
+from imu_lib.gap.behaviour import (
+    BREATHES,
+    SWEEPS,
+    breathes,
+    carried,
+    coherent,
+    fading,
+    rises,
+    sweeps,
+    wander,
+)
 from imu_lib.gap.episodes import BLOCKS, episodes
 from imu_lib.gap.felt import beside, felt_on, within
 from imu_lib.gap.narrow_band import Place
@@ -51,6 +61,10 @@ class Source:
     strange: str = ""
     #: Whether a band that several channels show moves in them together.
     coherent: bool = True
+    #: Standard deviation of the logarithm of its amplitude and correlation time in s, where that
+    #: wanders about a mean; whether most of it is one wave all the same.
+    wander: tuple[float, float] | None = None
+    carried: bool = False
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -118,7 +132,18 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
             transforms.duration,
         ),
         bandwidth < NARROW * frequency or coherent([z[name][on] for name in felt]),
+        *_amplitude(wide, best, bandwidth < NARROW * frequency and not spans),
     )
+
+
+def _amplitude(wide: _Wide, best: str, line: bool) -> tuple[tuple[float, float] | None, bool]:
+    """How the amplitude wanders, and whether most of it is one wave, of a `line` that is there all
+    the time.
+    """
+    x = wide.z.get(best)
+    if not line or x is None:
+        return None, False
+    return wander(x, wide.width), carried(x)
 
 
 @dataclass(frozen=True)

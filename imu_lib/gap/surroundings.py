@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from imu_lib.gap import told, words
 from imu_lib.gap.effects.wandering_level import in_short
-from imu_lib.gap.families import of_mains
+from imu_lib.gap.mains import hint, of_mains
 from imu_lib.gap.shakes import FOREST
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ def environment(found: Report, seen: list[tuple[str, Step]], more: str) -> str:
     for _, step in sorted(settled(seen, ("vibration",)), key=lambda item: -(item[1].gain or 0.0)):
         p = step.parameters
         shaken.setdefault((p["frequency"], tuple(p["channels"])), []).append(step)
-    parts += [_shook(episodes) for episodes in list(shaken.values())[:3]]
+    rate = found.record.rate
+    parts += [_shook(episodes, rate) for episodes in list(shaken.values())[:3]]
     if len(shaken) > 3:
         parts.append(f"{len(shaken) - 3} weaker vibrations beside")
     for effect, text in (
@@ -63,8 +64,8 @@ def _louder(step: Step) -> str:
     return in_short(step.where)
 
 
-def _shook(steps: list[Step]) -> str:
-    """One vibration, with all the times at which it was there."""
+def _shook(steps: list[Step], rate: float) -> str:
+    """One vibration, with all the times at which it was there, in a record at `rate` Hz."""
     episodes = [s.parameters for s in steps]
     p, how = episodes[0], steps[0].evidence
     what = f"at {p['frequency']:.4g} Hz"
@@ -76,7 +77,7 @@ def _shook(steps: list[Step]) -> str:
             f"{words.channels(p['channels'])}"
         )
     if p["harmonics"] > 1:
-        what += f" ({p['harmonics']} lines)"
+        what += f" ({lines_of(p)} lines)"
     elif p["bandwidth"] > 0.1 * p["frequency"]:
         what = f"at {p['frequency'] - half:.3g} to {p['frequency'] + half:.3g} Hz"
     if hums(p):
@@ -84,9 +85,16 @@ def _shook(steps: list[Step]) -> str:
     times = sorted((e["from"], e["to"]) for e in episodes if e.get("from") is not None)
     when = words.listed([f"from {a:.0f} to {b:.0f} s" for a, b in times]) if times else ""
     where = f"{' ' + when if when else ''} on {words.channels(p['channels'])}"
+    steady = not times and not p.get("lines") and p["bandwidth"] <= 0.01 * p["frequency"]
+    how = "; ".join(filter(None, (how, hint(p["frequency"], rate) if steady else "")))
     if coupled(p):
         return f"a line {what}{where} couples into the electronics{', ' + how if how else ''}"
     return f"it shook {what}{where}{', ' + how if how else ''}"
+
+
+def lines_of(p: dict[str, Any]) -> int:
+    """Number of lines that a vibration has: not all multiples need be there."""
+    return sum(r > 0 for r in p.get("ratios") or ()) or int(p["harmonics"])
 
 
 def coupled(p: dict[str, Any]) -> bool:

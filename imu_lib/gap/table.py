@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from textwrap import wrap
 
+from imu_lib.gap import swallowed
 from imu_lib.gap.described import describe
 from imu_lib.gap.found import Report
 from imu_lib.gap.steps import Step
@@ -37,12 +38,8 @@ def table(found: Report) -> str:
             f"{'' if r.steps else on_channel(found, name)}"
         )
         lines += _steps(r.steps, name)
-        if r.absorbed:
-            lines += _folded(
-                11,
-                f"fitted base: {', '.join(t.name for t in r.base.terms)}; may have absorbed: "
-                f"{', '.join(r.absorbed)}",
-            )
+        if not found.given:
+            lines += _folded(11, f"fitted base: {', '.join(t.name for t in r.base.terms)}")
         if r.unexplained:
             lines += _folded(11, f"UNEXPLAINED: {r.unexplained}")
         if r.small:
@@ -52,6 +49,7 @@ def table(found: Report) -> str:
         lines += _steps(found.record_steps, "record")
         if found.record_unexplained:
             lines += _folded(11, f"UNEXPLAINED: {found.record_unexplained}")
+    lines += wrap(swallowed.sentence(found), WIDTH)
     lines.append(
         f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from "
         "simulations as they do among themselves."

@@ -90,6 +90,8 @@ class TwoLevels:
     step : float, s
     variance : float
         Of the white noise in these means.
+    states : ndarray, shape (k,)
+        Probability of the upper level in each of them.
     """
 
     process: Telegraph
@@ -101,6 +103,7 @@ class TwoLevels:
     left: np.ndarray
     step: float
     variance: float
+    states: np.ndarray
 
     def differs(self, given: Telegraph, duration: float) -> float:
         """Log-likelihood by which their distance or their flips speak against a `given`
@@ -109,6 +112,29 @@ class TwoLevels:
         distance = np.log(self.process.amplitude / given.amplitude) / self.spread()[0]
         expected, flips = given.rate * duration, max(self.flips, 1e-3)
         return float(max(0.5 * distance**2, flips * np.log(flips / expected) - flips + expected))
+
+    def dwells(self) -> list[tuple[int, int]]:
+        """(first, one behind the last) of the means on one level, one after the other."""
+        upper = self.states > 0.5
+        edge = np.flatnonzero(upper[1:] != upper[:-1]) + 1
+        return list(zip([0, *edge.tolist()], [*edge.tolist(), len(upper)]))
+
+    def own_levels(self) -> float:
+        """Log evidence for a level of its own in each dwell, a step to it each time, against two
+        levels in turn: the means of the dwells about that of their level, under a prior as wide as
+        the jumps.
+        """
+        dwells, total = self.dwells(), 0.0
+        for same in (dwells[::2], dwells[1::2]):
+            size = np.array([last - first for first, last in same], float)
+            mean = np.array([self.left[first:last].mean() for first, last in same])
+            if len(same) < 2:
+                continue
+            sharp = self.process.amplitude**2 * size / self.variance
+            chi = (mean - np.average(mean, weights=size)) ** 2 * size / self.variance
+            total += float(np.sum(0.5 * (chi * sharp / (1.0 + sharp) - np.log1p(sharp))))
+            total += 0.5 * float(np.log1p(sharp.max()))  # one of the levels is free in either
+        return total
 
     def spread(self) -> tuple[float, float]:
         """Standard deviations of the logarithms of distance and rate, from the bend of the
@@ -229,4 +255,4 @@ def decoded(
     signal = a * (path[np.minimum(np.arange(len(x)) // q, k - 1)] - 0.5)
     process = Telegraph(amplitude=float(a), rate=rate)
     unknown = float(4 * np.mean(s * (1 - s)))
-    return TwoLevels(process, signal, unknown, float(flips), beyond, sd, left, q / fs, var)
+    return TwoLevels(process, signal, unknown, float(flips), beyond, sd, left, q / fs, var, s)

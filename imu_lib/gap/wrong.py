@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from imu_lib.faults.rhythm import PASSED, WALKED
 from imu_lib.faults.tilt import angle_in_words
 from imu_lib.gap.faulty import BURSTS
+from imu_lib.gap.knocked import WITH
 
 if TYPE_CHECKING:
     from imu_lib.gap.steps import Step
@@ -21,6 +24,9 @@ JUMPS = ("step", "telegraph")
 #: Confidence below which a name is not told at all (the table has it), and how many doubtful ones
 #: are.
 LEAST, DOUBTS = 0.1, 3
+#: Effects of single moments, and how these end the sentence of where they are.
+TIMED = ("spikes", "stuck", "saturation", "telegraph")
+WHEN = re.compile(r", (?:the largest at|at|from) [\d., andto]+ s$")
 #: m/s^2.
 GRAVITY = 9.80665
 #: Times and parts that are told.
@@ -97,9 +103,9 @@ def sentence(
         if s.effect in LOST:
             parts.append(_lost(s))
         elif s.confidence >= sure or where == "record":
-            parts.append(plain if words is None else words(s.parameters, on))
+            parts.append(plain if words is None else words(s.parameters, on) + _when(s))
         elif s.confidence >= LEAST:
-            doubtful.append(plain)
+            doubtful.append(plain + _otherwise(s))
     parts += _touched([s for _, s in steps if s.effect in TOUCHED])
     parts = list(dict.fromkeys(parts))
     if len(parts) > PARTS:
@@ -119,6 +125,19 @@ def sentence(
     return f"{text[:1].upper()}{text[1:]}."
 
 
+def _when(s: Step) -> str:
+    """When samples were thrown off, frozen or clipped, or two levels took turns, in words."""
+    told = WHEN.search(s.where)
+    return told[0] if told and s.effect in TIMED else ""
+
+
+def _otherwise(s: Step) -> str:
+    """What two levels may be as well, with the times of their flips."""
+    if s.effect not in JUMPS or "step" not in s.indistinguishable:
+        return ""
+    return f" (or so many steps{_when(s)})"
+
+
 def _may_have_moved(s: Step) -> bool:
     """Whether a tilt is another name of a step."""
     return "tilt" in s.indistinguishable
@@ -136,7 +155,8 @@ def _jumps(steps: list[tuple[str, Step]], sure: float) -> tuple[list[str], list[
     for time, found in at.items():
         on = [where for where, _ in found]
         listed = on[0] if len(on) == 1 else f"{', '.join(on[:-1])} and {on[-1]}"
-        parts.append(f"the level jumped on {listed} at {time:.0f} s{_or_tilted(found)}")
+        knocked = " with the knock there" if all(WITH in s.where for _, s in found) else ""
+        parts.append(f"the level jumped on {listed} at {time:.0f} s{knocked}{_or_tilted(found)}")
     told = [s for found in at.values() for _, s in found]
     return parts, [(w, s) for w, s in named if not any(s is t for t in told)]
 
@@ -145,7 +165,14 @@ def _touched(steps: list[Step]) -> list[str]:
     """When it was touched, and when and by how much it was tilted."""
     parts = []
     tilts = sorted((s for s in steps if s.effect == "tilt"), key=lambda s: s.parameters["time"])
-    knocks = sorted(s.parameters["start"] for s in steps if s.effect == "disturbance")
+    shakes = [s for s in steps if s.effect == "disturbance"]
+    for how, who in ((WALKED, "somebody walked by"), (PASSED, "something that passed shook it")):
+        some = [s.parameters for s in shakes if how in s.where]
+        shakes = [s for s in shakes if how not in s.where]
+        when = [f"from {p['start']:.0f} to {p['start'] + p['duration']:.0f} s" for p in some]
+        if when:
+            parts.append(f"{who} {', '.join(when[:TIMES])}")
+    knocks = sorted(s.parameters["start"] for s in shakes)
     if knocks:
         parts.append(f"it was touched or shaken at {_times(knocks)} s")
     parts += [

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 
 from imu_lib.arrays import Array
 from imu_lib.processes import NoiseLevelChange as Stage
@@ -20,6 +22,9 @@ GAIN, HANDICAP = 20.0, 6.0
 #: Log-likelihood by which a shape of the 95 % interval is below the best, shapes that are tried,
 #: and ratios about the best, in logarithms.
 DROP, GRID, RATIOS = 0.5 * 3.84, 25, np.linspace(-0.4, 0.4, 9)
+#: Log-likelihood that a beginning and an end within the record have to bring over a change that
+#: goes on all the time: two parameters, at 95 %.
+WHOLE = 0.5 * 5.99
 #: Trial shapes.
 PLACES = len(BEGINNINGS) * len(LENGTHS)
 
@@ -105,6 +110,9 @@ def fitted(
     bounds = ((-4.0, 4.0), (0.0, 0.8), (np.log(0.2), 0.0))
     options = {"xatol": 1e-3, "fatol": 1e-2, "maxiter": 200}
     r = minimize(loss, best[1], method="Nelder-Mead", bounds=bounds, options=options)
+    plain = _all_the_time(loss, r.x)
+    if loss(plain) < r.fun + WHOLE:
+        r.x, r.fun = plain, loss(plain)
     centred = shape(r.x[1] * whole, np.exp(r.x[2]) * whole)
     centred = centred - centred.mean()
     spread = 1.0 / np.sqrt(max(2.0 * weight * float(centred @ centred), 1e-12))
@@ -126,6 +134,16 @@ def fitted(
         "duration": [float(lengths.min()) - step, min(whole, float(lengths.max()) + step)],
     }
     return -float(r.fun), process, float(spread), when
+
+
+def _all_the_time(loss: Callable[[Array], float], start: Array) -> Array:
+    """The change (logarithm of its ratio, beginning, logarithm of its length, both in shares of the
+    record) of least `loss` of those from the first sample to the last.
+    """
+    r = minimize_scalar(
+        lambda v: loss(np.array([v, 0.0, 0.0])), bracket=(0.9 * start[0], 1.1 * start[0])
+    )
+    return np.array([float(r.x), 0.0, 0.0])
 
 
 EFFECTS = (GradualLevel(),)

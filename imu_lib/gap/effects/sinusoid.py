@@ -8,6 +8,7 @@ from scipy.ndimage import median_filter
 
 from imu_lib.arrays import Array
 from imu_lib.gap.data import Data
+from imu_lib.gap.mains import hint
 from imu_lib.gap.state import MIN_EVIDENCE
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH
@@ -172,7 +173,7 @@ class Sinusoid(SignalEffect):
                 process,
                 float(gain),
                 f"power spectral density at {process.frequency:.6g} Hz, {decibel:.0f} dB above "
-                "the simulated level",
+                f"the simulated level{_perhaps_mains(process.frequency, data.fs)}",
                 {
                     "amplitude": [process.amplitude - 1.96 * sd_a, process.amplitude + 1.96 * sd_a],
                     "frequency": [process.frequency - 1.96 * sd_f, process.frequency + 1.96 * sd_f],
@@ -219,6 +220,12 @@ def _around(data: Data, i: int, level: float, reach: int) -> float:
         [np.arange(max(1, i - reach), i - 2), np.arange(i + 3, min(len(data.z), i + reach + 1))]
     )
     return float(np.mean(np.minimum(np.abs(data.z[near]) ** 2 / data.fs, 12.0 * level)))
+
+
+def _perhaps_mains(frequency: float, fs: float) -> str:
+    """Words for a line where the sampling folds the mains to."""
+    told = hint(frequency, fs)
+    return f" ({told})" if told else ""
 
 
 def _harmonics(found: list[tuple[Finding, Array]]) -> None:

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from imu_lib import timing
 from imu_lib.arrays import Array
 from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.data import Data
+from imu_lib.gap.drifts import Scan
 from imu_lib.gap.state import State
 from imu_lib.processes import Step as Process
 
 from .drift import Drift
+
+#: Blocks about a filled stretch, and no more than its length, within which what was drawn there
+#: moves an edge.
+NEAR = 0.15
 
 
 class Step(Drift):
@@ -55,7 +62,15 @@ class Step(Drift):
         s = state.fit.expected[data.layout.slow :]
         # red noise has edges of its own
         density = max(float(np.median(s)), float(np.median(s[:20]))) / 2
-        edge = sharpen(data.x, data.fs, process.time, data.m / data.fs, amplitude, density)
+        edge = sharpen(
+            data.x,
+            data.fs,
+            process.time,
+            data.m / data.fs,
+            amplitude,
+            density,
+            missing=data.missing,
+        )
         if edge is None:
             return process, {}
         # seen in the samples: the odds fall off on both sides like exp(-|t|)
@@ -65,15 +80,37 @@ class Step(Drift):
     def log_prior(self, state: State, candidate: Candidate) -> float:
         return candidate.note["width"]
 
+    def profiled(self, candidate: Candidate, scan: Scan, data: Data) -> Candidate:
+        candidate = super().profiled(candidate, scan, data)
+        if data.missing is None:
+            return candidate
+        # what was drawn into a hole decides where in it the edge seems to be: all of it is possible
+        low, high = candidate.note["profile"]
+        first, last = timing.runs(data.missing)
+        reach = np.minimum(NEAR * data.m, last - first)
+        touched = (first - 1 - reach <= high * data.fs) & (low * data.fs <= last + reach)
+        wide = [
+            min([low, *(first[touched] - 1) / data.fs]),
+            max([high, *last[touched] / data.fs]),
+        ]
+        return replace(candidate, note={**candidate.note, "profile": [float(v) for v in wide]})
+
     def where(self, state: State, candidate: Candidate) -> str:
         return f"mean of the signal: a jump at {candidate.process.time:.1f} s"
 
 
 def sharpen(
-    x: Array, fs: float, time: float, block: float, amplitude: float, density: float
+    x: Array,
+    fs: float,
+    time: float,
+    block: float,
+    amplitude: float,
+    density: float,
+    *,
+    missing: Array | None = None,
 ) -> tuple[float, float, float] | None:
     """(time, low, high) of an edge near `time`, found to the sample by least squares of two levels
-    in a local window.
+    in a local window, from the samples that are not `missing`.
 
     `density` is N^2 of the white noise around it. The edge stays where it is if the jump does not
     stand out locally.
@@ -84,16 +121,19 @@ def sharpen(
     lo, hi = max(0, i - reach - half), min(len(x), i + reach + half)
     if amplitude**2 * min(half, reach) / fs / density < 12 or hi - lo < 20:
         return None
-    y = x[lo:hi] - x[lo:hi].mean()
-    c = np.cumsum(y)
-    k = np.arange(1, len(y))
-    n = len(y)
-    gain = 0.5 * c[:-1] ** 2 * n / (k * (n - k)) / (density * fs)
+    there = np.ones(hi - lo) if missing is None else 1.0 - missing[lo:hi]
+    if there.sum() < 20:
+        return None
+    c = np.cumsum((x[lo:hi] - np.average(x[lo:hi], weights=there)) * there)[:-1]
+    before = np.cumsum(there)[:-1]
+    n, k = there.sum(), np.arange(1, hi - lo)
+    gain = 0.5 * c**2 * n / np.maximum(before * (n - before), 1.0) / (density * fs)
     inside = (k + lo >= i - reach) & (k + lo <= i + reach)
     gain = np.where(inside, gain, -np.inf)
-    j = int(np.argmax(gain))
-    near = k[gain >= gain[j] - 3.0] + lo
-    return float((k[j] + lo) / fs), float((near.min() - 1) / fs), float((near.max() + 1) / fs)
+    best = k[gain >= gain.max() - 1e-9]  # several where samples are missing
+    edge = int(best[len(best) // 2])
+    near = k[gain >= gain.max() - 3.0] + lo
+    return float((edge + lo) / fs), float((near.min() - 1) / fs), float((near.max() + 1) / fs)
 
 
 EFFECTS = (Step(),)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from imu_lib.arrays import Array
+from imu_lib.gap import words
 from imu_lib.gap.candidate import Assembly, Candidate
-from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, State
+from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, TEMPER, State
 from imu_lib.gap.two_levels import TwoLevels, decoded
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.likelihood.evidence import Maximum, amplitude_occam
@@ -20,6 +21,7 @@ from imu_lib.processes import Telegraph as Process
 
 from .competitor import Competitor, factor, process_parameters
 from .gauss_markov import GaussMarkov
+from .step import Step as Jump
 
 if TYPE_CHECKING:
     from imu_lib.gap.absorbed import FreeBase
@@ -37,6 +39,8 @@ HELD = 4
 AGAIN = 2
 #: Share of the levels' variance that the noise leaves unknown, up to which the samples show them.
 MOST_UNKNOWN = 0.1
+#: Flips up to which a path may as well be so many steps, and flips whose times are told.
+FEW, TOLD = 12, 6
 #: The noise of their spectrum.
 TWIN = GaussMarkov()
 
@@ -104,7 +108,21 @@ class Telegraph(Competitor):
             return None
         if found.process.rate > state.data.fs / MIN_DWELL_SAMPLES:
             return None
+        if found.flips < FEW and found.own_levels() > MIN_EVIDENCE:
+            return None  # it does not come back to where it was
         return self._candidate(state, found, held)
+
+    def alike(self, state: State, candidate: Candidate) -> dict[str, float]:
+        """So many steps, where there are few flips: what has come back to its levels k times does
+        so again with a probability of (k + 1) / (k + 2) (Laplace's rule of succession), and few
+        dwells show no distribution of their lengths.
+        """
+        found = candidate.note["found"]
+        if found.flips >= FEW:
+            return {}
+        back = max(round(found.flips) - 1, 0)
+        odds = 1.0 / (1.0 + np.exp(-found.own_levels() / TEMPER))
+        return {Jump.name: float(max(1.0 / (back + 2), odds))}
 
     @staticmethod
     def _seen(
@@ -200,10 +218,13 @@ class Telegraph(Competitor):
         }
 
     def where(self, state: State, candidate: Candidate) -> str:
-        return (
-            f"distribution of the bias: two levels, about {candidate.note['found'].flips:.0f} "
-            f"flips in {state.data.duration:.0f} s"
+        found = candidate.note["found"]
+        text = (
+            f"distribution of the bias: two levels, about {found.flips:.0f} flips in "
+            f"{state.data.duration:.0f} s"
         )
+        at = [f"{first * found.step:.0f}" for first, _ in found.dwells()[1:]]
+        return f"{text}, at {words.listed(at)} s" if 0 < len(at) <= TOLD else text
 
 
 EFFECTS = (Telegraph(),)

@@ -11,9 +11,10 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.gap import forest, narrow_band, shared_band
 from imu_lib.gap.behaviour import BREATHES, BURSTS, SWEEPS, half_in
-from imu_lib.gap.families import folds, grouped, of_mains
+from imu_lib.gap.families import folds, grouped
 from imu_lib.gap.imputation import first_fill
 from imu_lib.gap.innovations import trend
+from imu_lib.gap.mains import of_mains
 from imu_lib.gap.quieten import quietened
 from imu_lib.gap.shakes import Shake, of_band, of_family, of_forest, of_tone
 from imu_lib.gap.skirts import widened
@@ -146,6 +147,8 @@ class Vibration(Effect):
         s = family[0]
         if len({c for s in family for c in s.channels}) > 1:
             return len(family) > 1 or s.coherent or s.fading < STEADY
+        if len(family) == 1 and s.wander and s.carried and s.strange == BREATHES:
+            return True  # a machine whose load changes: two lines that beat have no such wave
         if len(family) > 1 or s.strange or not s.whole and swept & set(s.channels):
             return False
         return not s.whole or 0 < s.bandwidth < 0.1 * s.frequency and s.fading < STEADY
@@ -249,7 +252,7 @@ def _taken_out(shake: Shake, filled: dict[str, Array], fs: float, rng: np.random
     p = shake.process
     start, stop = p.start or 0.0, p.stop
     for name in p.channels if shake.bands else ():
-        wander = p.bandwidth > 0 and not p.band and p.harmonics == 1
+        wander = p.bandwidth > 0 and not p.band and p.lines is None
         bands = (
             widened(filled[name], fs, shake.bands, start=start, stop=stop)
             if wander
