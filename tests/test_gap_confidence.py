@@ -4,11 +4,12 @@ import json
 import sys
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from imu_lib.gap import measured, steps
+from imu_lib.gap import measured, rounds, steps
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step
@@ -94,3 +95,13 @@ def test_a_change_that_is_as_likely_is_told_with_its_parameter():
     step = Step("gauss_markov", {}, {}, "somewhere", 0.5, **known, changes=changes)
     assert step.rivals == ["flicker", "parameter_change (K of random_walk)"]
     assert step.to_json()["changes"] == [{"process": "random_walk", "name": "K"}]
+
+
+def test_what_looks_like_a_rival_is_one_too():
+    """Levels that the noise buries look like a Gauss-Markov process: both have its weight."""
+    alike = SimpleNamespace(alike=lambda state, item: {"telegraph": 0.5})
+    rival = rounds.Weighed(SimpleNamespace(key="gauss_markov", effect=alike), None, 4.0, 0.0)
+    shared = rounds._rivals([rival], SimpleNamespace(key="gauss_markov_2"), 5.0)
+    alone = rounds._rivals([rival], SimpleNamespace(key="telegraph"), 5.0)
+    assert shared["telegraph"] == shared["gauss_markov"] and alone == {"gauss_markov": -1.0}
+    assert rounds.confidence(shared)[0] == pytest.approx(rounds.confidence(alone)[0])

@@ -127,10 +127,8 @@ def swap(
             if weighed and weighed[0].evidence > own + 0.5:
                 state, changed = retuned(weighed[0].state).settled(), True
                 break
-            others: dict[str, float] = {}
             weighed = [w for w in weighed if w.item.key != item.key]
-            for w in weighed:
-                others[w.item.key] = max(others.get(w.item.key, -np.inf), w.evidence - own)
+            others = _rivals(weighed, item, own)
             two = _by_two(weighed, own, item, exclude, reach)
             if two is not None and two[0] > MIN_EVIDENCE + 0.5:
                 state, changed = retuned(two[1].state).settled(), True
@@ -142,6 +140,21 @@ def swap(
         if not changed:
             return state, rivals
     return state, [{} for _ in state.items] if changed else rivals
+
+
+def _rivals(weighed: list[Weighed], item: Candidate, own: float) -> dict[str, float]:
+    """Log evidence of each candidate, by its key, relative to an item of the evidence `own`; what
+    looks like a candidate, but for the item itself, has its share of it.
+    """
+    out: dict[str, float] = {}
+    for w in weighed:
+        alike = w.item.effect.alike(w.state, w.item)
+        alike = {key: share for key, share in alike.items() if key != item.key}
+        shares = {**alike, w.item.key: 1.0 - sum(alike.values())}
+        for key, share in shares.items():
+            value = w.evidence - own + TEMPER * float(np.log(share))
+            out[key] = max(out.get(key, -np.inf), value)
+    return out
 
 
 def _by_two(
