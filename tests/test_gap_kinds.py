@@ -13,10 +13,12 @@ from imu_lib import faults
 from imu_lib.faults import Finding
 from imu_lib.gap import knocked, mains, swallowed, wrong
 from imu_lib.gap.channel import ChannelResult, analyse
+from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.gap.faulty import ready
 from imu_lib.gap.steps import Step
+from imu_lib.gap.uneven import uneven
 from imu_lib.model import Model
 from imu_lib.processes import Sum, WhiteNoise
 from imu_lib.record import Record
@@ -193,3 +195,47 @@ def test_what_passes_is_one_event():
     (passed,) = [f for f in faults.find(Record(raw, FS)) if f.kind == "disturbance"]
     assert "as of something that passes" in passed.sentence
     assert passed.start < 145 and passed.stop > 155
+
+
+def test_a_converter_with_uneven_steps_is_no_unexplained_grid():
+    """Widths that scatter by a quarter, about the noise: told, and nothing else is found."""
+    rng = np.random.default_rng(13)
+    edges = np.cumsum(1.0 + 0.25 * rng.standard_normal(60)) - 30.0
+    x = np.searchsorted(edges, 2.5 * rng.standard_normal(N)) * 1e-3
+    found = analyse("accel_x", x, FS, None)
+    (step,) = found.steps
+    assert step.effect == "resolution" and "uneven" in step.where and step.confidence > 0.9
+    assert found.unexplained is None
+    steps = uneven(x, 1e-3, 0.0)
+    true = np.diff(edges)[steps.first : steps.first + len(steps.edges) - 1]
+    seen = np.diff(steps.edges)
+    middle = slice(4, -4)  # some hundred samples a level; the smooth density follows them a little
+    assert np.corrcoef(seen[middle], true[middle])[0, 1] > 0.9
+    assert uneven(np.rint(2.5 * rng.standard_normal(N)), 1.0, 0.0) is None
+
+
+def test_a_range_that_is_switched_is_said_and_makes_no_drop_outs():
+    x = np.rint(20 * np.random.default_rng(14).standard_normal(N))
+    x[13_000:] = 32 * np.rint(x[13_000:] / 32)
+    found = analyse("gyro_x", 1e-5 * x, FS, None)
+    assert "last 35 % of the record the steps are 32 times as wide" in found.unexplained
+    other = np.random.default_rng(15).standard_normal(N)
+    assert faults.find(Record({"gyro_x": 1e-5 * x, "gyro_y": other}, FS)) == ()
+
+
+def test_two_streams_that_take_turns_are_said():
+    x = noise(16)
+    x[1::2] *= 1.25
+    found = analyse("gyro_x", x, FS, None)
+    assert "one sample in 2 is 1.2" in found.unexplained
+    assert not [s for s in found.steps if s.confidence >= 0.5]
+
+
+def test_a_clock_that_changes_its_rate_is_told_with_the_time():
+    time = np.r_[np.arange(12_000) / 80.0, 150.0 + np.arange(8000) / 78.4]
+    record = Record({"gyro_x": noise(17)}, 80.0, time=time)
+    (changed,) = [f for f in faults.find(record) if f.kind == "rate"]
+    assert changed.start == pytest.approx(150.0, abs=3.0)
+    assert "from 80 to 78.4 Hz" in changed.sentence
+    found = Jitter().detect(record)
+    assert "changes its rate at 1" in found.doubt

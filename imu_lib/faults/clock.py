@@ -16,6 +16,9 @@ LONG_HOLE, LONG_SAMPLES = 1.0, 20
 MOST_TOLD = 5
 #: Share of a sampling interval from which on grain and jitter of the stamps are told.
 GRAIN, JITTER = 0.05, 0.1
+#: Blocks of the stamps in which their distance is looked at, on each side of a change at the least;
+#: share by which it changes, and scatter over which it is clear.
+CLOCK_BLOCKS, LEVEL, LEAST_CHANGE, CLEAR = 200, 10, 2e-3, 8.0
 #: Largest deviation from a usual output data rate that is an oscillator's, and the least told.
 OSCILLATOR, LEAST_OFF = 0.03, 2e-3
 
@@ -35,7 +38,8 @@ def find(record: Record) -> list[Finding]:
     elif regular is None:
         found += _jitter(record, time)
     if regular is None:
-        found += _rate(record, time)
+        changed = rate_change(time)
+        found += _rate(record, time) if changed is None else [_changed(changed, time)]
     return found
 
 
@@ -179,6 +183,45 @@ def jitter_of(record: Record) -> float | None:
     # slow drift of the clock is no jitter: the scatter of neighbours' steps about the even ones
     step = np.diff(late)[np.diff(slots) == 1]
     return float(np.std(step) / np.sqrt(2)) if step.size else 0.0
+
+
+def rate_change(time: np.ndarray) -> tuple[float, float, float] | None:
+    """(s of the moment, Hz before, Hz after) where the distance of the stamps `time`, shape (n,),
+    changes once for good; None where it keeps, or wanders.
+    """
+    size = len(time) // CLOCK_BLOCKS
+    if size < 8:
+        return None
+    step = np.diff(time)[: size * CLOCK_BLOCKS]
+    step = np.median(step[: len(step) // size * size].reshape(-1, size), axis=1)
+    k = np.arange(LEVEL, len(step) - LEVEL)
+    total = np.cumsum(step)
+    before, after = total[k - 1] / k, (total[-1] - total[k - 1]) / (len(step) - k)
+    best = int(np.argmax((before - after) ** 2 * k * (len(step) - k)))
+    at = k[best]
+    a, b = (float(np.median(part)) for part in (step[:at], step[at:]))
+    rest = np.r_[step[:at] - a, step[at:] - b]
+    usual = 1.4826 * float(np.median(np.abs(rest)))
+    if min(a, b) <= 0 or abs(a / b - 1) < LEAST_CHANGE or abs(a - b) < CLEAR * usual:
+        return None
+    if np.mean(np.abs(rest) > 0.5 * abs(a - b)) > 0.05:
+        return None
+    return float(time[at * size]), 1.0 / a, 1.0 / b
+
+
+def _changed(found: tuple[float, float, float], time: np.ndarray) -> Finding:
+    at, before, after = found
+    return Finding(
+        "rate",
+        (),
+        at,
+        float(time[-1]),
+        {"rate": after, "nominal": before, "ratio": after / before},
+        {"before": before, "after": after},
+        f"The rate changes at {seconds(at)} s from {before:.5g} to {after:.5g} Hz.",
+        "No one rate holds for the whole record: look at its parts by themselves (--start, "
+        "--stop).",
+    )
 
 
 def _rate(record: Record, time) -> list[Finding]:

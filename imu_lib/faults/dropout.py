@@ -121,6 +121,9 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
                 chance += p
             if foreign[at] or not clipped and not _dead_zone(levels, int(at), spread):
                 alone.append(int(at))
+    own = [i for i in dict.fromkeys([*atoms, *alone]) if not foreign[i]]
+    if _coarser(values[own]):  # a part of the record has a coarser grid
+        atoms, alone = ([i for i in some if foreign[i]] for some in (atoms, alone))
     zero = np.flatnonzero(values == 0)
     if len(zero) and count[zero[0]] < 0.5 * count.sum():
         p = levels.value_chance(int(zero[0]), spread)
@@ -135,6 +138,15 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
         "zero_chance": others_chance,
         "alone": alone,
     }
+
+
+def _coarser(values: np.ndarray) -> bool:
+    """Whether values that are too common are the levels of a grid."""
+    if len(values) < 3:
+        return False
+    gap = np.diff(np.sort(values))
+    steps = gap / gap.min()
+    return bool(np.all(np.abs(steps - np.rint(steps)) < 0.02) and np.rint(steps).max() < 3)
 
 
 def _leaps(x: np.ndarray, mask: np.ndarray, least: float) -> bool:

@@ -34,6 +34,10 @@ def moments(sd: float, points: int = 129) -> tuple[Array, Array, Array]:
     return mu, mean, square - mean**2
 
 
+#: Share of the variance after the rounding that was there before, at the least.
+LEAST = 0.02
+
+
 class Rounding:
     """Rounded samples `x`, shape (n,), of fast noise `smooth` on a `grid` (step, offset).
 
@@ -52,7 +56,7 @@ class Rounding:
         after = smooth.sample_variance / self.step**2
         self.coarse = after < 1 / COARSE**2
         added = 1 / 12 if steps is None else steps.variance
-        self.base, self.variance, self.slope = level, max(after - added, 0.0), 1.0
+        self.base, self.variance, self.slope = level, max(after - added, LEAST * after), 1.0
         self.swing: Array | float = 1.0
         if self.coarse and steps is None:
             self._before(level, after)

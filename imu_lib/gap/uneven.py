@@ -15,8 +15,9 @@ from imu_lib.arrays import Array
 MANY, LEVELS, FEW = 200, 5, 20
 #: Order of the smooth density in its logarithm, and points of it a step.
 ORDER, POINTS = 4, 40
-#: By how much the widths scatter before they are uneven, in steps and in what the counts scatter.
-UNEVEN, CHANCE = 0.06, 4.0
+#: By how much the widths scatter before they are uneven, in steps and in what the counts scatter;
+#: beyond the most it is another grid.
+UNEVEN, CHANCE, MOST = 0.06, 4.0, 0.7
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def uneven(x: Array, step: float, offset: float) -> Uneven | None:
     width = np.diff(edges)[seen[0] : seen[-1] - 1]
     chance = float(np.mean(1.0 / np.sqrt(count[seen])))
     scatter = float(np.std(width))
-    if scatter < max(UNEVEN, CHANCE * chance):
+    if not max(UNEVEN, CHANCE * chance) < scatter < MOST:
         return None
     level = np.searchsorted(edges, fine)
     # a gain or an offset of its own is no error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import norm
 
+from imu_lib.faults.clock import rate_change
 from imu_lib.processes import Jitter as Process
 from imu_lib.record import Record
 
@@ -37,6 +38,13 @@ class Jitter(Effect):
             f"timing: the stamps scatter by {1e3 * sd:.3g} ms around an even clock",
             {"sd": [sd * (1 - 1.96 / np.sqrt(2 * n)), sd * (1 + 1.96 / np.sqrt(2 * n))]},
         )
+        changed = rate_change(record.times())
+        if changed is not None:
+            found.doubt = (
+                f"timing: the clock changes its rate at {changed[0]:.1f} s, from {changed[1]:.5g} "
+                f"to {changed[2]:.5g} Hz"
+            )
+            return found
         rho = float(np.corrcoef(late[:-1], late[1:])[0, 1])
         excess = float(np.mean((late / sd) ** 4) - 3)
         if (

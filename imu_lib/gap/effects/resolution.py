@@ -134,7 +134,9 @@ class Resolution(Effect):
         if step < sd / 100 or (step <= 4 * single and step < sd / 20):
             return None  # the number format of the file, not the sensor
         levels, steps = len(np.unique(x)), uneven(x, step, offset)
-        doubt = missing_codes(x, step) if steps is None else None
+        doubt = coarser(x, step)
+        if doubt is None and steps is None:
+            doubt = missing_codes(x, step)
         words = (
             ""
             if steps is None
@@ -149,6 +151,35 @@ class Resolution(Effect):
             doubt=doubt,
             counted=doubt is None,
         )
+
+
+#: Parts of the samples in which the grid is looked at, share of them on a coarser one, and how much
+#: coarser that is at the least.
+PARTS, ON_IT, COARSER = 100, 0.98, 4
+
+
+def coarser(x: Array, step: float) -> str | None:
+    """A sentence where a part of the samples, at the end or at the beginning, has a coarser grid
+    than the rest: the range was switched.
+    """
+    k = np.rint((x - x.min()) / step).astype(np.int64)
+    if k.max() > 200_000 or len(k) < 20 * PARTS:
+        return None
+    for part, whole in ((k[-len(k) // 10 :], k[::-1]), (k[: len(k) // 10], k)):
+        times = int(np.gcd.reduce(np.unique(part) - part.min()))
+        if times < COARSER:
+            continue
+        on = (whole - part.min()) % times == 0
+        share = on[: len(on) // PARTS * PARTS].reshape(PARTS, -1).mean(axis=1)
+        length = int(np.argmax(share < ON_IT))
+        if length < PARTS // 20 or share[length + 1 :].mean() > 0.5 + 1.0 / times:
+            continue
+        which = "first" if whole is k else "last"
+        return (
+            f"distribution of the samples: in the {which} {length} % of the record the steps are "
+            f"{times} times as wide as in the rest"
+        )
+    return None
 
 
 def missing_codes(x: Array, step: float) -> str | None:

@@ -19,6 +19,7 @@ from imu_lib.gap.quieten import quietened
 from imu_lib.gap.shakes import Shake, of_band, of_family, of_forest, of_tone
 from imu_lib.gap.skirts import widened
 from imu_lib.gap.sources import NARROW, Source, sources
+from imu_lib.gap.swaying import apart, of_building
 from imu_lib.gap.transforms import Transforms
 from imu_lib.model import Model
 from imu_lib.processes import Sinusoid as Line
@@ -109,12 +110,14 @@ class Vibration(Effect):
         found = [s for s in sources(places, transforms) if self._is_one(s, given, transforms)]
         swept = {c for s in found if s.strange == SWEEPS for c in s.channels}
         out: list[Shake] = []
-        families = grouped(found, transforms)
+        families = grouped([t for s in found for t in apart(s)], transforms)
         for f0, family in families:
             if len(family) == 1 and folds(family[0], families, transforms):
                 continue  # of a periodic signal, which has a cause or none
             if self._is_vibration(family, swept) or self._hums(f0, family):
                 out += of_family(f0, family, transforms, SHORTEST)
+            elif of_building(family):
+                out += of_family(0.0, family, transforms, SHORTEST)
             elif self._is_tone(family, swept):
                 out.append(of_tone(family[0], transforms))
         return out
