@@ -124,3 +124,126 @@ def test_values_in_a_list_under_the_name_of_the_sensor(tmp_path):
 def test_what_holds_no_samples_or_not_their_unit_is_said(tmp_path, name, content, said):
     with pytest.raises(InputError, match=said):
         opened(tmp_path / name, content, "")
+
+
+def test_rows_of_something_else_under_the_stamps_of_the_table(tmp_path):
+    rows = table(f"__time,{SIX},speed", 1e9 + T, GYRO, ACCEL, [""] * N, form="%.12g").splitlines()
+    rows.pop(0)
+    rows += [f"{1e9 + 0.05 * k + 0.0037:.12g},,,,,,,0.5" for k in range(N // 5)]
+    text = f"__time,{SIX},speed\n" + "\n".join(sorted(rows)) + "\n"
+    found = opened(tmp_path / "a.csv", text, f"{SI} --time-unit s")
+    assert any("something else" in n for n in found.record.notes)
+    assert len(same(found, 100)["gyro"]) == N
+    lost = table(f"time [s],{SIX}", T, GYRO, ACCEL).splitlines()
+    lost[50:150:7] = [r.split(",")[0] + ",,,,,," for r in lost[50:150:7]]
+    found = opened(tmp_path / "b.csv", "\n".join(lost) + "\n", SI)
+    assert found.record.n == N and found.record.missing().sum() == 15
+
+
+def test_units_above_that_contradict_the_headings_are_said(tmp_path):
+    head = "# units: accel m/s^2, gyro rad/s, yaw deg\n# gyro range 250 dps, accel range 8 g\n"
+    names = ",".join(["t_ms", *(f"gyro_{a} (deg/s)" for a in "xyz"), *(f"acc_{a} (m/s^2)" for a in "xyz")])  # fmt: skip
+    found = opened(tmp_path / "a.csv", head + table(names, I * 10, DPS, ACCEL), "")
+    assert any("states rad/s for the gyro, its heading deg/s" in n for n in found.record.notes)
+    same(found, 100)
+    bare = opened(tmp_path / "b.csv", head + table(f"t_ms,{SIX}", I * 10, GYRO, ACCEL), "")
+    assert not any("heading" in n for n in same(bare, 100).notes)
+
+
+def test_messages_of_a_broker_late_and_twice(tmp_path):
+    import json
+
+    lines = [
+        "sensors/imu/07 "
+        + json.dumps(
+            {
+                "ts": 1710252311120 + 10 * int(k),
+                "imu": {
+                    "acc": {a: x for a, x in zip("xyz", ACCEL[k] / 9.80665)} | {"unit": "g"},
+                    "gyr": {a: x for a, x in zip("xyz", DPS[k])} | {"unit": "dps"},
+                },
+            }
+        )  # fmt: skip
+        for k in I
+    ]
+    for at in range(20, N - 20, 50):
+        lines.insert(at + 4, lines.pop(at))
+        lines.insert(at + 9, lines[at + 7])
+    found = opened(tmp_path / "a.log", "\n".join(lines) + "\n", "")
+    assert len(same(found, 100)["gyro"]) == N
+    assert any("out of order" in n for n in found.record.notes)
+
+
+def test_a_second_table_and_frames_of_several_samples(tmp_path):
+    rows = table("", *(np.repeat(np.arange(N // 2), 2), I % 2), ACCEL, GYRO)
+    text = (
+        f"Devices\nFrame,Sub Frame,AX,AY,AZ,GX,GY,GZ\n,,m/s²,m/s²,m/s²,rad/s,rad/s,rad/s\n{rows}\n"
+        "Trajectories\n100\n,,S07:KNE,,,S07:ANK,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n"
+        + table("", I, I % 2, ACCEL * 100, GYRO)
+    )
+    found = opened(tmp_path / "a.csv", text, "--rate 200")
+    assert any("another table" in n for n in found.record.notes)
+    assert len(same(found, 200)["gyro"]) == N
+
+
+def test_numbers_that_touch_here_and_there_and_units_in_cells(tmp_path):
+    down = IN_G * 1000 - [0, 0, 10]
+    rows = "".join(
+        f"{T[k]:8.2f}{w[0]:9.4f}{w[1]:9.4f}{w[2]:9.4f}{a[0]:9.3f}{a[1]:9.3f}{a[2] + (k % 5 == 0) * 20:9.3f}\n"
+        for k, (w, a) in enumerate(zip(DPS, down))
+    )
+    head = "FORMAT (F8.2)\n    TIME   GX   GY   GZ   AX   AY   AZ\n   (S)  (DEG/S)  (DEG/S)  (DEG/S)  (MG)  (MG)  (MG)\n"
+    record = opened(tmp_path / "a.dat", head + rows, "").record
+    assert record.n == N and record["accel_z"].std() == pytest.approx(0.0802, rel=0.1)
+    cells = "t,\u03c9_x,\u03c9_y,\u03c9_z,a_x,a_y,a_z\n" + "".join(
+        f"{T[k]:g} s," + ",".join(f"{v:.8g} rad s^-1" for v in GYRO[k]) + ","
+        + ",".join(f"{v:.8g} m s^-2" for v in ACCEL[k]) + "\n"
+        for k in I
+    )  # fmt: skip
+    same(opened(tmp_path / "b.csv", cells, ""), 100)
+
+
+def test_open_ticks_are_answered_by_the_rate_and_words_of_other_languages(tmp_path):
+    stamp = np.cumsum(np.random.default_rng(2).integers(383, 387, N))
+    found = opened(tmp_path / "a.csv", table(f"timestamp,{SIX}", stamp, GYRO, ACCEL), f"{SI} --rate 104")  # fmt: skip
+    assert found.record.rate == pytest.approx(104, rel=5e-3)
+    with pytest.raises(InputError, match="in no usual unit"):
+        opened(tmp_path / "b.csv", table(f"timestamp,{SIX}", I * 10, GYRO, ACCEL), f"{SI} --rate 50")  # fmt: skip
+    head = "Zaman (sn);" + ";".join(f"A\u00e7\u0131sal H\u0131z {a} (derece/sn)" for a in "XYZ")
+    head += ";" + ";".join(f"\u0130vme {a} (m/s\u00b2)" for a in "XYZ")
+    same(opened(tmp_path / "c.csv", table(head, T, DPS, ACCEL, sep=";").replace(".", ","), ""), 100)
+    wide = "_start,_time,gyro_x_mdps,gyro_y_mdps,gyro_z_mdps,accel_x_mg,accel_y_mg,accel_z_mg"
+    clocks = [f"2024-03-12T14:05:{k / 100:09.6f}Z" for k in I]
+    start = ["2024-03-12T14:00:00Z"] * N
+    same(opened(tmp_path / "d.csv", table(wide, start, clocks, DPS * 1e3, IN_G * 1e3), ""), 100)
+    sheet = table("time [s],ax [m/s^2]", T, ["Sep 81" if k == 250 else f"{v:.6g}" for k, v in enumerate(ACCEL[:, 2])])  # fmt: skip
+    with pytest.raises(InputError, match="a spreadsheet made of a number"):
+        opened(tmp_path / "e.csv", sheet, "")
+    for z, said in (("Sep 81", "made of numbers"), ("low", "holds text")):
+        whole = table(f"time [s],{SIX}", T, GYRO, ACCEL[:, 0], ACCEL[:, 1], [z] * N)
+        if z == "low":
+            assert any(said in n for n in opened(tmp_path / "f.csv", whole, SI).record.notes)
+            continue
+        with pytest.raises(InputError, match=said):
+            opened(tmp_path / "f.csv", whole, SI)
+
+
+def test_a_header_of_several_levels(tmp_path):
+    head = (
+        "sensor,accel,accel,accel,gyro,gyro,gyro,temp\naxis,x,y,z,x,y,z,-\n"
+        "unit,m/s^2,m/s^2,m/s^2,deg/s,deg/s,deg/s,degC\ntime,,,,,,,\n"
+    )
+    text = head + table("", T, ACCEL, DPS, T * 0 + 25)
+    assert same(opened(tmp_path / "a.csv", text, "--time-unit s"), 100).temperature[0] == 25.0
+
+
+def test_a_turntable_keeps_its_unit():
+    from imu_lib.readers import plausibility
+
+    rng = np.random.default_rng(4)
+    w = rng.normal(0, 1e-3, (3000, 3)) + [0, 0, 3.49]
+    a = rng.normal(0, 1e-2, (3000, 3)) - [0, 0, 9.81]
+    told = plausibility.gyro_unit(w, a, 100.0, "rpm", strict=True)
+    assert told is None or not told.refused
+    told = plausibility.gyro_unit(w * 57.3, a, 100.0, "rad/s", strict=True)
+    assert told.refused and told.likely == "deg/s"

@@ -18,7 +18,7 @@ _LIST = re.compile(rf"^\s*[\[({{]\s*({NUMBER}(?:[\s,;]+{NUMBER})+)\s*[\])}}]\s*$
 _FIELD = rf"\w+\s*[=:]\s*{NUMBER}"
 _OBJECT = re.compile(rf"^[\w./ ]*[({{]\s*({_FIELD}(?:[,;\s]+{_FIELD})*)\s*[)}}]$")
 _HEX = re.compile(r"^0[xX]([0-9A-Fa-f]{2,8})$")
-_UNIT = re.compile(rf"^({NUMBER})\s*([A-Za-zµ°%][^\s\d]*(?:[/^²*]\S*)?)$")
+_UNIT = re.compile(rf"^({NUMBER})\s*([A-Za-zµ°%][^\d]*(?:[/^²* -]\S*)*)$")
 _LABELS = ("field", "channel", "signal", "variable", "channelname", "signalname")
 SOME = 60  # rows that are looked at first
 

@@ -33,6 +33,7 @@ OUTPUT_RATES = np.array([2660.0, 3330.0, 3332.0, 6400.0, 6660.0, 6664.0, 6667.0,
 ODDS = 15.0  # the best reading must be this much likelier than the next one
 EPOCH = (9.0e8, 2.3e9)  # s since 1970: 1998 to 2042
 IMPOSSIBLE = 1e-6
+OPEN = 0.05  # weight below which no unit is likely
 SLOW = 21.0  # Hz; below, even stamps that would be in ms are as often ticks of a shorter clock
 UPTIME = 3.2e8  # s, ten years: no device is on for longer, and no record is from before 1980
 #: Clocks of a tenth of a microsecond: seconds from their zero to 1970.
@@ -260,6 +261,12 @@ def _by_rate(stamp, where, likely, rate, hz, step, rate_given) -> Reading | None
         return None
     if is_count(stamp):
         return Reading("counter", None, f"counts the samples; {rate:g} Hz by --rate", False)
+    order = sorted((w for u, w in likely.items() if u not in ("counter", "ticks")), reverse=True)
+    order += [0.0, 0.0]
+    if order[0] < ODDS * order[1] or order[0] < OPEN:  # its unit would be asked for
+        ticks = step * rate
+        said = f"no unit stated: {ticks:.6g} ticks a second make the {rate:g} Hz of --rate"
+        return Reading(f"ticks:{ticks:.10g}", 1.0 / ticks, said, False)
     raise InputError(
         f"{where} steps by {step:.6g}, which makes {rate:g} Hz in no usual unit; give --time-unit "
         f"ticks:{step * rate:.6g} if it counts ticks, "

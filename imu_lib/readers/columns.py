@@ -90,6 +90,7 @@ def _decided(raw: Raw, headings, load, columns, signal, named: bool) -> Raw:
     if named and not columns:
         twins.add_gravity(raw, told, headings, values, load)
         letter_g(raw, told, headings, values)
+        unused.spoiled(raw, told, headings, load)
         raw.unnamed_time = unused.unnamed_time(raw, told, headings, load)
     if interval is not None:
         add_up(raw, told, headings, values, interval)

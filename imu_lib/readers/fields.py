@@ -56,6 +56,12 @@ NULLS = (
 
 
 STAMPS = ("date", "clock", "moment")
+#: What a spreadsheet makes of 9.81 or 2.1: a month with a year or a day.
+MONTH = re.compile(
+    r"^(?:\d{1,2}[. -]+)?(?:jan|feb|mar|mrz|m\u00e4r|apr|ma[iy]|jun|jul|aug|sep|o[ck]t|nov|de[cz])[a-z]*\.?"
+    r"(?:[ -]\d{2,4})?$",
+    re.IGNORECASE,
+)
 
 
 def fields(line: str, delimiter: str | None) -> list[str]:

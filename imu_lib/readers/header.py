@@ -65,10 +65,13 @@ def units_said(lines) -> dict[str, str]:
     """Units that a line of words states for a sensor, as in `gyro in deg/s, accel in g`."""
     out: dict[str, str] = {}
     for line in lines[-40:]:
-        for part in re.split(r"[,;]|\band\b", line.strip("#%/! \t\r\n")):
+        line = line.strip("#%/! \t\r\n")
+        listed = re.match(r"^units?\s*[:=]\s*", line, re.IGNORECASE)  # units: accel g, gyro deg/s
+        between = r"\s" if listed else r"\bin\b|:|=|\bunits?\b"
+        for part in re.split(r"[,;]|\band\b", line[listed.end() if listed else 0 :]):
             said = re.match(
-                r"^(.{3,40}?)\s*(?:\bin\b|:|=|\bunits?\b)[\s:=]*[\[(]?\s*([^\s\])]+(?: per "
-                r"\w+)?)\s*[\])]?\.?\s*$",
+                rf"^\s*(.{{3,40}}?)\s*(?:{between})[\s:=]*[\[(]?\s*([^\s\])]+(?: per \w+)?)\s*"
+                r"[\])]?\.?\s*$",
                 part,
             )
             for sensor, word in _SENSORS.items():
@@ -143,6 +146,8 @@ def header_of(lines, first, delimiter, width):
             re.sub(r"\s*[\[(]\s*Hz\s*[\])]", "", pair[1], flags=re.IGNORECASE).strip(" :=,;\t")
         ):
             rate = float(pair[2])
+    if header and (levels := _levels(lines[:first], delimiter, header)):
+        return *levels, rate
     if header and unit_row is None:
         unit_row = _listed(lines[:first], width)
     if header and delimiter is None and len(header) != width:
@@ -152,6 +157,25 @@ def header_of(lines, first, delimiter, width):
     if header is None and unit_row is not None:
         header, unit_row = unit_row, None
     return header, unit_row, rate
+
+
+def _levels(lines, delimiter, header):
+    """Names and units of a header in several rows, the last of which names the index alone, as
+    pandas writes columns of several levels; None where it is no such header.
+    """
+    if not header[0] or any(header[1:]):
+        return None
+    fits = [_fit(line.strip(" \r\n"), delimiter, len(header)) for line in lines]
+    at = max(i for i, row in enumerate(fits) if row == list(header))
+    rows: list[list[str]] = []
+    while at and (row := fits[at - 1]) is not None:
+        rows.insert(0, row)
+        at -= 1
+    units = next((row for row in rows if _all_units(row[1:])), None)
+    named = [row for row in rows if row is not units]
+    joined = (" ".join(r[i] for r in named if r[i] != "-").strip() for i in range(1, len(header)))
+    told = (header[0], *joined)
+    return (told, units and ("", *units[1:])) if named else None
 
 
 def _listed(lines, width: int) -> tuple[str, ...] | None:

@@ -9,6 +9,7 @@ import json
 
 import numpy as np
 
+from imu_lib.readers import names
 from imu_lib.readers.arrays import from_arrays
 from imu_lib.readers.raw import Raw
 
@@ -28,7 +29,7 @@ def read_json(data: bytes, source: str, columns, signal) -> Raw | None:
         return None
     found, rate = _split(_samples(found)), _interval(found)
     if isinstance(found, list):
-        found = _columns(found)
+        found = _with_units(_columns(found))
     arrays = {}
     for key, value in _leaves(found, ""):
         x = np.asarray(value)
@@ -134,6 +135,23 @@ def _columns(rows: list) -> dict:
             for v in values
         ):
             out[key] = [blank if v is None else v for v in values]
+    return out
+
+
+def _with_units(columns: dict) -> dict:
+    """Columns with the unit that stands beside them under a key of its own, the same in every
+    sample: {"x": 0.1, "y": 0.2, "z": 9.8, "unit": "m/s^2"}.
+    """
+    out = dict(columns)
+    for key, values in columns.items():
+        parent, _, leaf = key.rpartition(".")
+        if leaf not in ("unit", "units") or len(set(map(str, values))) != 1:
+            continue
+        if names.unit_of(str(values[0])) is None:
+            continue
+        out.pop(key)
+        beside = [k for k in columns if k.rpartition(".")[0] == parent and k != key]
+        out = {f"{k} [{values[0]}]" if k in beside else k: v for k, v in out.items()}
     return out
 
 

@@ -128,6 +128,11 @@ def _of_text(data: bytes, path: Path, table) -> Raw:
         found = json_tables.read_json(data, str(path), *table.values())
         if found is not None:
             return found
+    if re.match(rb"[^\s{\[,;]{1,80}\s+\{.*\}\s*\n[^\s{\[,;]{1,80}\s+\{", data[:4000]):
+        # a broker's client prints the topic before each message
+        messages = re.sub(rb"(?m)^[^\s{\[,;]{1,80}\s+(?=\{)", b"", data)
+        if (found := json_tables.read_json(messages, str(path), *table.values())) is not None:
+            return found
     if re.match(rb"\s*<(?:!doctype html|html)", data[:200], re.IGNORECASE):
         raise InputError(
             f"{path} is a web page, no table: the address gave a page in the place of the file; "

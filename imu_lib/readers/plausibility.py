@@ -26,6 +26,7 @@ NOISY = 2.5e-3  # rad/s/sqrt(Hz), 8.6 deg/sqrt(h): hardly any gyro at rest has m
 #: units.
 RATIO = (12.0, np.log(3.0))
 GYRO_BIAS = (0.1, 0.7)  # rad/s where a bias begins to be unusual, spread of its logarithm above it
+MOST_OF_BIAS = 5.0  # log-odds that a bias may count against a unit
 OPTICAL = (
     5e-6  # rad/s/sqrt(Hz), 0.017 deg/sqrt(h): below, only fibre-optic and ring-laser gyros are
 )
@@ -226,7 +227,8 @@ def _score(still: float, bias: float, noise: float | None, rate: float) -> float
         if noise:
             out -= 0.5 * (np.log(noise / still / RATIO[0]) / RATIO[1]) ** 2
     if bias > GYRO_BIAS[0]:
-        out -= 0.5 * (np.log(bias / GYRO_BIAS[0]) / GYRO_BIAS[1]) ** 2
+        # a turntable turns as evenly as a bias is constant: that alone refuses no unit
+        out -= min(0.5 * (np.log(bias / GYRO_BIAS[0]) / GYRO_BIAS[1]) ** 2, MOST_OF_BIAS)
     return out
 
 

@@ -142,12 +142,35 @@ class Lines:
         )
         return True
 
+    def _one_table(self, layout) -> None:
+        """Leave out a second table, with a header of its own, that stands below the first."""
+        at = self.data.find(b"\n\n") if b"\r\n\r\n" not in self.data else -1
+        at = self.data.find(b"\r\n\r\n") if at < 0 else at
+        named = {n for n in layout.header or () if n}
+        rows = self.data.split(b"\n") if at >= 0 and len(named) > 3 else []
+        for i in range(layout.first + 2, len(rows) - 1):
+            if rows[i].strip() or _BEGINS.match(rows[i + 1]) or not rows[i + 1].strip():
+                continue
+            heads = []
+            for r in rows[i + 1 : i + 7]:
+                if _BEGINS.match(r) and b"," in r:
+                    break
+                heads.append([f for f in layout.split(r.decode(layout.encoding, "replace")) if f])
+            texts = [h for h in heads if all(fields.kind(f) == "text" for f in h)]
+            other = [h for h in texts if len(h) > 2 and set(h) != named]
+            if other and not any(set(h) == named for h in heads) and len(heads) < 6:
+                said = rows[i + 1].decode(layout.encoding, "replace").strip()[:40]
+                self.data = b"\n".join(rows[:i]) + b"\n"
+                self.notes += (f"Below line {i + 1} stands another table ({said!r}), left out.",)
+                return
+
     def trim(self, layout) -> bool:
         """Leave out what a logger writes between and below the rows: its header again, and words
         at the end. Whether anything was left out.
         """
         if self.places is not None or layout.encoding == "utf-16":
             return False
+        self._one_table(layout)
         tail = self.data[-4096:].rstrip().split(b"\n")
         words = next((k for k, r in enumerate(reversed(tail)) if not _words(r, layout)), 0)
         top = self.data[: fields.HEAD].split(b"\n")[: layout.first]
@@ -253,6 +276,11 @@ def _complaint(line: bytes, layout) -> bool:
 
 def _glued(data: bytes) -> bool:
     """Whether numbers of a fixed width touch each other where one is negative."""
-    rows = [r for r in data[:8192].split(b"\n")[2:-1] if r.strip()][:20]
+    rows = [r for r in data[:8192].split(b"\n")[8:-1] if r.strip()][:40]
     found = [len(re.findall(rb"\d\.\d+-\d", r)) for r in rows]
-    return len(rows) > 3 and all(found) and not any(re.search(rb"[A-Za-z:,;]", r) for r in rows)
+    if len(rows) < 4 or sum(map(bool, found)) < 2:
+        return False
+    if any(re.search(rb"[A-Za-z:,;]", r) for r in rows):
+        return False
+    apart = [len(re.sub(rb"(?<=[\d.])-(?=[\d.])", b" -", r).split()) for r in rows]
+    return len(set(apart)) == 1

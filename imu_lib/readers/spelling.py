@@ -61,7 +61,7 @@ _SPELLED = {
     "rad/s": "rad/s rad/sec rad/second rads radps rad*s^-1 rads^-1 rads-1 rad*s-1 r/s rad_s "
     "rad_per_s",
     "deg/s": "deg/s deg/sec deg/second dps degps degs^-1 degs-1 deg*s^-1 deg*s-1 degree/s "
-    "degrees/s degree/sec degrees/sec degrees/second d/s deg_s deg_per_s grad/s gradi/s",
+    "derece/s derece/sn deg/sn grados/s graus/s graden/s grader/s st/s stopni/s degres/s degrees/s degree/sec degrees/sec degrees/second d/s deg_s deg_per_s grad/s gradi/s",
     "deg/h": "deg/h deg/hr deg/hour degrees/hour degree/hour dph degph deg_h deg_hr",
     "deg/min": "deg/min degrees/min",
     "mdps": "mdps mdeg/s mdeg/sec millidps millideg/s mdegs^-1",
@@ -72,7 +72,7 @@ _SPELLED = {
     "rps": "rps",  # radians or revolutions: asked
     "arcsec/s": "arcsec/s as/s",
     "urad/s": "urad/s microrad/s",
-    "m/s^2": "m/s^2 m/s2 m/s/s mps2 mps^2 ms^-2 ms-2 m*s^-2 m*s-2 m/sec^2 m/sec2 m/s**2 ms2 m_s2 "
+    "m/s^2": "m/s^2 m/sn^2 m/s2 m/s/s mps2 mps^2 ms^-2 ms-2 m*s^-2 m*s-2 m/sec^2 m/sec2 m/s**2 ms2 m_s2 "
     "m_per_s2 meters/second^2 m/s/sec n/kg meter/s^2 metre/s^2 meters/s^2",
     "g": "g g0 gn gs g's gee gees standard_gravity g-force gforce g-unit g-units g_unit g_units",
     "mg": "mg milli-g millig mgs mgee mg0",
@@ -82,7 +82,7 @@ _SPELLED = {
     "mGal": "mgal milligal",
     "ft/s^2": "ft/s^2 ft/s2 ft/sec^2 feet/s^2 fts^-2",
     "s": "s sec secs second seconds unix_time unix_seconds epoch_seconds sek sekunde sekunden "
-    "seconde secondes segundo segundos secondi secondo s. с сек 秒 초",
+    "seconde secondes segundo segundos secondi secondo saniye sn s. с сек 秒 초",
     "cs": "cs csec centisecond centiseconds",
     "ms": "ms msec msecs millis millisec millisecs millisecond milliseconds millisekunden 毫秒",
     "us": "us usec usecs micros microsec microsecs microsecond microseconds mikrosekunden 微秒",

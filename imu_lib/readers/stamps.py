@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, clock, names, numerals
+from imu_lib.readers import calendar, clock, names, numerals, streams
 from imu_lib.readers.grain import grain
 from imu_lib.readers.rated import Timing, even, rated
 from imu_lib.readers.raw import Raw
@@ -114,6 +114,9 @@ def _untimed(raw: Raw, rate, n) -> Timing:
             f"{raw.source} has no time column{beside} and states no rate; give --rate HZ."
         )
     rate = float(rate)
+    if count and (np.diff(np.asarray(raw.columns["counter"], dtype=float)) == 0).mean() > 0.3:
+        raw.drop("counter", "it counts frames of several samples each")
+        count = False
     if count:
         time = counted(raw, "counter", rate)
         raw.told("counter", None, f"counts the samples: {rate:g} Hz by --rate")
@@ -145,6 +148,8 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     if not (order == np.arange(len(order))).all():
         for c in list(raw.columns):
             raw.columns[c] = raw.columns[c][order]
+        once = streams.once(raw, relative)  # what came twice stands side by side now
+        relative = relative[once]
     keep = np.arange(len(relative))
     raw.repeats = int((np.diff(relative) == 0).sum())
     unit = raw.units["time"] if time_unit else raw.unit("time")  # what the call says wins

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imu_lib.readers import looks
 from imu_lib.readers.meaning import WORD
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.side_by_side import merge, slow_kind
@@ -18,6 +19,7 @@ __all__ = ["drop_copies", "held", "kind_of", "merge", "part", "separate", "slow_
 
 PAIR = {"gyro": ("gyro", "dtheta"), "accel": ("accel", "dv")}
 _STAMPS = ("time", "date", "clock", "counter", "time_accel")
+LEAST_OTHERS = 0.02  # share of rows between the others that may be of something else
 COPIES = 0.02  # share of the rows that may be copies without a word
 MOST_RUNS = 0.95  # share of the runs of one value that must have the usual length
 
@@ -140,6 +142,20 @@ def drop_copies(raw: Raw) -> None:
     same = np.logical_and.reduce([x[1:] == x[:-1] for x in stamps])
     if not same.any():
         return
+    twice = _repeated(raw)
+    by_chance = float(twice[~same].mean()) if (~same).any() else 0.0
+    if twice[same].mean() < 0.98 or by_chance > 0.3:
+        return
+    _leave_out(raw, same & twice)
+
+
+def once(raw: Raw, stamp: np.ndarray) -> np.ndarray:
+    """Leave out rows that repeat stamp and values of the row before; the rows that are kept."""
+    return _leave_out(raw, (np.diff(stamp) == 0) & _repeated(raw))
+
+
+def _repeated(raw: Raw) -> np.ndarray:
+    """Whether each row but the first has the readings of the row before."""
     twice = np.ones(raw.rows() - 1, dtype=bool)
     for kind in PAIR:
         for x in _channels(raw, kind):
@@ -147,14 +163,19 @@ def drop_copies(raw: Raw) -> None:
             if x.dtype.kind == "f":
                 equal |= np.isnan(x[1:]) & np.isnan(x[:-1])
             twice &= equal
-    by_chance = float(twice[~same].mean()) if (~same).any() else 0.0
-    if twice[same].mean() < 0.98 or by_chance > 0.3:
-        return
-    raw.notes += (
-        f"{int((same & twice).sum()):,} rows are copies of the row before (same time, same "
-        "values) and were left out.",
-    )
-    without(raw, np.flatnonzero(np.r_[True, ~(same & twice)]))
+    return twice
+
+
+def _leave_out(raw: Raw, copies: np.ndarray) -> np.ndarray:
+    """Leave out copies of the row before, with a word; the rows that are kept."""
+    kept = np.flatnonzero(np.r_[True, ~copies])
+    if copies.any():
+        raw.notes += (
+            f"{int(copies.sum()):,} rows are copies of the row before (same time, same values) and "
+            "were left out.",
+        )
+        without(raw, kept)
+    return kept
 
 
 def _drop_blanks(raw: Raw) -> None:
@@ -162,15 +183,25 @@ def _drop_blanks(raw: Raw) -> None:
     table whose other columns are longer.
     """
     time = raw.columns.get("time", np.zeros(0))
-    if time.dtype.kind != "f" or not np.isnan(time).any():
+    if time.dtype.kind not in "fiu" or not time.size:
         return
-    blank = np.isnan(time) & empty(raw, PAIR)
-    if blank.any() and not blank.all():
-        raw.notes += (
-            f"{int(blank.sum()):,} rows have neither a stamp of the sensor nor a reading: they are "
-            "of something else in the table, and were left out.",
-        )
-        without(raw, np.flatnonzero(~blank))
+    blank = empty(raw, PAIR)
+    unstamped = np.isnan(time) if time.dtype.kind == "f" else np.zeros(len(time), dtype=bool)
+    if blank.all() or not blank.any():
+        return
+    said = "neither a stamp of the sensor nor a reading"
+    if not (blank & unstamped).any():
+        # stamps that are even without these rows and uneven with them: not of the sensor
+        spread = looks.unevenness(time), looks.unevenness(time[~blank])
+        if blank.mean() < LEAST_OTHERS or spread[0] < 0.3 or spread[1] > 0.3 * spread[0]:
+            return
+        said, unstamped = "no reading, and stamps between those of the readings", blank
+    others = blank & unstamped
+    raw.notes += (
+        f"{int(others.sum()):,} rows have {said}: they are of something else in the table, and "
+        "were left out.",
+    )
+    without(raw, np.flatnonzero(~others))
 
 
 def _drop_events(raw: Raw, stamps: list[np.ndarray]) -> None:

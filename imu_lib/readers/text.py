@@ -19,6 +19,7 @@ from imu_lib.readers import calendar, fields, formats, headerless, names, scales
 from imu_lib.readers import layout as lay
 from imu_lib.readers.columns import Heading, decide
 from imu_lib.readers.header import legend
+from imu_lib.readers.meaning import WORD
 from imu_lib.readers.raw import Raw
 from imu_lib.readers.source_text import Lines
 from imu_lib.readers.spelling import unwrapped
@@ -97,8 +98,15 @@ def _by_the_lines_above(raw: Raw, layout) -> None:
         raw.rate = layout.rate_said
         raw.notes += (f"A line above the table states {raw.rate:g} Hz.",)
     for kind, unit in layout.said.items():
+        headed = {raw.units[c] for c in raw.axes(kind)} - {None}
         if raw.state(kind, unit, "by a line above the table"):
             raw.notes += (f"A line above the table states {unit} for the {kind}.",)
+        elif headed and headed != {unit}:
+            raw.notes += (
+                f"A line above the table states {unit} for the {WORD[kind]}, its heading "
+                f"{' and '.join(sorted(headed))}: the heading was taken; --{kind}-unit says "
+                "otherwise.",
+            )
 
 
 def _labels_as_header(lines, layout):
@@ -266,6 +274,12 @@ def _explain(path, lines, layout, wanted):
                 continue
             if got not in (want, "empty") and not (want == "empty" and got == "number"):
                 heading = f" ({layout.header[i]})" if layout.header else ""
+                if fields.MONTH.match(row[i]):
+                    raise InputError(
+                        f"{path}, line {number}, column {i + 1}{heading}: {row[i][:30]!r} is a "
+                        "date that a spreadsheet made of a number (Sep 81 of 9.81); take the file "
+                        "that it was made from."
+                    )
                 raise InputError(
                     f"{path}, line {number}, column {i + 1}{heading}: {row[i][:30]!r} is not a "
                     f"{want if want != 'empty' else 'number'}; "

@@ -100,7 +100,7 @@ def one_time(raw: Raw, told, headings, values) -> list[Meaning]:
         out[hours[0]] = Meaning("time", unit="h", why="hours with their fraction")
         times = hours
     if not times:
-        return _one_calendar(out, headings)
+        return _one_calendar(out, headings, values)
     grouped = {out[i].group for i in times if out[i].group}
     if len(grouped) == 2 and len(times) == 2:
         for i in times:
@@ -207,11 +207,12 @@ def _stands(x) -> bool:
     return x.dtype.kind in "fiu" and len(x) > 1 and not (x != x[0]).any()
 
 
-def _one_calendar(out, headings) -> list[Meaning]:
+def _one_calendar(out, headings, values) -> list[Meaning]:
     """One date and one clock; a moment (date and clock in one) needs no clock beside it."""
     for quantity in ("date", "clock"):
         there = sorted(
-            (i for i, m in enumerate(out) if m.quantity == quantity), key=lambda i: out[i].rank
+            (i for i, m in enumerate(out) if m.quantity == quantity),
+            key=lambda i: (len(set(values.get(i, ())[:1000])) < 2, out[i].rank),
         )
         for i in there[1:]:
             out[i] = Meaning(why=f"`{headings[there[0]].name}` is the {quantity}")

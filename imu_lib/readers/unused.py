@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import looks, names
+from imu_lib.readers import fields, looks, names
 from imu_lib.readers.asking import suggestion
 from imu_lib.readers.meaning import WORD, Meaning
 from imu_lib.readers.raw import Raw
@@ -101,6 +101,26 @@ def say(raw: Raw, told: list[Meaning], headings) -> None:
                 "are not used, their names are not known here "
                 "(--columns names columns by position).",
             )
+
+
+def spoiled(raw: Raw, told: list[Meaning], headings, load) -> None:
+    """A word on columns that are named for readings and hold text, where no other column is that
+    reading; InputError where a spreadsheet made dates of their numbers.
+    """
+    for i, h in enumerate(headings):
+        named = names.meaning(h.name)
+        if h.kind != "text" or named.quantity not in names.SIGNALS or not named.axis:
+            continue
+        if any(m.canonical == named.canonical for m in told):
+            continue
+        some = [str(x) for x in load([i])[i][:400]]
+        dates = [x for x in some if fields.MONTH.match(x)]
+        if dates:
+            raise InputError(
+                f"{raw.source}: `{h.name}` holds dates that a spreadsheet made of numbers "
+                f"({dates[0]!r}: Sep 81 of 9.81); take the file that it was made from."
+            )
+        raw.notes += (f"`{h.name}` holds text ({some[0][:20]!r}) and was left out.",)
 
 
 def lost(found) -> str | None:
