@@ -38,9 +38,12 @@
     const columns = lines.filter((line) => /\S {2,}\S/.test(line.trim())).length;
     pre.classList.toggle("wraps", 2 * columns <= lines.length);
   }
-  // a drawing of several panels is marked: on a phone it keeps its size
+  // a drawing of several panels is marked: on a phone it keeps its size and is swiped
   function mark(img) {
-    const wide = () => img.classList.toggle("panels", img.naturalWidth > 700);
+    const wide = () => {
+      img.classList.toggle("panels", img.naturalWidth > 700);
+      (img.closest(".output") || img.parentElement).classList.toggle("swiped", img.naturalWidth > 700);
+    };
     if (img.complete) wide();
     else img.addEventListener("load", wide);
   }
