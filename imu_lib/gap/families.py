@@ -8,12 +8,18 @@ from itertools import combinations
 
 import numpy as np
 
-from imu_lib.gap import mains
+from imu_lib.gap.multiples import (
+    Family,
+    is_line,
+    multiple,
+    off_by,
+    order_of,
+    together,
+    with_folds,
+)
 from imu_lib.gap.sources import Source
 from imu_lib.gap.transforms import Transforms
 
-#: (fundamental in Hz or 0, its sources).
-Family = tuple[float, list[Source]]
 #: Multiples that are looked for, and how many lines of a comb have to be there.
 MULTIPLES, SHARE = 40, 0.5
 #: Lines of the same channels from which on they are one finding, multiples or not.
@@ -23,31 +29,6 @@ WEAK = 6.0
 #: Power over its surroundings of a multiple that fills so many ordinates, and gain of a line that
 #: wanders from which on its multiples are looked for.
 LEAST, MANY, WANDERS = 1.35, 20, 100.0
-#: Width over frequency up to which a source is a line.
-NARROW = 0.04
-#: Multiples of the mains that are looked for where the sampling folds them to, and probability of
-#: as many lines there by chance.
-FOLDED, BY_CHANCE = 20, 1e-2
-
-
-def _slack(s: Source, transforms: Transforms) -> float:
-    """How far off the frequency of a source may be, Hz."""
-    return max(3 * s.frequency_sd, 0.5 * s.bandwidth, 1.5 / transforms.duration)
-
-
-def _line(s: Source) -> bool:
-    return s.bandwidth <= NARROW * s.frequency
-
-
-def _together(a: Source, b: Source) -> bool:
-    """Whether two sources share a channel and the time."""
-    if not set(a.channels) & set(b.channels):
-        return False
-    if a.whole or b.whole:
-        return a.whole and b.whole
-    (start, stop), (first, last) = ((s.spans[0][0], s.spans[-1][1]) for s in (a, b))
-    shared = min(stop, last) - max(start, first)
-    return shared > 0.6 * max(stop - start, last - first)
 
 
 def grouped(found: list[Source], transforms: Transforms) -> list[Family]:
@@ -68,75 +49,15 @@ def grouped(found: list[Source], transforms: Transforms) -> list[Family]:
         alike = [
             s
             for s in left
-            if _line(s)
-            and _line(first)
+            if is_line(s)
+            and is_line(first)
             and s.whole
             and first.whole
             and len(set(s.channels) & set(first.channels)) >= 2
             and not any(s in family for _, family in out)
         ]
         out.append((0.0, alike if len(alike) >= FAMILY_LINES else [first]))
-    return _one_cause(_with_folds(out, transforms))
-
-
-def order_of(s: Source, f0: float, transforms: Transforms) -> int:
-    """Which multiple of `f0` Hz a source is, as the sampling shows it."""
-    plain = max(int(round(s.frequency / f0)), 1)
-    if abs(s.frequency - plain * f0) < 0.1 * f0:
-        return plain
-    order = _folded_order(s, f0, _slack(s, transforms), transforms)
-    return plain if order is None else order[0]
-
-
-def _folded_order(
-    s: Source, f0: float, slack: float, transforms: Transforms
-) -> tuple[int, float] | None:
-    """The multiple of `f0` Hz, known to `slack` Hz, that the sampling folds to a source, and the
-    probability that one of those looked for lies as near by chance; None where none does.
-    """
-    fs, chance, found = transforms.fs, 0.0, None
-    for order in range(2, FOLDED + 1):
-        if order * f0 < 0.5 * fs:
-            continue
-        near = _slack(s, transforms) + order * slack
-        chance += 2 * near / (0.5 * fs)
-        if found is None and abs(mains.folded(order * f0, fs) - s.frequency) < near:
-            found = order
-    return None if found is None else (found, min(chance, 1.0))
-
-
-def _with_folds(families: list[Family], transforms: Transforms) -> list[Family]:
-    """The families, that of the mains with its multiples beyond half the sampling rate."""
-    out = list(families)
-    for f0, family in families:
-        first = family[0]
-        if (f0, family) not in out or not (_line(first) and first.whole):
-            continue
-        if len(family) == 1:
-            start = mains.unfolded(first.frequency, transforms.fs)
-            slack = _slack(first, transforms)
-        else:
-            start = f0 if f0 and mains.of_mains(f0, len(family)) else None
-            slack = 0.0
-        if start is None:
-            continue
-        if len(family) > 1:
-            slack = min(_slack(s, transforms) / order_of(s, f0, transforms) for s in family)
-        more: list[tuple[list[Source], float]] = []
-        chance = 1.0
-        for _, single in out:
-            (s, *rest) = single
-            if rest or single is family or not _line(s) or not _together(first, s):
-                continue
-            found = _folded_order(s, start, slack, transforms)
-            if found is not None:
-                more.append(([s], found[1]))
-                chance *= found[1]
-        if more and chance < BY_CHANCE:
-            gone = [family, *(single for single, _ in more)]
-            out = [f for f in out if f[1] not in gone]
-            out.append((start, [s for some in gone for s in some]))
-    return out
+    return _one_cause(with_folds(out, transforms))
 
 
 def _one_cause(families: list[Family]) -> list[Family]:
@@ -161,10 +82,10 @@ def _alike(a: Family, b: Family) -> bool:
 
 def _comb(left: list[Source], transforms: Transforms) -> Family | None:
     """The best family of multiples, or None: (fundamental, sources)."""
-    lines = [s for s in left if _line(s)]
-    starts = [(s.frequency / k, _slack(s, transforms) / k) for s in lines for k in (1, 2, 3)]
+    lines = [s for s in left if is_line(s)]
+    starts = [(s.frequency / k, off_by(s, transforms) / k) for s in lines for k in (1, 2, 3)]
     starts += [
-        (abs(a.frequency - b.frequency), _slack(a, transforms) + _slack(b, transforms))
+        (abs(a.frequency - b.frequency), off_by(a, transforms) + off_by(b, transforms))
         for a, b in combinations(lines[:12], 2)
     ]
     best: tuple[tuple[int, int], Family] | None = None
@@ -172,7 +93,7 @@ def _comb(left: list[Source], transforms: Transforms) -> Family | None:
         if f0 < 8 * slack or f0 < 8 / transforms.duration:
             continue
         members, orders = _matching(f0, slack, lines, transforms)
-        if len(members) < 2 or not all(_together(members[0], m) for m in members[1:]):
+        if len(members) < 2 or not all(together(members[0], m) for m in members[1:]):
             continue
         fill, chance = len(members) / max(orders), _chance(members, orders, f0, transforms)
         if fill < SHARE or chance > 1e-2:
@@ -192,7 +113,7 @@ def _matching(
         order = int(round(s.frequency / f0))
         if not 1 <= order <= MULTIPLES:
             continue
-        near = min(order * slack, 0.1 * f0) + _slack(s, transforms)
+        near = min(order * slack, 0.1 * f0) + off_by(s, transforms)
         if abs(s.frequency - order * f0) < near and order not in orders:
             members.append(s)
             orders.append(order)
@@ -203,13 +124,13 @@ def _chance(members: list[Source], orders: list[int], f0: float, transforms: Tra
     """How often as many lines elsewhere would lie so close to multiples."""
     out = 1.0
     for s in members[1:]:
-        out *= min(1.0, 2 * _slack(s, transforms) / f0 * 4)
+        out *= min(1.0, 2 * off_by(s, transforms) / f0 * 4)
     return out * len(members)
 
 
 def _fitted(members: list[Source], orders: list[int], transforms: Transforms) -> float:
     """The fundamental by least squares."""
-    weight = [1.0 / _slack(s, transforms) ** 2 for s in members]
+    weight = [1.0 / off_by(s, transforms) ** 2 for s in members]
     f = [s.frequency for s in members]
     top = sum(w * k * x for w, k, x in zip(weight, orders, f))
     return float(top / sum(w * k * k for w, k in zip(weight, orders)))
@@ -220,31 +141,14 @@ def folds(s: Source, families: list[Family], transforms: Transforms) -> bool:
     its channels have, as the sampling folds it.
     """
     for f0, family in families:
-        if f0 == 0.0 or s in family or not _line(s) or not _together(s, family[0]):
+        if f0 == 0.0 or s in family or not is_line(s) or not together(s, family[0]):
             continue
         order = round((transforms.fs - s.frequency) / f0)
         known = max(round(m.frequency / f0) for m in family)
-        slack = _slack(s, transforms) * (1 + order / known)
+        slack = off_by(s, transforms) * (1 + order / known)
         if abs(transforms.fs - order * f0 - s.frequency) < min(slack, 0.1 * f0):
             return True
     return False
-
-
-def multiple(
-    order: int, f0: float, family: list[Source], transforms: Transforms
-) -> tuple[float, float]:
-    """Band in Hz of a multiple of `f0` Hz, as the sampling shows it: what wanders by so many Hz
-    does so by a multiple of that there.
-    """
-    best = max(family, key=lambda s: s.gain)
-    own = order_of(best, f0, transforms)
-    if best.bandwidth > 0 and len(family) == 1:
-        low, high = order * best.place.low / own, order * best.place.high / own
-    else:
-        half = max(2.0 / transforms.duration, max(s.bandwidth for s in family))
-        low, high = order * f0 - half, order * f0 + half
-    ends = sorted(mains.folded(f, transforms.fs) for f in (low, high))
-    return ends[0], ends[1]
 
 
 def _wandering(left: list[Source], transforms: Transforms) -> list[tuple[Family, list[Source]]]:
@@ -254,7 +158,7 @@ def _wandering(left: list[Source], transforms: Transforms) -> list[tuple[Family,
     out: list[tuple[Family, list[Source]]] = []
     for s in sorted(left, key=lambda s: s.frequency):
         taken = [t for _, gone in out for t in gone]
-        if s in taken or not (_line(s) and s.bandwidth > 0 and s.gain > WANDERS):
+        if s in taken or not (is_line(s) and s.bandwidth > 0 and s.gain > WANDERS):
             continue
         orders = weak_lines(s.frequency, [s], transforms)
         gone = [s]

@@ -11,9 +11,10 @@ import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.gap import words
-from imu_lib.gap.families import multiple, order_of, weak_lines
+from imu_lib.gap.families import weak_lines
 from imu_lib.gap.forest import Forest
 from imu_lib.gap.mains import folded
+from imu_lib.gap.multiples import multiple, order_of
 from imu_lib.gap.shared_band import Band
 from imu_lib.gap.sources import Source
 from imu_lib.gap.transforms import Transforms
