@@ -237,6 +237,46 @@ def test_a_header_of_several_levels(tmp_path):
     assert same(opened(tmp_path / "a.csv", text, "--time-unit s"), 100).temperature[0] == 25.0
 
 
+def test_signs_in_brackets_wide_digits_zones_and_months(tmp_path):
+    import re
+
+    head = "time [s]," + ",".join(
+        [*(f"gyro_{a} [rad/s]" for a in "xyz"), *(f"acc_{a} [m/s^2]" for a in "xyz")]
+    )
+    plain = table(head, T, GYRO, ACCEL)
+    found = opened(tmp_path / "a.csv", re.sub(r"(?<=,)-([0-9.e-]+)", r"(\1)", plain), "")
+    assert any("brackets are negative" in n for n in same(found, 100).notes)
+    wide = str.maketrans({c: chr(ord(c) + 0xFEE0) for c in "0123456789.-"})
+    same(opened(tmp_path / "b.csv", table(f"t,{SIX}", T, GYRO, ACCEL).translate(wide), SI), 100)
+    for form in ("04-Mar-2021 10:59:{} CET", "04-mrt-2021 10:59:{}", "2021-03-04 10:59:{} PDT"):
+        stamps = [form.format(f"{k / 100 + 50:05.2f}") for k in I]
+        same(opened(tmp_path / "c.csv", table(f"Time,{SIX}", stamps, GYRO, ACCEL), SI), 100)
+    turned = ",".join(["t [s]", *(f"a_{a} [deg/s]" for a in "xyz"), *(f"w_{a} [g]" for a in "xyz")])
+    same(opened(tmp_path / "d.csv", table(turned, T, DPS, IN_G), ""), 100)
+
+
+def test_streams_in_lists_and_lines_of_two_sensors(tmp_path):
+    import json
+    import sqlite3
+
+    rows = {
+        name: [{"t": int(1e9 + 1e7 * k + late), **dict(zip("xyz", x[k]))} for k in I]
+        for name, x, late in (("accelerometer", ACCEL, 3e6), ("gyroscope", GYRO, 0))
+    }
+    text = json.dumps({"device": "x", "data": rows})
+    same(opened(tmp_path / "a.json", text, SI), 100)
+    lines = "".join(
+        f"LSM6 Accelerometer : values [{', '.join(f'{v:.9g}' for v in ACCEL[k])}]\n"
+        f"LSM6 Gyroscope : values [{', '.join(f'{v:.9g}' for v in GYRO[k])}]\n"
+        for k in I
+    )
+    same(opened(tmp_path / "b.txt", lines, f"{SI} --rate 100"), 100)
+    with sqlite3.connect(tmp_path / "c.db") as base:
+        base.execute("create table imu (t real)")
+    with pytest.raises(InputError, match="no ROS bag"):
+        opened(tmp_path / "c.db", (tmp_path / "c.db").read_bytes(), "")
+
+
 def test_a_turntable_keeps_its_unit():
     from imu_lib.readers import plausibility
 

@@ -13,9 +13,11 @@ from imu_lib.readers import days
 from imu_lib.readers.raw import Raw
 
 DAY = 86_400_000_000_000  # ns
+#: Names of zones, which a record keeps from its first stamp to its last.
+ZONES = r"UTC|GMT|W?EST|W?EDT|CES?T|MSK|[CMPA][SD]T|BST|JST|KST|IST|AES?T|AEDT|NZS?T|NZDT"
 _CLOCK = re.compile(
-    r"(\d{1,3}):(\d{1,2})(?::(\d{1,2}))?(?:([.,:;])(\d+))?\s*([AaPp])?\.?(?:[Mm]\.?)?\s*(Z|UTC|"
-    r"GMT|[+-]\d{2}:?\d{2})?\s*$"
+    r"(\d{1,3}):(\d{1,2})(?::(\d{1,2}))?(?:([.,:;])(\d+))?\s*([AaPp])?\.?(?:[Mm]\.?)?\s*(Z|"
+    rf"{ZONES}|[+-]\d{{2}}:?\d{{2}})?\s*$"
 )
 _USUAL = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}:\d{2}(?:\.\d{1,9})?")
 _FRAMES = re.compile(r"\d{1,2}:\d{2}:\d{2}[:;](\d{2})\s*$")

@@ -16,7 +16,25 @@ _ISO = re.compile(r"^\s*(\d{4})[-/.年](\d{1,2})[-/.月](\d{1,2})日?")
 _OTHER = re.compile(r"^\s*(\d{1,2})([-/.])(\d{1,2})[-/.](\d{4})")
 _SHORT = re.compile(r"^\s*(\d{2})([-/.])(\d{2})[-/.](\d{2})(?!\d)")
 _NAMED = re.compile(r"^\s*(\d{1,2})[-/ ]([A-Za-z]{3})[a-z]*[-/ ](\d{4})")
-_MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec".split()
+#: The first three letters of each month, in English and as other languages have them.
+_MONTHS = (
+    *(
+        "jan ene gen",
+        "feb fev f\u00e9v",
+        "mar mrz mrt m\u00e4r",
+        "apr abr avr",
+        "may mai mei maj mag",
+    ),
+    *(
+        "jun giu",
+        "jul lug",
+        "aug ago ao\u00fb aou",
+        "sep set",
+        "oct okt out ott",
+        "nov",
+        "dec dez dic d\u00e9c",
+    ),
+)
 CENTURY = 70  # two digits from which a year is of the last century
 
 
@@ -68,12 +86,17 @@ def _date(raw: Raw, heading: str, text: str) -> Date:
         orders = {"day first": (_year(c), b, a), "month first": (_year(c), a, b)}
         return Date(orders | {"year first": (_year(a), b, c)}, m[2])
     m = _NAMED.match(text)
-    if m is None or m[2].lower() not in _MONTHS:
+    month = _month(m[2].lower()) if m else None
+    if m is None or month is None:
         raise InputError(
             f"{raw.source}, {heading}: the month {m[2] if m else text!r} is not known; write "
             "dates as 2018-04-25."
         )
-    return Date({"": (int(m[3]), _MONTHS.index(m[2].lower()) + 1, int(m[1]))}, None)
+    return Date({"": (int(m[3]), month, int(m[1]))}, None)
+
+
+def _month(word: str) -> int | None:
+    return next((i for i, words in enumerate(_MONTHS, 1) if word in words.split()), None)
 
 
 def _year(two: int) -> int:

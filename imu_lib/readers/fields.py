@@ -45,7 +45,7 @@ _DATE = re.compile(rf"^{_D}$")
 _CLOCK = re.compile(rf"^{_C}$")
 
 
-_MOMENT = re.compile(rf"^{_D}(?:[T_]|,? +){_C}\s*(?:Z|UTC|GMT|[+-]\d{{2}}:?\d{{2}})?$")
+_MOMENT = re.compile(rf"^{_D}(?:[T_]|,? +){_C}\s*(?:Z|{calendar.ZONES}|[+-]\d{{2}}:?\d{{2}})?$")
 
 
 #: No reading.

@@ -251,7 +251,7 @@ def _all_units(found: list[str]) -> bool:
     others = [f for f in said if f not in known]
     return (
         len(known) >= max(2, 0.5 * len(said))
-        and all(len(f) <= 12 for f in others)
+        and all(len(f) <= 16 for f in others)
         and not any(names.meaning(f).axis for f in said)
     )
 

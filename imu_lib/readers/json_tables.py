@@ -66,6 +66,9 @@ def _lines(data: bytes) -> list | None:
 def _samples(found):
     """The list of samples that a document holds under one of its keys, or the document itself."""
     while isinstance(found, dict):
+        for inner in [found, *(v for v in found.values() if isinstance(v, dict))]:
+            if streams := _streams(inner):
+                return streams
         lists = [v for v in found.values() if isinstance(v, list) and v and isinstance(v[0], dict)]
         inner = [v for v in found.values() if isinstance(v, dict)]
         if len(lists) == 1:
@@ -75,6 +78,29 @@ def _samples(found):
             continue
         return found
     return found
+
+
+def _streams(found: dict) -> list | None:
+    """Samples of gyro and accelerometer in lists of their own, in the order of their stamps, each
+    value under the name of its list; None where a document holds none.
+    """
+    lists = {k: v for k, v in found.items() if isinstance(v, list) and v and isinstance(v[0], dict)}
+    kinds = {names.meaning(f"{k} x").quantity for k in lists}
+    if not {"gyro", "accel"} <= kinds:
+        return None
+    stamps = [
+        {k for k in rows[0] if names.meaning(k).quantity == "time"} for rows in lists.values()
+    ]
+    shared = set.intersection(*stamps)
+    if len(shared) != 1:
+        return None
+    stamp = shared.pop()
+    samples = [
+        {k if k == stamp else f"{name}.{k}": v for k, v in sample.items()}
+        for name, rows in lists.items()
+        for sample in rows
+    ]
+    return sorted(samples, key=lambda sample: sample.get(stamp) or 0)
 
 
 def _split(found):

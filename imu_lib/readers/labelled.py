@@ -49,8 +49,8 @@ def _is_prefixed(lines) -> bool:
         if any(shape.match(line) for shape in LOGGERS.values()):
             return True
         m = PREFIX.match(line)
-        if not m:
-            return False
+        if not m or re.match(r"[A-Z]{3,4}[,;\t]", line[m.end() :]):
+            return False  # the name of a zone ends a field
         apart = "," in line[m.end() :] and line[m.end() - 1] == " " and "-" in m[1]
         tokens = line[m.end() :].split()
         if len(tokens) > 2 and all(

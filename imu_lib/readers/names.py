@@ -134,7 +134,7 @@ def _in_unit(found: Meaning, unit: str | None, key: str) -> Meaning:
         if unit not in UNITS.get(found.quantity, (unit,)):
             return Meaning(why=f"in {unit}: no {'rate' if found.quantity == 'gyro' else 'force'}")
     other = {"gyro": "accel", "accel": "gyro"}.get(found.quantity)
-    if other and unit in UNITS[other] and re.fullmatch(r"[ga]_?[xyz]", key):
+    if other and unit in UNITS[other] and re.fullmatch(r"[gaw]_?[xyz]", key):
         # a lone letter: what the unit says is what it is (Gx in g, ax in deg/s)
         found = replace(found, quantity=other, why=f"in {unit}, whatever its letter")
     if unit == "counts":

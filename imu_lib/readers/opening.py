@@ -111,6 +111,11 @@ def _of_file(path: Path, magic: bytes, options) -> Raw:
         )
     if magic[:6] == b"MATLAB" or magic[:8] == b"\x89HDF\r\n\x1a\n" or suffix == ".mat":
         return binary.read_mat(path, **table)
+    if magic[:15] == b"SQLite format 3" and (tables := packed.tables(path)) is not None:
+        raise InputError(
+            f"{path} is a database of SQLite and no ROS bag (it holds {', '.join(tables[:6])}); "
+            "export the table of the readings as .csv."
+        )
     if magic[:8] == b"#ROSBAG " or magic[:15] == b"SQLite format 3" or magic[:5] == b"\x89MCAP":
         return bags.read_bag(path, topic=topic)
     if magic.startswith(ulog.MAGIC):
@@ -133,6 +138,8 @@ def _of_text(data: bytes, path: Path, table) -> Raw:
         messages = re.sub(rb"(?m)^[^\s{\[,;]{1,80}\s+(?=\{)", b"", data)
         if (found := json_tables.read_json(messages, str(path), *table.values())) is not None:
             return found
+    if data[257:262] == b"ustar":
+        raise InputError(f"{path} holds a tar archive; unpack it and give the file in it.")
     if re.match(rb"\s*<(?:!doctype html|html)", data[:200], re.IGNORECASE):
         raise InputError(
             f"{path} is a web page, no table: the address gave a page in the place of the file; "

@@ -129,3 +129,17 @@ def two(names: list[str]) -> tuple[str, str] | None:
     accel = [n for n in names if _ACCEL.search(Path(n).stem) and not _NOT.search(Path(n).stem)]
     accel = whole if len(whole) == 1 else accel
     return (gyro[0], accel[0]) if len(gyro) == len(accel) == 1 and gyro != accel else None
+
+
+def tables(path) -> list[str] | None:
+    """Names of the tables of an SQLite database; None where it is that of a ROS bag, or damaged."""
+    import sqlite3
+
+    try:
+        with sqlite3.connect(f"file:{path}?mode=ro", uri=True) as base:
+            found = [
+                r[0] for r in base.execute("select name from sqlite_master where type='table'")
+            ]
+    except sqlite3.Error:
+        return None
+    return None if "topics" in found or not found else found

@@ -132,6 +132,8 @@ def _take(found: _Found, name: str, values: list[str], unit: str) -> None:
     """
     if re.fullmatch(r"[xyzXYZ]", name) and found.sensor:
         name = f"{found.sensor} {name}"
+    elif re.fullmatch(r"values?|data|readings?", name) and found.sensor:
+        name = found.sensor  # LSM6DSO Accelerometer : values [0.1, 0.2, 9.8]
     else:
         split = re.match(r"^(.*\S)[ _]+[xX]$", name)
         found.sensor = split[1] if split else ""

@@ -8,6 +8,10 @@ import re
 
 from imu_lib.readers import cells, commas, encodings, fields, folded, labelled, tagged, thousands
 
+#: A single number in brackets between two delimiters.
+_ACCOUNTS = re.compile(rb"(?<=[,;\t])\s*[(](\d[\d.,]*(?:[eE][+-]?\d+)?)[)]\s*(?=[,;\t\r\n])")
+FEW = 4  # such numbers that may be anything
+
 
 class Lines:
     """The text of a file: its bytes, and what a row of the table is called in a message."""
@@ -32,6 +36,8 @@ class Lines:
             data = data.decode(encoding, errors="replace").encode()
         if not wide:
             data = data.replace("\u2212".encode(), b"-")  # a typesetter's minus
+            for c in "0123456789.,-+" if b"\xef\xbc" in data[:4096] else "":
+                data = data.replace(chr(ord(c) + 0xFEE0).encode(), c.encode())  # full width
         if b"\x1b[" in data[:4096]:
             data = re.sub(rb"\x1b\[[0-9;]*[A-Za-z]", b"", data)
         if re.search(rb"\d\.\d*[dD][+-]\d\d", data[:4096]):  # Fortran's double precision
@@ -40,7 +46,12 @@ class Lines:
             data = re.sub(rb";[ \t]*(?=\r?\n|$)", b"", data)
         if _glued(data):  # %10.5f of Fortran and C, without a blank before a minus
             data = re.sub(rb"(?<=[\d.])(-)(?=[\d.])", rb" \1", data)
+        negative = 0 if wide else len(_ACCOUNTS.findall(data[: fields.HEAD]))
+        if negative > FEW and not re.search(rb"[(]\s*[+-]", data[: fields.HEAD]):
+            data = _ACCOUNTS.sub(rb"-\1", data)
         lines = cls(data, source)
+        if negative > FEW:
+            lines.notes += ("Numbers in brackets are negative ones, as sheets of accounts write.",)
         if filled > 1:
             lines.notes += (f"{filled:,} empty bytes behind the last line were left out.",)
         if encoding and encoding != "cp1252":

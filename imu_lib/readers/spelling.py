@@ -94,9 +94,9 @@ _SPELLED = {
     "deg": "deg degree degrees",
     "m/s": "m/s mps m/sec",
     "g*s": "g*s g*sec g-s g*seconds",
-    "degC": "degc c celsius deg_c degree_c degrees_c degreec degreesc degree_celsius centigrade",
+    "degC": "degc c celsius deg_c degree_c degrees_c degreec degreesc degree_celsius degrees_celsius grad_celsius centigrade",
     "mdegC": "mdegc millidegc mcelsius millicelsius mdeg_c",
-    "degF": "degf f fahrenheit deg_f degreef degreesf",
+    "degF": "degf f fahrenheit degrees_fahrenheit deg_f degreef degreesf",
     "K": "k kelvin degk",
     "counts": " ".join(COUNTS),
 }
