@@ -54,6 +54,7 @@ def main():
                 "samples": n,
                 "seconds": round(wall, 2),
                 "processor_seconds": round(cpu, 2),
+                "processor_seconds_per_million_rows": round(cpu / n * 1e6, 2),
             }
             print(f"{suffix:8s} {rows[suffix]}", flush=True)
     result = {
