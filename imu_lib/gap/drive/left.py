@@ -25,6 +25,7 @@ NEAR = 2.0  # s between a jump of the fixes and the shock that it looks like
 STEADY = 0.5  # s by which stamps of two halves may be late apart
 SEEN = 3.0 * DEG  # of a mounting angle: what the drive does not show of it is said
 SMOOTHED = "other: receiver's velocity is smoothed"
+ALIKE = 3.0  # nats
 APART = 3.5  # standard deviations from which on two time offsets are two
 TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case is turned
 ANGLES = ("roll", "pitch", "yaw")
@@ -108,6 +109,12 @@ def unexplained(state: State, after: Battery) -> str | None:
             parts.append(
                 f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"
             )
+    late = late_or_smoothed(state)
+    if late is not None:
+        parts.append(
+            f"the velocities are late by {late:.3g} s and the positions are not: a receiver that "
+            "smooths its velocities makes them as late, and this drive does not tell which"
+        )
     name, z = after.worst()
     if abs(z) > SURE:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
@@ -189,3 +196,25 @@ def smoothed_delay(state: State) -> float | None:
     if abs(x[position]) > APART * np.sqrt(cov[position, position]):
         return None
     return float(x[velocity])
+
+
+def late_or_smoothed(state: State) -> float | None:
+    """s, by which velocities are late where positions are not, if smoothing by a filter of that
+    time constant does as well as stamps of their own: None elsewhere.
+    """
+    if "gnss_time_offset" not in state.kept or SMOOTHED in state.kept or not state.use[:, 3].any():
+        return None
+    index = [*_index(state), *select.GROUPS[SMOOTHED]]
+    x, cov, _ = state.reg.solve(index)
+    position, velocity = (index.index(i) for i in columns.of("gnss_time_offset"))
+    late = float(x[velocity])
+    if abs(x[position]) > APART * np.sqrt(cov[position, position]) or late <= 0.0:
+        return None
+    part = slice(len(index) - len(columns.SMOOTHED), None)
+    # one filter is a weight of one on its time constant, shared with a neighbour if it lies between
+    above = int(np.clip(np.searchsorted(columns.SMOOTHED, late), 1, len(columns.SMOOTHED) - 1))
+    one = np.zeros((11, len(columns.SMOOTHED)))
+    one[:, above] = np.linspace(0.0, 1.0, 11)
+    one[:, above - 1] = 1.0 - one[:, above]
+    apart = [0.5 * d @ np.linalg.solve(cov[part, part], d) for d in (x[part], *(x[part] - one))]
+    return late if min(apart[1:]) - apart[0] < ALIKE else None

@@ -72,7 +72,7 @@ class Leg:
             rows,
             epoch[rows],
             _nodes(first, np.unique(epoch[rows]), max(int(round(LONGEST * drive.rate)), 1)),
-            _drifts(drive, stretch.time[:-1], step_at),
+            drifts(drive, stretch.time[:-1], step_at),
         )
 
     def at(self, epochs: Array) -> Nominal:
@@ -108,7 +108,7 @@ def _nodes(first: int, epochs: Array, longest: int) -> Array:
     return np.unique(np.concatenate([[first], epochs, *parts]).astype(np.int64))
 
 
-def _drifts(drive: Drive, time: Array, step_at: float) -> Array:
+def drifts(drive: Drive, time: Array, step_at: float) -> Array:
     """Temperature, and whether it is later than `step_at`, (n, 2)."""
     late = (time > step_at).astype(float)
     if drive.temperature is None:

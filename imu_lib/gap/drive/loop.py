@@ -166,7 +166,7 @@ def _heading(
         given, whose = float(drive.reference_attitude[0, 2]), " by the reference's first attitude"
     if given is None:
         return []
-    apart = vehicle.heading_error(state.problem, given, mount, state.noise)
+    apart = vehicle.heading_error(state, given, mount)
     return [] if apart is None else vehicle_steps.heading(*apart, after, whose)
 
 

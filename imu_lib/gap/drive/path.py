@@ -36,14 +36,14 @@ def build(
     velocity_shift: float = 0.0,
     restarts: Sequence[float] = (),
     loose: Sequence[float] | Array = (1.0, 1.0),
-    step_at: float | None = None,
+    step_at: float = np.inf,
 ) -> Problem:
     """Run the filter over a drive (already corrected for what is held), and condense it.
 
     velocity_shift : s, by which the velocities' stamps are late beyond the positions'; restarts :
     s, times at which all that is known of the motion is forgotten (a shock); loose : by how much
     less than stated positions and velocities are trusted for the path; step_at : s, from where on
-    biases may be others, the middle of the drive if nothing else is known
+    biases may be others
     """
     turn_on = turn_on_of(noise.model)
     factors = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
@@ -55,7 +55,6 @@ def build(
     end = min(float(drive.time[-1]), float(fixes.time[-1])) - 1.0
     solution = engine.solve(moments=[end])
     bias = _bias(engine, solution)
-    step_at = 0.5 * (drive.time[0] + drive.time[-1]) if step_at is None else step_at
     cut = (Leg.of(drive, s, solution, fixes, step_at) for s in prepared.stretches)
     legs = [leg for leg in cut if leg is not None]
     lever = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm, float)

@@ -60,6 +60,19 @@ def _leaving(changes: list[Change]) -> list[list[Change]]:
     return sets if len(changes) < 3 else [*sets, list(changes)]
 
 
+def worthless(state: State, say: Callable[[str], object]) -> None:
+    """Take out linear effects that are not worth their price on the path as it has become."""
+    while state.kept:
+        top = select.score_of(state.reg, state.kept)
+        rests = {e: tuple(k for k in state.kept if k != e) for e in state.kept}
+        worth = {e: top - select.score_of(state.reg, rest) for e, rest in rests.items()}
+        least = min(worth, key=worth.__getitem__)
+        if worth[least] >= 0.0:
+            return
+        say(f"{least} is no longer worth its price")
+        held(state, rests[least], freely=True)
+
+
 def effects(state: State, say: Callable[[str], object]) -> None:
     """Take out every linear effect that a noise fitted without it makes up for: the two were found
     one after the other, and what came first may have taken what belongs to the second.

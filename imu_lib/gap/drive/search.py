@@ -15,7 +15,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults
 
-from . import across, alone, base_model, prune, random_effects, readings, select, step_time
+from . import across, alone, base_model, prune, random_effects, readings, select, step_time, swap
 from .hold import held, refit
 from .problem import Problem
 from .side_by_side import each
@@ -79,11 +79,13 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
     for _ in range(3):
         alone.simplify(state, say)
         again = alone.exchange(state, say)
-        if random:
+        if random and state.reg.temper < FAR:  # nothing small is told apart far from a right model
             names = candidates(state.problem)
             again |= across.exchange(state, names, lambda s: _noise_step(s, given), say)
         if not again:
             break
+    prune.worthless(state, say)
+    swap.white(state, given, say)
     prune.noises(state, say)
     if state.changes:
         prune.effects(state, say)

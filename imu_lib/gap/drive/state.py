@@ -116,13 +116,19 @@ class State:
             velocity_shift=correct.velocity_shift(self.theta),
             restarts=self.restarts,
             loose=loose,
-            step_at=self.step_at,
+            step_at=self.stepped,
         )
         away = np.zeros(self.problem.time.size, bool)
         for start, duration in self.withhold:
             away |= (self.problem.time > start) & (self.problem.time <= start + duration)
         self.use = self.problem.use & ~away[:, None]
         self.weigh()
+
+    @property
+    def stepped(self) -> float:
+        """From where on biases may be others, s: the middle of the drive if nothing is known."""
+        middle = 0.5 * float(self.drive.time[0] + self.drive.time[-1])
+        return middle if self.step_at is None else self.step_at
 
     def copy(self) -> State:
         """The same, and apart from it: what is changed in place is copied."""

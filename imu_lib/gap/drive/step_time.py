@@ -11,8 +11,10 @@ from imu_lib.arrays import Array
 from . import columns, select
 from .state import State
 
+SETTLED = 60.0  # s in which a path learns its biases
 TIMES = 16  # tried at once
 LEAST = 10.0  # nats, from which on a step is looked for more closely
+CHANCE = 5.0  # nats that the best of so many times gains more than one of them
 BETTER = 3.0  # nats over the time that was assumed
 BIASES = [*columns.of("gyro_bias"), *columns.of("accel_bias")]
 
@@ -23,18 +25,19 @@ def look(state: State, say: Callable[[str], object]) -> None:
     """
     if columns.STEP in state.kept:
         return
-    begin, end = float(state.problem.time[0]), float(state.problem.time[-1])
+    begin, end = float(state.problem.time[0]) + SETTLED, float(state.problem.time[-1]) - SETTLED
+    if end - begin < SETTLED:
+        return
     spacing = (end - begin) / (TIMES + 1)
-    middle = 0.5 * (state.drive.time[0] + state.drive.time[-1])
-    now = float(middle if state.step_at is None else state.step_at)
-    times = np.append(begin + spacing * np.arange(1, TIMES + 1), now)
+    times = np.append(begin + spacing * np.arange(1, TIMES + 1), state.stepped)
     gains = _gains(state, times)
     best = int(np.argmax(gains))
     if gains[best] < LEAST:
         return
-    closer = times[best] + spacing * np.linspace(-1.0, 1.0, TIMES)
+    closer = np.clip(times[best] + spacing * np.linspace(-1.0, 1.0, TIMES), begin, end)
     near = _gains(state, closer)
-    if near.max() > gains[-1] + BETTER:
+    price = select.PER_EFFECT + select.PER_PARAMETER * len(BIASES) + CHANCE
+    if near.max() > max(gains[-1] + BETTER, price):
         state.step_at = float(closer[int(np.argmax(near))])
         say(f"biases may step at {state.step_at:.0f} s, {near.max():.0f} nats")
         state.rebuild()

@@ -16,8 +16,11 @@ from imu_lib.processes import WhiteNoise
 from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
 
+from . import columns, correct, legs
+
 if TYPE_CHECKING:
     from .problem import Noise, Problem
+    from .state import State
 
 FASTER = 1.5  # m/s: what creeps says little, and is weighed by its speed
 TURNING = 0.3  # rad/s
@@ -98,16 +101,30 @@ def _white(noise: Noise, channel: str) -> list[WhiteNoise]:
 
 
 CARRIED = 90.0  # s over which the gyros carry a heading back to the start
+ENDING = 60.0  # s
 DRIFT = 2e-4  # rad/s that the gyros' bias may still be off
 
 
-def heading_error(
-    problem: Problem, given: float, mount: Array, noise: Noise
-) -> tuple[float, float] | None:
+def drifting(state: State) -> Array:
+    """Errors of the gyros that follow temperature and speed, or step, as far as they are held,
+    rad/s (n, 3), about those of the drive's end, which a path's bias holds.
+    """
+    drive, path = state.problem.drive, state.problem.path
+    out = np.zeros_like(drive.gyro)
+    speed = np.interp(drive.time, path["time"], np.linalg.norm(path["velocity"][:, :2], axis=1))
+    warmth, late = legs.drifts(drive, drive.time, state.stepped).T
+    for effect, follows in (("temperature", warmth), ("speed", speed), (columns.STEP, late)):
+        name = effect if effect == columns.STEP else f"other: biases follow the {effect}"
+        out += follows[:, None] * correct.value(state.other, name)[:3]
+    return np.asarray(out - out[drive.time > drive.time[-1] - ENDING].mean(axis=0))
+
+
+def heading_error(state: State, given: float, mount: Array) -> tuple[float, float] | None:
     """Given heading at the first sample minus the path's own, in the vehicle's axes, and its
     standard deviation, rad; None where the drive has a hole there.
     """
-    found = heading_since(problem, problem.drive.time[0], mount)
+    problem, noise = state.problem, state.noise
+    found = heading_since(problem, problem.drive.time[0], mount, drifting(state))
     if found is None:
         return None
     yaw, sd = found
@@ -118,10 +135,14 @@ def heading_error(
 
 
 def heading_since(
-    problem: Problem, since: float, mount: Sequence[float] | Array = (0.0, 0.0, 0.0)
+    problem: Problem,
+    since: float,
+    mount: Sequence[float] | Array = (0.0, 0.0, 0.0),
+    drift: Array | None = None,
 ) -> tuple[float, float] | None:
     """The path's heading at time `since`, in the vehicle's axes, and its standard deviation, rad: a
-    later one carried back by the gyros. None where the drive has a hole there.
+    later one carried back by the gyros, their errors `drift` (n, 3) taken out. None where the drive
+    has a hole there.
     """
     path, drive = problem.path, problem.drive
     node = int(np.searchsorted(path["time"], path["time"][0] + CARRIED))
@@ -132,7 +153,8 @@ def heading_since(
     step = np.diff(drive.time, prepend=drive.time[0])[part]
     if not step.size or step.max() > 1.0:
         return None
-    turns = (drive.gyro[part] - problem.arrays["bias"][:3]) * step[:, None]
+    rates = drive.gyro if drift is None else drive.gyro - drift
+    turns = (rates[part] - problem.arrays["bias"][:3]) * step[:, None]
     turned = Rotation.from_rotvec(turns)
     while len(turned) > 1:  # the product in order, two by two
         if len(turned) % 2:
