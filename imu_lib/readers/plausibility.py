@@ -61,14 +61,8 @@ def gyro_unit(
     if turned is not None and turned[1]:
         return _by_turning(turned[0], unit, factor)
     still, bias, quiet = _still(gyro, rate)
-    whole = factor is not None and unit in COARSE and _whole(gyro / factor)
-    if whole and (still > NOISY or bias > 3 * GYRO_BIAS[0]):
-        return Told(
-            f"the rates stated in {unit} have a {_worst(still, bias)} and are whole numbers; they "
-            "are likely raw counts (--gyro-unit counts:C, C counts per deg/s)",
-            True,
-            None,
-        )
+    if counts := _counts(gyro, unit, factor, still, bias):
+        return counts
     noise = None
     if strict and quiet and accel is not None and gravity(accel) is not None:
         noise = _noise_density(some(accel), rate)
@@ -107,6 +101,19 @@ def gyro_unit(
             "rad/s",
         )
     return None
+
+
+def _counts(gyro: np.ndarray, unit: str, factor, still: float, bias: float) -> Told | None:
+    """Refused where the rates of a large noise or bias are whole numbers: raw counts."""
+    whole = factor is not None and unit in COARSE and _whole(gyro / factor)
+    if not whole or not (still > NOISY or bias > 3 * GYRO_BIAS[0]):
+        return None
+    return Told(
+        f"the rates stated in {unit} have a {_worst(still, bias)} and are whole numbers; they "
+        "are likely raw counts (--gyro-unit counts:C, C counts per deg/s)",
+        True,
+        None,
+    )
 
 
 def _earths(gyro: np.ndarray, unit: str, factor: float) -> str | None:

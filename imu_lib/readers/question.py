@@ -115,15 +115,21 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
     stamps = {n.partition("[")[0] for n in named_so.split(",")} & {"time", "date", "clock"}
     timed = stamps or any(m.quantity in ("time", "date", "clock") for m in told)
     rate = "" if timed or raw.rate else " and the rate with --rate HZ"
-    volts = [h.name for h in headings if _VOLTS.search(f"{h.name} [{h.unit or ''}]")]
-    if volts:
-        one += (
-            f"; `{volts[0]}` is in volts, of which counts:C:ZERO takes C volts per g or deg/s and "
-            "ZERO volts at rest, from the data sheet"
-        )
+    one += _volts(headings)
     return Unnamed(
         f"{raw.source} has {many} and {header}{_commas(headings, values)}{damage}; name them by "
         f"position with --columns, as in {named_so}{units_open(named_so)}{rate}{one}."
+    )
+
+
+def _volts(headings) -> str:
+    """A word on columns in volts; empty where there are none."""
+    volts = [h.name for h in headings if _VOLTS.search(f"{h.name} [{h.unit or ''}]")]
+    if not volts:
+        return ""
+    return (
+        f"; `{volts[0]}` is in volts, of which counts:C:ZERO takes C volts per g or deg/s and ZERO "
+        "volts at rest, from the data sheet"
     )
 
 

@@ -36,25 +36,9 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
     _refuse_intervals(raw, stamp, len(falls) / len(step), where)
     ups = step[step > 0]
     usual = float(np.median(ups)) if ups.size else 0.0
-    top = float(stamp.max())
-    for wrap, name in sorted(WRAPS.items()):
-        low = wrap / 2 if stamp.min() < 0 else 0.0  # a register with a sign begins at its least
-        if top + low >= wrap or stamp.min() < -low or top < 0.5 * wrap - 0.1 * low:
-            continue
-        if low and (top < 0.8 * low or "bits" not in name):
-            continue
-        if wrap in (1e3, 1e6, 1e9) and not (falls.size > 2 and top > 0.9 * wrap):
-            continue  # a fraction of a second, of which the seconds are elsewhere
-        after = step[falls - 1] + wrap
-        if ((after > 0) & (after < 60 * usual)).all():
-            turn = int(wrap) if stamp.dtype.kind == "i" and wrap == int(wrap) else wrap
-            times = f"{falls.size} time{'s' * (falls.size > 1)}"
-            raw.notes += (
-                f"The stamps wrap at {wrap:.10g} ({name}), {times}; they were unwrapped.",
-            )
-            add = np.zeros(len(stamp), dtype=type(turn))
-            add[falls] = turn
-            return stamp + np.cumsum(add), order
+    unwrapped = _unwrapped(raw, stamp, falls, usual)
+    if unwrapped is not None:
+        return unwrapped, order
     if raw.received:
         sorted_ = np.argsort(stamp, kind="stable")
         moved = np.abs(sorted_ - order)
@@ -87,6 +71,30 @@ def rising(raw: Raw, stamp: np.ndarray, where: str) -> tuple[np.ndarray, np.ndar
         shift = stamp[i - 1] + usual - stamp[i]
         stamp[i:] += int(round(shift)) if stamp.dtype.kind == "i" else shift
     return stamp, order
+
+
+def _unwrapped(raw: Raw, stamp: np.ndarray, falls: np.ndarray, usual: float) -> np.ndarray | None:
+    """Stamps of a counter that began anew at every fall; None where they are none of a register."""
+    top = float(stamp.max())
+    for wrap, name in sorted(WRAPS.items()):
+        low = wrap / 2 if stamp.min() < 0 else 0.0  # a register with a sign begins at its least
+        if top + low >= wrap or stamp.min() < -low or top < 0.5 * wrap - 0.1 * low:
+            continue
+        if low and (top < 0.8 * low or "bits" not in name):
+            continue
+        if wrap in (1e3, 1e6, 1e9) and not (falls.size > 2 and top > 0.9 * wrap):
+            continue  # a fraction of a second, of which the seconds are elsewhere
+        after = stamp[falls] - stamp[falls - 1] + wrap
+        if ((after > 0) & (after < 60 * usual)).all():
+            turn = int(wrap) if stamp.dtype.kind == "i" and wrap == int(wrap) else wrap
+            times = f"{falls.size} time{'s' * (falls.size > 1)}"
+            raw.notes += (
+                f"The stamps wrap at {wrap:.10g} ({name}), {times}; they were unwrapped.",
+            )
+            add = np.zeros(len(stamp), dtype=type(turn))
+            add[falls] = turn
+            return stamp + np.cumsum(add)
+    return None
 
 
 def _swapped(stamp: np.ndarray, usual: float) -> np.ndarray | None:

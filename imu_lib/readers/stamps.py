@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import calendar, clock, names, numerals, streams
+from imu_lib.readers import calendar, clock, names, numerals, odds, other_rows
 from imu_lib.readers.grain import grain
 from imu_lib.readers.rated import Timing, even, rated
 from imu_lib.readers.raw import Raw
@@ -148,7 +148,7 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
     if not (order == np.arange(len(order))).all():
         for c in list(raw.columns):
             raw.columns[c] = raw.columns[c][order]
-        once = streams.once(raw, relative)  # what came twice stands side by side now
+        once = other_rows.once(raw, relative)  # what came twice stands side by side now
         relative = relative[once]
     keep = np.arange(len(relative))
     raw.repeats = int((np.diff(relative) == 0).sum())
@@ -173,7 +173,7 @@ def _numeric(raw, given, time_unit, lenient, trust, rate) -> Timing:
         raw.notes += (f"`{raw.headings['time']}` counts the samples; the rate is that of --rate.",)
         return Timing(*even(relative / given, float(given)), keep)
     raw.told("time", told.unit, f"{_evidence(raw, 'time')}; {told.why}")
-    fast = clock.mean_step(relative) < 1.0 / 300.0  # in minutes it would be a usual rate, too
+    fast = odds.mean_step(relative) < 1.0 / 300.0  # in minutes it would be a usual rate, too
     if not told.stated and (told.unit != "s" or stamp.dtype.kind != "f" or fast):
         raw.notes += (
             f"`{raw.headings['time']}` has {told.why}; --time-unit says otherwise where that is "
@@ -197,7 +197,7 @@ def _slow_contract(raw: Raw, relative: np.ndarray, first: float, where: str) -> 
     """A word on stamps of a file of the contract, which are in seconds, that are unusually slow;
     refused where they are hours apart and look like another unit.
     """
-    step = clock.mean_step(relative)
+    step = odds.mean_step(relative)
     if step <= 5.0:
         return
     likely = clock.likely_unit(relative, first)

@@ -10,6 +10,7 @@ from imu_lib.readers import (
     at_once,
     axis_units,
     one_sensor,
+    other_rows,
     sentinels,
     streams,
     treated,
@@ -195,7 +196,7 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
         sentinels.missing(raw)
         unsigned.signed(raw, units)
     if not raw.simulated:
-        streams.drop_copies(raw)
+        other_rows.drop_copies(raw)
     axis_units.one_each(raw, units)
     if not options["trust"]:
         treated.refuse_angles(raw)
