@@ -1,0 +1,106 @@
+"""What stands for something else on a drive: another time, another kind, another axis."""
+
+from types import SimpleNamespace
+
+import drive_generator as generator
+import numpy as np
+import pytest
+
+from imu_lib.drive import from_arrays
+from imu_lib.gap.drive import columns, left, prune, select, step_time, steps, vehicle, worth
+from imu_lib.gap.drive.problem import Noise
+from imu_lib.gap.drive.state import State
+from imu_lib.model import Model
+
+MODEL = Model.from_json(generator.MODEL)
+
+
+def test_a_step_of_a_bias_is_looked_for_at_its_own_time():
+    arrays = generator.make(43001, duration=240.0)
+    arrays["gyro"][arrays["time"] > 150.0, 2] += 0.006
+    state = State(from_arrays(arrays, "x"), Noise(MODEL), np.zeros(len(columns.ALL)))
+    state.rebuild()
+    step_time.look(state, lambda text: None)
+    assert state.step_at == pytest.approx(150.0, abs=5.0)
+    kept, _ = select.best(state.reg, list(select.GROUPS), 1)
+    assert kept == (columns.STEP,)
+
+
+@pytest.mark.parametrize(("sd", "late"), [(0.6, 0.4), (0.05, None)])
+def test_late_velocities_are_smoothed_ones_where_the_drive_does_not_tell(sd, late):
+    size = 2 + len(columns.SMOOTHED)
+    cov = np.diag([1e-3, 1e-3, *[sd] * len(columns.SMOOTHED)]) ** 2
+    x = np.array([1e-3, 0.4, *np.zeros(len(columns.SMOOTHED))])
+    reg = SimpleNamespace(solve=lambda index: (x[: len(index)], cov, 0.0))
+    state = SimpleNamespace(kept=("gnss_time_offset",), use=np.ones((9, 6), bool), reg=reg)
+    assert size == len([*left._index(state), *select.GROUPS[left.SMOOTHED]])
+    assert left.late_or_smoothed(state) == late
+
+
+def test_a_heading_is_carried_back_without_what_the_temperature_did_to_the_gyro():
+    time = np.arange(0.0, 300.0, 0.1)
+    warmth = 20.0 + 15.0 * (1.0 - np.exp(-time / 200.0))
+    drive = SimpleNamespace(time=time, gyro=np.zeros((time.size, 3)), temperature=warmth)
+    path = {"time": time, "velocity": np.zeros((time.size, 3))}
+    other = np.zeros(len(columns.ALL))
+    other[columns.of("other: biases follow the temperature")[2]] = 2.5e-3  # rad/s per 10 degrees
+    state = SimpleNamespace(
+        problem=SimpleNamespace(drive=drive, path=path), other=other, stepped=150.0
+    )
+    drift = vehicle.drifting(state)
+    end = warmth[time > 240.0 - 0.1].mean()
+    assert drift[0, 2] == pytest.approx(2.5e-4 * (warmth[0] - end), rel=1e-3)
+    assert not drift[:, :2].any()
+
+
+def test_a_receiver_that_knows_its_errors_to_a_quarter_knows_them_well():
+    stated = {f"gnss_{of}_sd": np.ones((5, 3)) for of in ("position", "velocity")}
+    problem = SimpleNamespace(drive=SimpleNamespace(**stated))
+    state = SimpleNamespace(problem=problem)
+    change = SimpleNamespace(effect="gnss_noise", key=("gnss_noise", "position"))
+    for ratio, usual in ((0.88, True), (1.2, True), (0.6, False), (1.6, False)):
+        assert steps.usual(state, SimpleNamespace(change=change, values=[ratio])) == usual
+        held = worth.ratios(Noise(MODEL, position=ratio), problem.drive)
+        assert [e["ratio"] for e in held] == ([ratio] if usual else [])
+
+
+def test_a_refit_that_makes_outages_worse_is_not_taken(monkeypatch):
+    windows = [SimpleNamespace(start=200.0 + 10.0 * k, duration=20.0) for k in range(12)]
+    grown = np.full(12, 1.1) * np.exp(0.1 * np.cos(np.arange(12)))
+    monkeypatch.setattr(worth.outages, "regular_windows", lambda *a, **k: windows)
+    monkeypatch.setattr(worth, "held", lambda state: state.name)
+    monkeypatch.setattr(worth.FilterModel, "of", lambda model: model)
+    laid, factors = [], []
+
+    def compare(drive, filters, free, **options):
+        laid.extend(free)
+        errors = {"before": np.ones(len(free)), "after": factors[-1] * grown[: len(free)]}
+        return SimpleNamespace(errors=lambda name, against: errors[name])
+
+    monkeypatch.setattr(worth.outages, "compare", compare)
+    before, after = (
+        SimpleNamespace(name=n, drive=SimpleNamespace(duration=600.0), withhold=((260.0, 20.0),))
+        for n in ("before", "after")
+    )
+    for factor, taken in ((1.0, False), (0.9, True), (0.6, True)):
+        factors.append(factor)
+        assert worth.no_worse(before, after) == taken
+    # none of them meets one that the report tells
+    assert all(w.start + 20.0 <= 260.0 or w.start >= 280.0 for w in laid)
+
+
+def test_what_its_path_no_longer_asks_for_leaves(monkeypatch):
+    count = len(columns.ALL)
+    information, score = np.zeros((count, count)), np.zeros(count)
+    big, small = select.GROUPS["lever_arm"], select.GROUPS["gyro_scale"]
+    information[[*big, *small], [*big, *small]] = 1e4
+    score[big], score[small] = 5e3, 50.0
+    reg = select.Regression(information, score, 1.0, 1000)
+    state = SimpleNamespace(kept=("lever_arm", "gyro_scale"), reg=reg)
+
+    def held(state, kept, freely):
+        state.kept = kept
+
+    monkeypatch.setattr(prune, "held", held)
+    prune.worthless(state, lambda text: None)
+    assert state.kept == ("lever_arm",)
