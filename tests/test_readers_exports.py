@@ -277,6 +277,14 @@ def test_streams_in_lists_and_lines_of_two_sensors(tmp_path):
         opened(tmp_path / "c.db", (tmp_path / "c.db").read_bytes(), "")
 
 
+def test_packets_on_a_clock_of_milliseconds(tmp_path):
+    """Four rows at 1 kHz share the stamp of an arrival that is up to a millisecond late."""
+    late = np.random.default_rng(4).uniform(0.0, 0.8, N)
+    stamp = [f"{5000 + 4 * (k // 4) + late[k // 4]:.0f}" for k in I]
+    found = opened(tmp_path / "a.csv", table(f"recv_ms,{SIX}", stamp, GYRO, ACCEL), SI)
+    same(found, 1000)
+
+
 def test_a_turntable_keeps_its_unit():
     from imu_lib.readers import plausibility
 

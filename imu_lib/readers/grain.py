@@ -55,6 +55,9 @@ def ticking(time: np.ndarray, tick: float) -> float | None:
     fits = np.abs(up - times * base) <= 1.01 * tick + 0.02 * base
     if base < 3.0 * tick or fits.mean() < 0.98:
         return None
+    single = up[times == 1]  # printed, one tick is of two neighbouring lengths at most
+    if len(single) and np.ptp(np.quantile(single, (0.01, 0.99))) > 1.1 * tick:
+        return None
     shared = float((step <= 0).mean()) > 0.02
     system = abs(base / SYSTEM - 1.0) < 3e-3 and float((times > 1).mean()) > 0.02
     return base if shared or system else None
