@@ -42,6 +42,10 @@ CUT = """[...document.querySelectorAll('.cell_output pre')].filter((pre) => {
   const lines = pre.textContent.split('\\n').filter((line) => line.trim());
   const columns = lines.filter((line) => line.trim().split('  ').length > 1).length;
   return 2 * columns <= lines.length && pre.scrollWidth > pre.clientWidth + 1; }).map((pre) => pre.textContent)"""
+# what ends beyond the sheet when the page is printed, as it is for the PDF
+BEYOND = """[...document.querySelectorAll('article table, article img, article pre')].filter((e) =>
+  e.getBoundingClientRect().right > document.documentElement.clientWidth + 1).map((e) => e.textContent.slice(0, 60))"""
+SHEET = 720
 SEARCHED = """new Promise((done) => { const look = (left) => {
     const links = [...document.querySelectorAll('#search-results ul.search li a')].map((a) => a.getAttribute('href'));
     const summary = document.querySelector('#search-results p.search-summary');
@@ -93,6 +97,14 @@ def test_a_page_is_quiet_and_fits(opened, window):
         assert not window.evaluate(WIDE), width
         assert not window.evaluate(CUT), width
     assert not window.problems
+
+
+def test_nothing_is_cut_on_paper(opened, window):
+    window.size(SHEET)
+    window.send("Emulation.setEmulatedMedia", media="print")
+    cut = window.evaluate(BEYOND)
+    window.send("Emulation.setEmulatedMedia", media="")
+    assert not cut
 
 
 # opens a page's figures to zoom, one after the other, and says where a point of each lies in the window
