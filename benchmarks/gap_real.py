@@ -1,6 +1,7 @@
 """What the gap workflow finds in the recorded signals as they are: verdict, causes, what is left.
 
     python benchmarks/gap_real.py --log real.jsonl          # resumes; stores the table
+    python benchmarks/gap_real.py --names xsens_mtx --simulations 40   # that row, the others stay
     python benchmarks/gap_real.py --names vn100_still --simulations 100 --print
     python benchmarks/gap_real.py --again          # one sensor's model on its other records
     python benchmarks/gap_real.py --pictures       # the curves of stored models
@@ -74,6 +75,7 @@ def run(name: str, data: Path, simulations: int) -> dict:
     out = found.to_json()
     return {
         "record": name,
+        "date": date.today().isoformat(),
         "duration": round(found.record.duration, 2),
         "rate": round(found.record.rate, 3),
         "simulations": simulations,
@@ -177,6 +179,7 @@ def main():
                 handle.write(json.dumps(row) + "\n")
         print(name, " ".join(row["verdict"]), row["seconds"], flush=True)
     if not args.print:
+        rows += [r for r in _stored() if all(r["record"] != new["record"] for new in rows)]
         rows.sort(key=lambda r: list(RECORDS).index(r["record"]))
         _keep(
             {
@@ -185,6 +188,12 @@ def main():
                 "records": rows,
             }
         )
+
+
+def _stored() -> list[dict]:
+    """The rows that are stored of other records."""
+    path = RESULTS / "gap_real.json"
+    return json.loads(path.read_text())["records"] if path.exists() else []
 
 
 def _keep(content: dict):

@@ -17,7 +17,9 @@ BLOCK, SAMPLES, BLOCKS = 1.0, 48, 600
 #: s that it lasts at the least and at the most, and share of the record.
 SHORT, LONG, SHARE = 4.0, 120.0, 0.3
 #: Gain in log-likelihood of all channels and of each of two, for some 10^5 stretches looked at.
-GAIN, EACH = 40.0, 8.0
+GAIN, EACH = 60.0, 12.0
+#: Share of the longest stretch, and of the record from its ends, that it may reach to.
+FULL, EDGE = 0.9, 0.04
 #: Scatter of the level in the rest of the record over that of a steady one, in variances.
 STEADY = 3.0
 #: Bins of the spectrum, and how many hold half of what is louder: fewer are a line.
@@ -60,6 +62,9 @@ def find(
         for i, (e, d) in enumerate(zip(energy, dof))
         if gains[i, best] > EACH and _steady(e[~inside], d[~inside])
     ]
+    near_end = low[best] < EDGE * k or high[best] > (1.0 - EDGE) * k
+    if near_end or (high - low)[best] > FULL * (high - low).max():
+        return []  # it would be longer, or was there before the record: it does not come and go
     part = slice(low[best] * size, high[best] * size)
     # about a knock that several felt one channel is enough
     least = 1 if out[part].any() else 2

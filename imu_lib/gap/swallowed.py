@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 #: What has a cause of its own; a noise in the place of another is a name.
 CAUSES = {e.name for e in DRIFTS}
+#: How some of them are called here.
+NAMES = {"sinusoid": "a slow wave", "temperature": "what follows the temperature"}
 
 
 def sentence(found: Report) -> str:
@@ -25,7 +27,7 @@ def sentence(found: Report) -> str:
         if effect not in CAUSES:
             continue
         channels = tuple(n for n, c in found.channels.items() if effect in c.result.absorbed)
-        on.setdefault(channels, []).append(told.MEANING.get(effect, effect.replace("_", " ")))
+        on.setdefault(channels, []).append(_named(effect))
     if not on:
         return ""
     parts = [
@@ -38,3 +40,7 @@ def sentence(found: Report) -> str:
         f"{'; '.join(parts)}: none is ruled out. A model of another record of this sensor "
         "(--model FILE) tells them."
     )
+
+
+def _named(effect: str) -> str:
+    return NAMES.get(effect) or told.MEANING.get(effect) or effect.replace("_", " ")
