@@ -149,7 +149,7 @@ def verdict(path, plan):
     return equal(read(path, **answers), plan)  # and what is asked for is enough
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(plan=PLANS)
 def test_a_record_in_any_dress_comes_back_or_is_asked_about(tmp_path, plan):
     assume(possible(plan))
