@@ -1,6 +1,6 @@
 """Random records in random dresses: how many are read as another value in silence.
 
-`python benchmarks/random_logs.py --seeds 7373 8484 --cases 420` draws records and the ways in which some
+`python benchmarks/random_logs.py --seeds 7373 8484 --cases 50` draws records and the ways in which some
 logger might write them (unit and kind of stamps, order, delimiter, decimal sign, header, streams
 held or in rows of their own), reads each without the answers and with them, and writes
 benchmarks/results/random_logs.json: one row a seed.
@@ -57,17 +57,18 @@ def run(number: int, cases: int) -> dict:
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, nargs="+", default=[7373, 8484])
-    parser.add_argument("--cases", type=int, default=420)
+    parser.add_argument("--cases", type=int, default=50)
+    parser.add_argument("--add", action="store_true", help="keep the seeds that are stored")
     args = parser.parse_args()
     import numpy
 
-    rows = {}
+    rows = json.loads(RESULT.read_text())["seeds"] if args.add else {}
     for number in args.seeds:
         row = rows[str(number)] = run(number, args.cases)
         print(number, len(row["wrong"]), "wrong of", row["records"], flush=True)
     stored = {
         "seeds": rows,
-        "command": "python benchmarks/random_logs.py",
+        "command": f"python benchmarks/random_logs.py --cases {args.cases} --seeds {' '.join(rows)}",
         "date": datetime.date.today().isoformat(),
         "versions": {"python": platform.python_version(), "numpy": numpy.__version__},
     }
