@@ -97,6 +97,12 @@ def test_record_with_gaps_jitter_and_temperature():
         ("[]", "object of channels"),
         ("{}", "no channel"),
         ('{"gyro_q": []}', "unknown channel 'gyro_q'"),
+        (
+            '{"gyro_x": [{"process": "white_noise", "N": 1e-4}], "record": [{"process": '
+            '"common_mode", "N": 5e-4, "channels": ["gyro_x", "gyro_k"]}]}',
+            "unknown channel 'gyro_k'",
+        ),
+        ('{"gyro_x": [], "gyro_x": []}', '"gyro_x" stands twice'),
         ('{"gyro_x": {}}', "channel gyro_x: must be a list"),
         ('{"gyro_x": [{"process": "x"}]}', "entry 1: unknown process"),
         ('{"gyro_x": [], "rate": -1}', "`rate`"),

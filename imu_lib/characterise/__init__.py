@@ -23,7 +23,7 @@ from imu_lib.characterise.channel import (
     stretches,
 )
 from imu_lib.errors import InputError
-from imu_lib.faults import standing
+from imu_lib.faults import jump, standing
 from imu_lib.long_record import LongRecord
 from imu_lib.model import Model
 from imu_lib.readers.side_by_side import own_rates
@@ -49,12 +49,14 @@ class Characterisation:
 
     @property
     def model(self) -> Model:
-        """The error model of all channels."""
+        """The error model of all channels; its source says where a walk in it is a jump."""
+        said = ["likelihood fit of " + (self.source or self.name or "a record")]
+        said += [note.rstrip(".") for note in self.notes if note.startswith(jump.BEGINS)]
         return Model(
             {name: c.model for name, c in self.channels.items()},
             rate=self.rate,
             name=self.name,
-            source="likelihood fit of " + (self.source or self.name or "a record"),
+            source=". ".join(said),
         )
 
     def to_json(self):

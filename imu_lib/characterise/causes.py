@@ -1,6 +1,6 @@
 """What stands behind a slow error, or behind the lack of one: warming, an output that re-zeroes
-itself, steps of a converter in the place of noise. Said beside the coefficients, which describe
-both as if they were the sensor's noise.
+itself, a level that jumped, steps of a converter in the place of noise. Said beside the
+coefficients, which describe all of them as if they were the sensor's noise.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from scipy import stats
 from scipy.fft import rfft
 
 from imu_lib import units
-from imu_lib.faults import travelling
+from imu_lib.faults import jump, travelling
 from imu_lib.faults.grid import resolution
 from imu_lib.long_record import LongRecord
 from imu_lib.record import Record
@@ -37,7 +37,7 @@ def notes(record: Record, names) -> tuple[str, ...]:
         The channels looked at.
     """
     return (
-        *filter(None, [travelling.sentence(record)]),
+        *filter(None, [travelling.sentence(record) or jump.sentence(record, names)]),
         *coarse(record, names),
         *warming(record, names),
         *empty_low_end(record, names),

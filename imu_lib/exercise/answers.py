@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-from imu_lib.errors import InputError
+from imu_lib.errors import InputError, once
 from imu_lib.exercise import drives, hidden
 from imu_lib.record import CHANNELS
 
@@ -62,20 +62,9 @@ def read_json(path: Path):
     if not text.strip():
         raise InputError(f"{path} is empty.")
     try:
-        return json.loads(text, object_pairs_hook=lambda pairs: _once(pairs, path))
+        return json.loads(text, object_pairs_hook=lambda pairs: once(pairs, path))
     except ValueError as problem:
         raise InputError(f"{path} is not valid JSON: {problem}.") from None
-
-
-def _once(pairs, path):
-    names = [name for name, _ in pairs]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise InputError(
-            f'{path}: "{twice}" stands twice in one place; write it once, with all that belongs '
-            "to it."
-        )
-    return dict(pairs)
 
 
 def student_of(given, path: Path, students, key) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from imu_lib import beside
 from imu_lib.arrays import Array
 from imu_lib.drive_effects import DriveEffect, from_entries
-from imu_lib.errors import InputError
+from imu_lib.errors import InputError, once
 from imu_lib.processes import (
     CommonMode,
     Disturbance,
@@ -74,7 +74,8 @@ class Model:
                     if isinstance(entry, Sum)
                     else Sum.of(entry if isinstance(entry, Iterable) else [entry])
                 )
-        unknown = sorted(set(self.channels) - set(CHANNELS))
+        of_record = {c for process in self.record for c in getattr(process, "channels", ())}
+        unknown = sorted({*self.channels, *of_record} - set(CHANNELS))
         if unknown:
             raise InputError(
                 f"unknown channel {unknown[0]!r} in the error model; channels are "
@@ -191,7 +192,10 @@ class Model:
 
             return preset(text.removeprefix("preset:"))
         try:
-            content = json.loads(Path(path).read_text(encoding="utf-8"))
+            content = json.loads(
+                Path(path).read_text(encoding="utf-8"),
+                object_pairs_hook=lambda pairs: once(pairs, path),
+            )
         except FileNotFoundError:
             raise InputError(
                 f"{path}: no such file; give an error-model file (.json) or preset:NAME"
