@@ -94,7 +94,7 @@ def test_what_acts_on_several_channels_is_one_sentence():
     assert lines[0] == "A knock at 43.9 s." and lines[-1].endswith("it count from 7 s of it on.")
     told = SimpleNamespace(findings=("A knock at 43.9 s. It is masked.",))
     assert sum("A knock" in line for line in verdict.anomalies(told, found)) == 1
-    assert lines[1].startswith("Common mode: N 6 m/s/sqrt(h)") and lines[1].endswith(
+    assert lines[1].startswith("Noise in common: N 6 m/s/sqrt(h)") and lines[1].endswith(
         "accel_y, accel_z."
     )
 
@@ -148,6 +148,7 @@ def test_an_effect_begins_a_sentence():
     assert verdict.effect_name("gnss_time_offset") == "GNSS time offset"
     assert verdict.effect_name("imu_clock") == "IMU clock"
     assert verdict.effect_name("lever_arm") == "Lever arm"
+    assert verdict.effect_name("gauss_markov_2") == "Gauss-Markov process of second order"
 
 
 def test_what_was_found_on_a_drive_has_units_and_axes():

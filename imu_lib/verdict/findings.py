@@ -14,12 +14,19 @@ OFF = 0.005  # share of gravity by which |f| may be off without a word
 UNLIKELY = 1e-3
 SHOWN = 4  # places of one effect that a verdict lists
 UNSURE = 0.1  # confidence below which a name is no more than one of several
+#: Effects whose name in the model file is no word of a sentence.
+SPELT = {
+    "gauss_markov": "Gauss-Markov process",
+    "gauss_markov_2": "Gauss-Markov process of second order",
+    "autoregressive": "autoregressive noise",
+    "common_mode": "noise in common",
+}
 APART = 10.0  # s from which on two jumps of one channel are two
 
 
 def effect_name(effect: str) -> str:
     """An effect as the first word of a sentence."""
-    words = effect.replace("_", " ")
+    words = SPELT.get(effect, effect).replace("_", " ")
     for short in ("gnss", "imu"):
         words = words.replace(short, short.upper())
     return words[0].upper() + words[1:]
