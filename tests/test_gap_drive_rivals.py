@@ -104,3 +104,12 @@ def test_what_its_path_no_longer_asks_for_leaves(monkeypatch):
     monkeypatch.setattr(prune, "held", held)
     prune.worthless(state, lambda text: None)
     assert state.kept == ("lever_arm",)
+
+
+def test_halves_that_seem_late_apart_are_chance_where_the_innovations_are_right(monkeypatch):
+    monkeypatch.setattr(left.lateness, "of_halves", lambda drive: (0.0, -0.7))
+    monkeypatch.setattr(left.correct, "corrected", lambda drive, theta: drive)
+    state = SimpleNamespace(drive=None, theta=None)
+    for worst, said in ((2.0, False), (30.0, True)):
+        after = SimpleNamespace(worst=lambda worst=worst: ("", worst))
+        assert (left.clocks(state, after) is not None) == said

@@ -121,8 +121,12 @@ def unexplained(state: State, after: Battery) -> str | None:
     return "; ".join(parts) or None
 
 
-def clocks(state: State) -> str | None:
-    """None, or that the stamps of the fixes are not late by one time all along."""
+def clocks(state: State, after: Battery) -> str | None:
+    """None, or that the stamps of the fixes are not late by one time all along: nothing that
+    innovations which are those of a right filter would leave unsaid.
+    """
+    if abs(after.worst()[1]) < SURE:
+        return None
     halves = lateness.of_halves(correct.corrected(state.drive, state.theta))
     if halves is None or abs(halves[1] - halves[0]) < STEADY:
         return None

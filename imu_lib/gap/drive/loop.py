@@ -116,7 +116,7 @@ def close(
     original = known.original.with_drive(tuple(fitted))
     whole = noise.model if model is None else known.original
     whole = whole.with_drive((*fitted, *_effects(found)))
-    told = [left.absurd(found), None, left.clocks(state), left.unexplained(state, after)]
+    told = [left.absurd(found), None, left.clocks(state, after), left.unexplained(state, after)]
     result = None
     if known.windows and judge:
         say("outages before and after")
