@@ -4,10 +4,9 @@ side by side.
     python benchmarks/allan_speed.py
 
 Both run in this process on the same record and the same averaging times, in turn; the table has
-the median and the
-fastest of the rounds, the ratio of each pair, the largest relative difference of the results, and
-the greatest memory
-that each allocated above its input (tracemalloc, which sees numpy's arrays).
+the median and the fastest of the rounds, the ratio of each pair, the largest relative difference
+of the results, and the greatest memory that each allocated above its input (tracemalloc, which
+sees numpy's arrays).
 """
 
 from __future__ import annotations

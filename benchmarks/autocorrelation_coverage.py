@@ -4,9 +4,8 @@ plain least squares.
     python benchmarks/autocorrelation_coverage.py [--reps 300]
 
 Writes benchmarks/results/autocorrelation_coverage.json: for each known process the share of 95 %
-intervals of sigma and Tc
-that hold the truth, the bias, the scatter against the stated width, and the same for the curve
-read at 1/e.
+intervals of sigma and Tc that hold the truth, the bias, the scatter against the stated width, and
+the same for the curve read at 1/e.
 """
 
 from __future__ import annotations

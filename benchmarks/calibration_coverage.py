@@ -4,8 +4,8 @@ another sensor.
     python benchmarks/calibration_coverage.py [--records 200]
 
 Writes benchmarks/results/calibration_coverage.json: for 12, 24 and 48 poses the share of intervals
-of bias, scale factor and
-cross-coupling that hold the truth, accelerometers and gyroscopes, and the median half width.
+of bias, scale factor and cross-coupling that hold the truth, accelerometers and gyroscopes, and
+the median half width.
 """
 
 from __future__ import annotations

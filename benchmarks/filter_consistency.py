@@ -3,9 +3,8 @@
     python benchmarks/filter_consistency.py --drives 100 --workers 2 [--backend dask]
 
 Each drive draws its start, sensor errors and fixes from what the filter is told. The mean NEES at
-each
-moment is compared with the 99.7 % band of a mean of chi-square variables (nine degrees of freedom
-each), the mean NIS of all fixes likewise.
+each moment is compared with the 99.7 % band of a mean of chi-square variables (nine degrees of
+freedom each), the mean NIS of all fixes likewise.
 """
 
 import argparse

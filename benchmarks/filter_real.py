@@ -4,8 +4,8 @@ themselves?
     IMU_LIB_DATA=... python benchmarks/filter_real.py
 
 Horizontal RMS distance from the reference, of the fixes and of the 15-state filter (white noise
-and random walks of a module in a car), over
-the whole drive; of span_c the fixes of all codes and of the single-point receiver alone.
+and random walks of a module in a car), over the whole drive; of span_c the fixes of all codes and
+of the single-point receiver alone.
 """
 
 import json

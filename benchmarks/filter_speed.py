@@ -3,9 +3,8 @@
     python benchmarks/filter_speed.py
 
 Fifteen simulated minutes at 100 Hz; the least of `REPEATS` runs, as processor time and as wall
-time of the whole run
-(alignment and logs included), divided by the number of IMU epochs. Last, five models times seven
-outages times two drives.
+time of the whole run (alignment and logs included), divided by the number of IMU epochs. Last,
+five models times seven outages times two drives.
 """
 
 import json

@@ -49,10 +49,9 @@ def _lists(step, truth):
 
 def judge(r):
     """named (all detectable truths named), listed (named or given as a name that the record cannot
-    tell apart), wrong (a name
-    that is not there, with high confidence), false (anything found or left unexplained where
-    nothing was hidden), said (an
-    unknown effect answered with `unexplained`)."""
+    tell apart), wrong (a name that is not there, with high confidence), false (anything found or
+    left unexplained where nothing was hidden), said (an unknown effect answered with
+    `unexplained`)."""
     swallowed = {(c, e) for c, names in r.get("absorbed", {}).items() for e in names}
     known = [t for t in r["truths"] if t["effect"] != "unknown" and t["gain"] >= 20]
     # what a free base says that it may have absorbed counts as detectable only where it was named

@@ -4,14 +4,10 @@ methods side by side.
     python benchmarks/interval_coverage.py --seeds 1-200 --jobs 2
 
 Each seed draws the six channels of the twin; each method sees a channel and its template (which
-processes, with the
-filter, not their values) and answers with estimates. The table gives, by method, channel and
-parameter: the share of
-intervals that hold the truth, the median and the scatter of estimate / truth, and how often the
-term was said not to
-be shown. A run of some methods keeps the stored results of the others. A method is one function
-below; `METHODS`
-lists it.
+processes, with the filter, not their values) and answers with estimates. The table gives, by
+method, channel and parameter: the share of intervals that hold the truth, the median and the
+scatter of estimate / truth, and how often the term was said not to be shown. A run of some methods
+keeps the stored results of the others. A method is one function below; `METHODS` lists it.
 """
 
 from __future__ import annotations

@@ -3,14 +3,11 @@
     python benchmarks/model_choice.py --draws 60 --jobs 2
 
 Each truth of `TRUTHS` (datasheet-like values of a MEMS gyro) is drawn for two and for seven hours;
-the choice between
-`likelihood.CANDIDATES` is made by BIC and by AIC. Counted: the truth chosen, a simpler or a
-different sum chosen, the
-truth rejected by its own goodness-of-fit p-value at 5 %, and that of the sum chosen. A truth whose
-terms the record
-can't show is no mistake of the criterion, so the median log-likelihood that the truth gains over
-the best wrong
-candidate with fewer parameters stands beside it.
+the choice between `likelihood.CANDIDATES` is made by BIC and by AIC. Counted: the truth chosen, a
+simpler or a different sum chosen, the truth rejected by its own goodness-of-fit p-value at 5 %,
+and that of the sum chosen. A truth whose terms the record can't show is no mistake of the
+criterion, so the median log-likelihood that the truth gains over the best wrong candidate with
+fewer parameters stands beside it.
 """
 
 from __future__ import annotations

@@ -5,9 +5,8 @@ mechanization step and its Jacobian.
     benchmarks/outages_against_inu.py
 
 Same drive, windows, start, fixes, noise densities and bias random walks; inu's `mech_step`
-integrated by Euler steps, its `jacobian` discretised to first
-order as in its examples, position and velocity updates with the plain Kalman gain. inu is not a
-dependency of this project.
+integrated by Euler steps, its `jacobian` discretised to first order as in its examples, position
+and velocity updates with the plain Kalman gain. inu is not a dependency of this project.
 """
 
 import argparse

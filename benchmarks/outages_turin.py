@@ -4,11 +4,9 @@ intervals.
     python benchmarks/outages_turin.py --drives 6 --workers 2
 
 Two sensors: "calibrated", the twin of the 3DM-GX3-25 alone, its gyro bias removed at standstill;
-"as mounted", the same with 20 mg of
-accelerometer bias, 0.3 % of scale factor and 3 mrad of misalignment that nobody removed. Each
-drive is drawn anew; outages of
-30 s every 40 s and of 60 s every 80 s stand alone. The intervals take the drives, not the outages,
-as independent. Also the
+"as mounted", the same with 20 mg of accelerometer bias, 0.3 % of scale factor and 3 mrad of
+misalignment that nobody removed. Each drive is drawn anew; outages of 30 s every 40 s and of 60 s
+every 80 s stand alone. The intervals take the drives, not the outages, as independent. Also the
 paper's own seven outages and those of its Table 6 (no error model, wavelet levels 0, 3, 7), as
 means over the drives.
 """

@@ -2,8 +2,8 @@
 write.
 
 `python benchmarks/reading.py` writes benchmarks/results/reading.json. Each file is read by a fresh
-process, three times; the least
-time counts (the others measure the machine's other work), with processor time beside it.
+process, three times; the least time counts (the others measure the machine's other work), with
+processor time beside it.
 """
 
 import datetime

@@ -4,11 +4,10 @@ a module in a car.
     IMU_LIB_DATA=... python benchmarks/recorded_outages.py
 
 Windows of 30 s every 30 s. The five models are read off a static record of the maker's other
-module (HiPNUC CH104), for want of one of the
-same units. "in a car" is white noise and a random walk for gyros and accelerometers; its four
-numbers were chosen by hand on span_a, so that
-span_c and kth_car judge it and span_a and span_b do not; "+ road" adds that a car does not slide.
-span_a and span_b are two modules on one drive.
+module (HiPNUC CH104), for want of one of the same units. "in a car" is white noise and a random
+walk for gyros and accelerometers; its four numbers were chosen by hand on span_a, so that span_c
+and kth_car judge it and span_a and span_b do not; "+ road" adds that a car does not slide. span_a
+and span_b are two modules on one drive.
 """
 
 import json

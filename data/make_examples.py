@@ -2,8 +2,7 @@
 byte for byte.
 
 Both are the first minutes of a simulated 3DM-GX3-25 (the preset of that name) lying still and
-level, with turn-on
-biases and gravity, written as a careful and as a careless logger would.
+level, with turn-on biases and gravity, written as a careful and as a careless logger would.
 """
 
 import datetime as dt

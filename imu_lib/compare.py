@@ -30,11 +30,8 @@ class Curve:
 @dataclass(frozen=True)
 class Channel:
     """One channel of both. ratio: a over b with its 95 % interval; differs: whether the interval
-    excludes 1 after correction for
-    the number of
-    averaging times looked at. coefficients: name -> (a, b), an Estimate, a number, or None where
-    one has no such term. mean, sd:
-    of records."""
+    excludes 1 after correction for the number of averaging times looked at. coefficients: name ->
+    (a, b), an Estimate, a number, or None where one has no such term. mean, sd: of records."""
 
     tau: np.ndarray
     a: Curve

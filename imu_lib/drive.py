@@ -1,8 +1,8 @@
 """The drive: an IMU in a vehicle, with GNSS and, where there is one, a reference solution.
 
 Units are SI; body axes forward-right-down, navigation axes north-east-down; positions are latitude
-and longitude in rad
-and height in m above the WGS-84 ellipsoid. All times count from the first IMU sample.
+and longitude in rad and height in m above the WGS-84 ellipsoid. All times count from the first IMU
+sample.
 """
 
 from __future__ import annotations
@@ -37,13 +37,11 @@ _FLAT = ("temperature", "gnss_fix")
 class Drive:
     """A drive; arrays are read-only float64.
 
-    time (n,) s, rising; gyro (n, 3) rad/s; accel (n, 3) m/s^2.
-    gnss_time (m,) s, rising; gnss_position (m, 3) rad, rad, m; gnss_velocity (m, 3) m/s NED; the
-    `_sd` in m and m/s, NED;
+    time (n,) s, rising; gyro (n, 3) rad/s; accel (n, 3) m/s^2. gnss_time (m,) s, rising;
+    gnss_position (m, 3) rad, rad, m; gnss_velocity (m, 3) m/s NED; the `_sd` in m and m/s, NED;
     gnss_fix (m,) the receiver's own code. reference_* likewise, reference_attitude (r, 3) roll,
-    pitch, yaw in rad.
-    lever_arm (3,) IMU to antenna, body axes, m. extra: what else the file held. Raises ValueError
-    naming the argument.
+    pitch, yaw in rad. lever_arm (3,) IMU to antenna, body axes, m. extra: what else the file held.
+    Raises ValueError naming the argument.
     """
 
     time: np.ndarray

@@ -1,12 +1,10 @@
 """Error models for other programs: Kalibr, ROS, gnss-ins-sim.
 
 Those programs know one white noise and one bias process per sensor, so a sum of processes has to
-be put into fewer
-words. The rule is the same everywhere and is written into each file: white noise as it is; all
-slower processes
-together as the random walk (or the Gauss-Markov process) that has their Allan variance over the
-times for which such
-a program trusts a bias; where one number stands for three axes, that of the worst axis.
+be put into fewer words. The rule is the same everywhere and is written into each file: white noise
+as it is; all slower processes together as the random walk (or the Gauss-Markov process) that has
+their Allan variance over the times for which such a program trusts a bias; where one number stands
+for three axes, that of the worst axis.
 """
 
 import numpy as np

@@ -1,18 +1,15 @@
 """Generalised method of wavelet moments: a sum of processes fitted to the Haar wavelet variance.
 
 Guerrier, Skaloud, Stebler and Victoria-Feser (2013) match the wavelet variances nu of a record,
-one per dyadic scale,
-with those of a model,
+one per dyadic scale, with those of a model,
 
     theta = argmin (nu_hat - nu(theta))' Omega (nu_hat - nu(theta)),
 
 consistent for any positive definite Omega and efficient among such estimators for Omega = V^-1, V
-the covariance of
-nu_hat. The Haar wavelet variance of scale 2m is half the Allan variance at m samples, so nu(theta)
-is the closed form
-that each process knows. V is taken under the model itself and iterated; "diagonal" keeps its
-diagonal alone, which is
-what the authors' software does by default.
+the covariance of nu_hat. The Haar wavelet variance of scale 2m is half the Allan variance at m
+samples, so nu(theta) is the closed form that each process knows. V is taken under the model itself
+and iterated; "diagonal" keeps its diagonal alone, which is what the authors' software does by
+default.
 """
 
 from dataclasses import dataclass, field

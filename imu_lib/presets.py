@@ -90,10 +90,9 @@ def twin_misfit(entry: Sum, published: Published) -> dict[str, float]:
     -------
     dict
         `N` (as an Allan curve shows it), `flat` (Allan deviation at the printed correlation time
-        over
-        0.664 B), `K` (where printed) and `sd` (expected standard deviation of a seven-hour record)
-        as ratios; `slope`,
-        the slope of the log-log Allan deviation at that time, as it is (a flat part has 0).
+        over 0.664 B), `K` (where printed) and `sd` (expected standard deviation of a seven-hour
+        record) as ratios; `slope`, the slope of the log-log Allan deviation at that time, as it is
+        (a flat part has 0).
     """
     white, markov, walk = (
         entry.find(name) for name in ("white_noise", "gauss_markov", "random_walk")

@@ -2,8 +2,7 @@
 from.
 
 Units are SI: rad/s, m/s^2, s, degC. A missing sample is NaN. A record never changes; every method
-that
-alters one returns a new record whose `notes` say what was done.
+that alters one returns a new record whose `notes` say what was done.
 """
 
 from __future__ import annotations
@@ -211,8 +210,7 @@ class Record:
 
     def enough(self, least: int = 100) -> Record:
         """The record itself; InputError where it has fewer samples than `least`: below, not even
-        the white noise has an interval
-        worth printing."""
+        the white noise has an interval worth printing."""
         if self.n < least:
             raise InputError(
                 f"{self.source or self.name or 'The record'} has {self.n} samples "
@@ -224,8 +222,8 @@ class Record:
 
     def uniform(self) -> Record:
         """The record on an even grid at `rate`: jitter of the stamps dropped, NaN where a sample
-        is missing. ValueError where
-        the gaps are so long that the grid would be over ten times the record."""
+        is missing. ValueError where the gaps are so long that the grid would be over ten times the
+        record."""
         if self.time is None:
             return self
         slots = self.slots()

@@ -1,12 +1,10 @@
 """Straight segments of given slopes in a log-log curve, found by least cost instead of by eye.
 
 A curve of Allan deviation or of spectral density is cut into stretches that a line of one of the
-expected slopes
-describes within its uncertainty, and into transitions between them. The cheapest cut is found
-exactly, by dynamic
-programming: a point in a segment costs its squared standardised distance from the segment's line,
-a point in a
-transition costs `miss`, every segment costs `change`.
+expected slopes describes within its uncertainty, and into transitions between them. The cheapest
+cut is found exactly, by dynamic programming: a point in a segment costs its squared standardised
+distance from the segment's line, a point in a transition costs `miss`, every segment costs
+`change`.
 """
 
 from __future__ import annotations
@@ -78,8 +76,7 @@ def segments(
         Shortest segment, decades of x.
     floor : float
         Relative distance from a line that counts as one standard error even where y is known
-        better: two noises side
-        by side bend the curve a little everywhere.
+        better: two noises side by side bend the curve a little everywhere.
     miss, change : float
         Cost of a point outside of all segments, and of a segment.
 
@@ -129,8 +126,7 @@ def rising(found: Sequence[Segment]) -> tuple[Segment, ...]:
     fast ones in.
 
     A Gauss-Markov bump or scatter at long averaging times gives stretches out of this order; they
-    are stretches, but
-    no noise of their own is read from them.
+    are stretches, but no noise of their own is read from them.
     """
     best: list[tuple[float, tuple[Segment, ...]]] = []
     for i, segment in enumerate(found):

@@ -88,10 +88,9 @@ def slots(time: np.ndarray, rate: float) -> np.ndarray:
     """Number of each sample on an even grid, shape (n,), int, rising by at least one.
 
     A stamp that is late because the host was busy is followed by samples in quick succession: only
-    what the next stamps
-    do not make up for counts as missing samples. Where the stamps came in bursts, a loss shorter
-    than the stamps'
-    own wandering (six times its robust scatter) cannot be told from it and is not counted.
+    what the next stamps do not make up for counts as missing samples. Where the stamps came in
+    bursts, a loss shorter than the stamps' own wandering (six times its robust scatter) cannot be
+    told from it and is not counted.
     """
     time = np.asarray(time, dtype=np.float64)
     step = np.ones(len(time), dtype=np.int64)

@@ -1,9 +1,8 @@
 """Hides effects in synthetic static records, for the blind tests and benchmarks of `imu_lib.gap`.
 
 Plain numpy: nothing here comes from imu_lib, so that an error in its simulators cannot hide
-itself. Every case carries the
-expected log-likelihood gain (`gain`) of each hidden effect at its true parameters, from closed
-forms of its own.
+itself. Every case carries the expected log-likelihood gain (`gain`) of each hidden effect at its
+true parameters, from closed forms of its own.
 """
 
 from __future__ import annotations

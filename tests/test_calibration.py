@@ -46,8 +46,7 @@ def covered(found, truth):
 
 def test_accelerometer_intervals_cover():
     """9 parameters x 60 records; a proportion of 540 has a standard deviation of 1 % at 95 % (more
-    where the nine are
-    correlated): 92 to 98 % is three of them."""
+    where the nine are correlated): 92 to 98 % is three of them."""
     assert 0.92 < simulated.coverage(60).mean() < 0.98
 
 
@@ -221,8 +220,7 @@ def test_repeatability_interval_covers():
 
 def test_poses_held_out_miss_by_their_noise():
     """Means of 150 samples of 0.03 m/s^2: 0.0024 in length, somewhat more by what twelve poses
-    leave open; an uncalibrated
-    sensor misses by a tenth of a m/s^2."""
+    leave open; an uncalibrated sensor misses by a tenth of a m/s^2."""
     accel, _, truth, _ = hand_record(11)
     means = cal.rest_windows(accel, 50.0).means(accel)
     missed = cal.held_out(means, nominal=1.0)

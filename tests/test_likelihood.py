@@ -86,8 +86,7 @@ def test_expected_ordinates_are_the_exact_variances(name):
 @pytest.mark.parametrize("name", ["walk", "Gauss-Markov", "as long as a quarter of the record"])
 def test_coefficients_are_as_good_as_independent(name):
     """The covariance of the estimates from the exact covariance of the coefficients equals the
-    inverse information that
-    treats them as independent, to 1 % in the standard deviations."""
+    inverse information that treats them as independent, to 1 % in the standard deviations."""
     n, fs, model = 600, 1.0, MODELS[name]
     covariance = exact_covariance(model, n, fs)
     labels = [(label, index, key) for label, index, key in model.labels()]

@@ -69,8 +69,7 @@ def consistent_runs(rng, runs=20):
 @pytest.mark.parametrize("interval", [1, 20])
 def test_filter_is_consistent_when_its_model_is_true(interval):
     """Mean NEES of two positions is 2; 20 runs of 300 s hold at least 20 x 5 independent values,
-    so 4 standard deviations
-    are 4 x 2 / sqrt(100) = 0.8."""
+    so 4 standard deviations are 4 x 2 / sqrt(100) = 0.8."""
     drive, models, readings, fixes, start, sd = consistent_runs(np.random.default_rng(interval))
     every = 20 * interval
     found = planar.run(

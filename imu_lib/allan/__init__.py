@@ -2,8 +2,8 @@
 fitting a whole model to it.
 
 `deviation(x, fs)` gives the curve, `read_off(curve)` what IEEE Std 952 reads from its slopes,
-`fit(curve, terms)` the
-joint fit of a sum of processes, `characterise(x, fs)` one coefficient of each kind.
+`fit(curve, terms)` the joint fit of a sum of processes, `characterise(x, fs)` one coefficient of
+each kind.
 """
 
 from imu_lib.allan.best import characterise, fit_any, from_curve, short_filter

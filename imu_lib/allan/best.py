@@ -41,9 +41,8 @@ def short_filter(curve: AllanCurve) -> float | None:
     is none to see.
 
     White noise falls as 1/tau from the first sample on; a filtered one begins flatter. Where the
-    curve begins flatter
-    than tau^-0.85 and then turns to -0.6 or steeper within 64 samples, that turn is the filter's
-    length.
+    curve begins flatter than tau^-0.85 and then turns to -0.6 or steeper within 64 samples, that
+    turn is the filter's length.
     """
     octaves = [i for i in range(curve.m.size) if 2 * curve.m[i] in curve.m and curve.m[i] <= 64]
     slopes = np.array(
@@ -87,10 +86,8 @@ def characterise(x: Array, fs: float, *, stages: Sequence[Stage] = ()) -> dict[s
     """N, B, K, Q, R of a record by a joint fit to its Allan curve.
 
     B is the flat level over 0.664, of flicker or of a Gauss-Markov process where that makes the
-    curve flat. Where no
-    sum describes the curve within its scatter, the model itself is granted an error
-    (`DISCREPANCIES`), which widens
-    the intervals.
+    curve flat. Where no sum describes the curve within its scatter, the model itself is granted an
+    error (`DISCREPANCIES`), which widens the intervals.
 
     Parameters
     ----------

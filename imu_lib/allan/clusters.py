@@ -2,13 +2,10 @@
 cluster lengths.
 
 The record is centred and integrated once, with a compensated sum, into theta (n + 1 values); a
-cluster mean is then a
-difference of two of its values and each overlapped window costs three loads. Windows are taken in
-blocks that stay in
-the processor's cache while all cluster lengths pass over them, and blocks are spread over threads,
-so that nothing of
-the record's size is allocated but theta itself (and, where samples are missing, their running
-count).
+cluster mean is then a difference of two of its values and each overlapped window costs three
+loads. Windows are taken in blocks that stay in the processor's cache while all cluster lengths
+pass over them, and blocks are spread over threads, so that nothing of the record's size is
+allocated but theta itself (and, where samples are missing, their running count).
 """
 
 from __future__ import annotations

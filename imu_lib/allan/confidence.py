@@ -2,10 +2,9 @@
 percentage error.
 
 The Allan variance estimate behaves like a chi-square with `edf` degrees of freedom, edf = 2 E[V]^2
-/ Var[V]. For
-power-law noise the covariance of two windows that lie t cluster lengths apart is a fourth
-difference of |t|^p (or t^p ln|t|), and Var[V] is the sum of its squares over all pairs of windows
-(Greenhall and Riley 2003, Eqs. 7-10).
+/ Var[V]. For power-law noise the covariance of two windows that lie t cluster lengths apart is a
+fourth difference of |t|^p (or t^p ln|t|), and Var[V] is the sum of its squares over all pairs of
+windows (Greenhall and Riley 2003, Eqs. 7-10).
 """
 
 from __future__ import annotations
@@ -79,8 +78,7 @@ def degrees_of_freedom(m: Array, windows: Array, slope: Array) -> Array:
         Number of overlapped windows, n - 2 m + 1 for a whole record.
     slope : ndarray, shape (j,)
         Local exponent of tau in the Allan variance: -2 quantization, -1 white, 0 flicker, 1 walk.
-        Between those the
-        logarithm of the degrees of freedom is interpolated; outside it is held.
+        Between those the logarithm of the degrees of freedom is interpolated; outside it is held.
 
     Returns
     -------
@@ -108,10 +106,8 @@ def local_slope(tau: Array, variance: Array, *, decades: float = 0.5) -> Array:
     log-log.
 
     The line covers `decades` of tau and weighs each point by tau^-1, its variance for white noise.
-    Quantization comes
-    before every other noise: once the curve has turned to a slope above -1.3, a steeper stretch is
-    scatter and counts
-    as white.
+    Quantization comes before every other noise: once the curve has turned to a slope above -1.3, a
+    steeper stretch is scatter and counts as white.
     """
     x, y = np.log(tau), np.log(variance)
     good = np.isfinite(y)
@@ -148,7 +144,6 @@ def papers_error(n: int, m: ArrayLike) -> Array:
     """Relative standard error of an Allan deviation as the papers give it: 1 / sqrt(2 (n/m - 1)).
 
     Quinchia et al. 2013, Eq. 15 and Zhao et al. 2011, Eq. 23 (there in per cent). It counts
-    clusters that do not
-    overlap and takes no notice of the kind of noise.
+    clusters that do not overlap and takes no notice of the kind of noise.
     """
     return 1 / np.sqrt(2 * (np.asarray(n) / np.asarray(m) - 1))

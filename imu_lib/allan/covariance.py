@@ -2,18 +2,15 @@
 spectrum.
 
 An estimate V_i is the mean over M_i windows of D_i^2, where D_i is the record through a filter
-with the real, even
-response h_i about the window's centre. For a Gaussian process
+with the real, even response h_i about the window's centre. For a Gaussian process
 
     Cov(V_i, V_j) = 2 / (M_i M_j) * sum over the lags d of w_ij(d) C_ij(d)^2,
     C_ij(d) = integral of S(f) h_i(f) h_j(f) cos(2 pi f d / fs) df,
 
 with w_ij(d) the number of pairs of windows whose centres are d samples apart. While the clusters
-are short against
-the record, w_ij = min(M_i, M_j) wherever C_ij matters and Parseval's theorem turns the sum into an
-integral over
-frequency, a Gram matrix. For the long clusters the sum is done as it stands, on a coarse grid of
-lags.
+are short against the record, w_ij = min(M_i, M_j) wherever C_ij matters and Parseval's theorem
+turns the sum into an integral over frequency, a Gram matrix. For the long clusters the sum is done
+as it stands, on a coarse grid of lags.
 """
 
 from __future__ import annotations

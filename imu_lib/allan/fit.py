@@ -43,8 +43,7 @@ class AllanFit:
         templates.
     tau, predicted, sd : ndarray, shape (j,)
         Averaging times that were fitted, the model's Allan deviation there, and the relative
-        standard error that an
-        estimate of it has under the model.
+        standard error that an estimate of it has under the model.
     """
 
     model: Sum
@@ -90,14 +89,12 @@ def fit(
     curve : AllanCurve
     terms : Sum or Process
         The template: parameters at None are fitted, others held. Output stages (a low-pass filter,
-        rounding) must be
-        complete; they enter as they are.
+        rounding) must be complete; they enter as they are.
     shortest, longest : float
         Range of averaging times to use, s.
     filtered : bool
         The sensor filters its output and the template does not say how: allow for what a short
-        filter takes from
-        white noise beyond its own length, and begin there (`shortest`).
+        filter takes from white noise beyond its own length, and begin there (`shortest`).
 
     Returns
     -------
@@ -126,14 +123,11 @@ def fit_best(
     the best of them.
 
     Best is the least criterion; with an infinite `enough` all templates compete. Other arguments
-    as for `fit`; a
-    template with too many parameters for the curve is passed over. `discrepancies` are relative
-    errors of the Allan
-    variance that are allowed to the model itself, taken in turn until the best template fits
-    (p-value above 0.01): no
-    sum of a few processes describes a real sensor to the thousandth that the shortest averaging
-    times are known to,
-    and without that allowance they would bend the fit everywhere else.
+    as for `fit`; a template with too many parameters for the curve is passed over. `discrepancies`
+    are relative errors of the Allan variance that are allowed to the model itself, taken in turn
+    until the best template fits (p-value above 0.01): no sum of a few processes describes a real
+    sensor to the thousandth that the shortest averaging times are known to, and without that
+    allowance they would bend the fit everywhere else.
 
     Returns
     -------

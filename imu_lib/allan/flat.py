@@ -1,10 +1,9 @@
 """The flat part of a model's Allan deviation: where it is, and how high.
 
 A flicker noise has a floor; a Gauss-Markov process has a bump instead, whose top is what a reader
-of the curve takes
-for the floor. With a walk behind it the bump is followed by a trough, as flat as the top: the top
-is meant. Where other
-noises cover the top, the least steep place near it stands for it.
+of the curve takes for the floor. With a walk behind it the bump is followed by a trough, as flat
+as the top: the top is meant. Where other noises cover the top, the least steep place near it
+stands for it.
 """
 
 from __future__ import annotations
@@ -30,8 +29,7 @@ def flat_time(model: Sum, shortest: float, longest: float, *, beside: float | No
         Range of averaging times, s.
     beside : float, optional
         A place, s, near which to look instead: it follows one flat part while the parameters
-        change a little, where
-        top and trough would else take turns.
+        change a little, where top and trough would else take turns.
     """
 
     def slope(u: float, step: float = 1e-3) -> float:
@@ -72,8 +70,7 @@ def flat_gradient(
     moving along, (p,).
 
     Taken in continuous time: what a filter folds down changes the level by a few per cent of the
-    white noise's share,
-    its derivative by less, and costs most of the time.
+    white noise's share, its derivative by less, and costs most of the time.
 
     Parameters
     ----------

@@ -1,15 +1,11 @@
 """Intervals of a joint Allan fit, and upper limits for what a record does not show.
 
 The scatter of an Allan curve grows with the very parameters that are estimated: where a time
-constant comes out short
-by chance, a standard error taken at the fit is too small as well. So the ends of an interval are
-where the estimate
-lies 1.96 standard errors away with the error taken *there*, the other parameters moved along with
-it; amplitudes on
-the scale of the cube root of their square, which makes a chi-square nearly normal (Wilson and
-Hilferty), time
-constants on the logarithmic one. The flat level is treated like an amplitude, its place moving
-along.
+constant comes out short by chance, a standard error taken at the fit is too small as well. So the
+ends of an interval are where the estimate lies 1.96 standard errors away with the error taken
+*there*, the other parameters moved along with it; amplitudes on the scale of the cube root of
+their square, which makes a chi-square nearly normal (Wilson and Hilferty), time constants on the
+logarithmic one. The flat level is treated like an amplitude, its place moving along.
 """
 
 from __future__ import annotations
@@ -34,8 +30,7 @@ def drop_absent(
     """Take out, one after the other, terms without which the misfit grows by less than `needed`.
 
     2.706 is the 95 % point for an amplitude that cannot be negative. Returns shape, squares,
-    misfit, criterion of
-    what is left; `problem.active` tells which terms those are.
+    misfit, criterion of what is left; `problem.active` tells which terms those are.
     """
     linear = problem.terms.linear
     while True:
@@ -101,9 +96,8 @@ def _ends(
     """Interval of a positive quantity, its standard error taken at the ends.
 
     `gradient(shape, squares)` is the derivative of its logarithm by the logarithms of the
-    amplitudes and shape
-    parameters, (p,); on the scale of its power `power` (0: of its logarithm) its estimate is
-    nearly normal.
+    amplitudes and shape parameters, (p,); on the scale of its power `power` (0: of its logarithm)
+    its estimate is nearly normal.
     """
     slope = gradient(shape, squares)
     variance = slope @ cov @ slope
@@ -139,10 +133,9 @@ def _upper(problem: Problem, shape: Array, squares: Array, i: int) -> float:
     none.
 
     With c the squared amplitude, its estimate scatters like a chi-square of mean c + a with
-    relative error r, a being
-    what the other terms put in its place: standard error r (c + a). The limit is where the
-    estimate that the term would
-    have had (zero or too small to count) lies 1.645 standard errors down on the cube-root scale.
+    relative error r, a being what the other terms put in its place: standard error r (c + a). The
+    limit is where the estimate that the term would have had (zero or too small to count) lies
+    1.645 standard errors down on the cube-root scale.
     """
     basis, _ = problem.design(shape)
     moving = problem.moving()

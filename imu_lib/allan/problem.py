@@ -2,14 +2,11 @@
 start.
 
 The Allan variance is linear in the squared amplitudes and smooth in the time constants. For time
-constants held, the
-squared amplitudes follow from non-negative generalised least squares; the time constants follow by
-minimising what is
-left. The covariance of the estimates depends on the model itself (imu_lib.allan.covariance), so it
-is taken at the
-fit, and fit and covariance are iterated until they agree: the weights then come from the smooth
-model, not from the
-scattered curve, which keeps the solution unbiased.
+constants held, the squared amplitudes follow from non-negative generalised least squares; the time
+constants follow by minimising what is left. The covariance of the estimates depends on the model
+itself (imu_lib.allan.covariance), so it is taken at the fit, and fit and covariance are iterated
+until they agree: the weights then come from the smooth model, not from the scattered curve, which
+keeps the solution unbiased.
 """
 
 from __future__ import annotations
@@ -31,8 +28,7 @@ class Terms:
     amplitude.
 
     With `filtered`, one more free term of variance -3 q^2 / tau^2: what any short filter on white
-    noise takes away at
-    averaging times beyond its length.
+    noise takes away at averaging times beyond its length.
     """
 
     def __init__(self, template: Sum | Process, *, filtered: bool = False) -> None:
@@ -208,8 +204,8 @@ class Problem:
         p).
 
         Rows and columns follow `terms.linear`, then `terms.shape`; what is not in the fit has
-        zeros. `moving` says
-        which shape parameters are uncertain, by default those of the terms in the fit.
+        zeros. `moving` says which shape parameters are uncertain, by default those of the terms in
+        the fit.
         """
         white = self.whitener(self.covariance(shape, squares))
         basis, _ = self.design(shape)

@@ -70,12 +70,9 @@ def read_off(curve: AllanCurve, *, least: float = 0.3, longest: float | None = N
     averaging times.
 
     Q at sqrt(3) s, N at 1 s, B the flat level over 0.664, K at 3 s, R at sqrt(2) s, each on the
-    line through its own
-    stretch (Table 1 of the 2011 paper). Only stretches in an order of rising slope are read, of
-    several of one slope the
-    longest. The interval of a line
-    is that of its best known point, widened by the points' scatter about it. No line is forced
-    where there is no
+    line through its own stretch (Table 1 of the 2011 paper). Only stretches in an order of rising
+    slope are read, of several of one slope the longest. The interval of a line is that of its best
+    known point, widened by the points' scatter about it. No line is forced where there is no
     stretch: the coefficient is then at most what the curve leaves room for at every averaging
     time.
 
@@ -86,8 +83,7 @@ def read_off(curve: AllanCurve, *, least: float = 0.3, longest: float | None = N
         Shortest stretch, decades.
     longest : float or None
         Longest averaging time that takes part, s; by default a tenth of the record, beyond which
-        too few clusters
-        are left to see a slope in them.
+        too few clusters are left to see a slope in them.
 
     Returns
     -------

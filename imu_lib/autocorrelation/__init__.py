@@ -2,8 +2,8 @@
 
 * `autocorrelation`: sample autocorrelation with Bartlett's bands (equal to statsmodels' `acf`);
 * `fit_gauss_markov`, `characterise`: sigma and correlation time of white noise plus a
-  first-order Gauss-Markov
-  process, with intervals that know that neighbouring lags are not independent;
+  first-order Gauss-Markov process, with intervals that know that neighbouring lags are not
+  independent;
 * `read_off`: the same by eye, for comparison;
 * `bartlett_covariance`, `expected_autocovariance`: covariance and exact mean of sample
   autocovariances;

@@ -117,8 +117,8 @@ def bartlett_covariance(gamma, n, lags) -> np.ndarray:
     """Covariance of the sample autocovariances of a Gaussian process, shape (lags + 1, lags + 1).
 
     Bartlett's formula: cov(g_h, g_k) = sum over all m of (gamma_m gamma_{m+h-k} + gamma_{m+k}
-    gamma_{m-h}) / n,
-    which is (S(h - k) + S(h + k)) / n with S the autocovariance sequence convolved with itself.
+    gamma_{m-h}) / n, which is (S(h - k) + S(h + k)) / n with S the autocovariance sequence
+    convolved with itself.
 
     Parameters
     ----------
@@ -139,8 +139,7 @@ def expected_autocovariance(gamma, n, lags) -> np.ndarray:
     """Exact mean of the sample autocovariances once the sample mean is removed, shape (lags + 1,).
 
     Removing the mean and dividing by n pull the whole curve down, by about the variance of the
-    mean; a fit that
-    ignores it reads a correlation time that is too short.
+    mean; a fit that ignores it reads a correlation time that is too short.
 
     Parameters
     ----------

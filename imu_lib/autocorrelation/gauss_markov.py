@@ -1,25 +1,18 @@
 """First-order Gauss-Markov process and white noise, fitted to the autocovariance.
 
 The sample autocovariances of one record are strongly correlated with each other: neighbouring lags
-share almost all
-of their products. A plain least-squares fit of sigma^2 exp(-lag / Tc) (Eq. 11 of the 2013 paper,
-Eq. 9 of the 2011
-paper) to them has intervals many times too small. Here the fit is generalised least squares with
-the covariance of
-the lags evaluated at the fitted model, and against the exact mean of the lags once the record's
-own mean is off.
+share almost all of their products. A plain least-squares fit of sigma^2 exp(-lag / Tc) (Eq. 11 of
+the 2013 paper, Eq. 9 of the 2011 paper) to them has intervals many times too small. Here the fit
+is generalised least squares with the covariance of the lags evaluated at the fitted model, and
+against the exact mean of the lags once the record's own mean is off.
 
 A gyroscope's white noise is a thousand times its Gauss-Markov variance, sample by sample, and its
-correlation time
-thousands of samples. The record is therefore first averaged over blocks. The block is not the
-user's choice: blocks
-of 1, 2, 4, ... samples are tried, and of those where the fitted correlation time is a handful of
-blocks the most
-significant is taken. Where the record drifts on beyond that (a random walk, which has no
-autocovariance), the
-autocovariance is averaged over segments, each less its own mean, and a walk is fitted with it. Of
-two correlated
-processes it is the more significant one that is reported.
+correlation time thousands of samples. The record is therefore first averaged over blocks. The
+block is not the user's choice: blocks of 1, 2, 4, ... samples are tried, and of those where the
+fitted correlation time is a handful of blocks the most significant is taken. Where the record
+drifts on beyond that (a random walk, which has no autocovariance), the autocovariance is averaged
+over segments, each less its own mean, and a walk is fitted with it. Of two correlated processes it
+is the more significant one that is reported.
 """
 
 from __future__ import annotations
@@ -96,8 +89,7 @@ def fit_gauss_markov(x, fs, *, block=None, lags=32, detrend="mean", drift=None) 
         Rate, Hz.
     block : int, optional
         Samples per block mean; default chosen as the module's docstring says. A block that is
-        given is not searched for,
-        so two standard errors are enough.
+        given is not searched for, so two standard errors are enough.
     lags : int
         Lags of the block means that are fitted.
     detrend : {"mean", "linear", "none"}

@@ -12,10 +12,8 @@ def variance_uncertainty(duration, correlation_time):
     T).
 
     The rule that the 2011 paper quotes: 200 correlation times for 10 %. It speaks of the
-    autocovariance at lag 0
-    (Brown and Hwang), sigma^2; sigma itself is twice as good, the correlation time just as bad,
-    and white noise on
-    top makes all of them worse.
+    autocovariance at lag 0 (Brown and Hwang), sigma^2; sigma itself is twice as good, the
+    correlation time just as bad, and white noise on top makes all of them worse.
     """
     return np.sqrt(2 * np.asarray(correlation_time) / np.asarray(duration))
 
@@ -32,8 +30,7 @@ def read_off(curve: Autocorrelation) -> tuple[float, float]:
     1/e.
 
     What the papers' Fig. 4 suggests; it takes white noise for part of the process. `nan` where the
-    curve does not
-    come down to 1/e.
+    curve does not come down to 1/e.
     """
     below = np.flatnonzero(curve.rho < np.exp(-1))
     if below.size == 0:

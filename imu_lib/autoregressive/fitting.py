@@ -20,12 +20,10 @@ def fit(x, order, *, method="burg") -> ARModel:
     order : int
     method : {"burg", "yule_walker", "least_squares"}
         Burg minimises the forward and backward prediction errors order by order and is always
-        stable (statsmodels'
-        recursion). Yule-Walker solves for the biased sample autocovariances, also stable, but
-        pulled towards zero
-        where poles are near the unit circle. Least squares regresses on the past with an intercept
-        (2011 paper,
-        Eqs. 5-7) and may be unstable. On long records the three agree, as the 2008 paper found.
+        stable (statsmodels' recursion). Yule-Walker solves for the biased sample autocovariances,
+        also stable, but pulled towards zero where poles are near the unit circle. Least squares
+        regresses on the past with an intercept (2011 paper, Eqs. 5-7) and may be unstable. On long
+        records the three agree, as the 2008 paper found.
 
     Raises
     ------

@@ -89,8 +89,7 @@ def autocovariance(phi, sigma, lags) -> np.ndarray:
     """Autocovariance of a stationary autoregressive process, lags 0 ... `lags`, shape (lags + 1,).
 
     The Yule-Walker equations turned round: linear in gamma_0 ... gamma_p. ValueError if the
-    process is not
-    stationary.
+    process is not stationary.
     """
     phi = np.asarray(phi, dtype=float)
     p = phi.size
@@ -138,8 +137,7 @@ def to_gauss_markov(model: ARModel, fs) -> dict[str, Estimate]:
     (2011, Eq. 13).
 
     Tc = -1 / (fs ln phi). The interval of Tc is that of phi carried through the logarithm, so it
-    is open above where
-    phi may be 1. ValueError unless the order is 1 and 0 < phi < 1.
+    is open above where phi may be 1. ValueError unless the order is 1 and 0 < phi < 1.
     """
     if model.order != 1 or not 0 < model.phi[0] < 1:
         raise ValueError(

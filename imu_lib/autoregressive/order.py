@@ -53,11 +53,9 @@ def choose_order(v, max_order=20, *, knee_tolerance=0.01) -> OrderChoice:
     With N samples, m variables, n_p = m p + 1 predictors and the residual cross-products Delta_p:
 
     * SBC(p) = ln det(Delta_p) / m - (1 - n_p / N) ln N: Eq. 4 of the 2011 paper, as ARfit has
-      it. Delta_p is a sum, not
-      a mean, and the whole is per sample and variable: ln det(C_p) / m + n_p ln(N) / N with C_p =
-      Delta_p / N. On seven
-      hours at 100 Hz one more coefficient costs 6e-6, so the curve must not be rounded before its
-      minimum is taken.
+      it. Delta_p is a sum, not a mean, and the whole is per sample and variable: ln det(C_p) / m +
+      n_p ln(N) / N with C_p = Delta_p / N. On seven hours at 100 Hz one more coefficient costs
+      6e-6, so the curve must not be rounded before its minimum is taken.
     * AIC(p) = N ln det(C_p) / m + 2 n_p, per variable.
     * FPE(p) = det(C_p)^(1/m) (N + n_p) / (N - n_p).
     * MDL(p) = N ln det(C_p) / (2 m) + n_p ln(N) / 2: Rissanen's two-part length of the record,
@@ -91,9 +89,8 @@ def knee(residual_variance, *, tolerance=0.01) -> int:
     without an eye.
 
     The first order from which no higher one tried lowers the variance by more than `tolerance` of
-    itself. Unlike a
-    criterion it asks what a coefficient is worth, not whether it is real; the answer moves with
-    the tolerance.
+    itself. Unlike a criterion it asks what a coefficient is worth, not whether it is real; the
+    answer moves with the tolerance.
     """
     variance = np.asarray(residual_variance, dtype=float)
     best_beyond = np.minimum.accumulate(variance[::-1])[::-1]

@@ -2,15 +2,11 @@
 Schneider 2001).
 
 All orders 0 ... p_max are fitted to the same samples, those that have p_max predecessors. One QR
-factorisation of
-[1, v_{k-1}, ..., v_{k-p_max}, v_k] holds them all: with R = [[R11, R12], [0, R22]], the residual
-cross-product matrix
-of order p is R22' R22 plus the rows of R12 beyond the first n_p = m p + 1, and the coefficients of
-order p solve the
-leading triangle. Where the problem is well conditioned R comes from the moment matrices (2011
-paper, Eq. 5), else from
-a QR over the record in pieces, each stacked under the triangle so far, so memory does not grow
-with the record.
+factorisation of [1, v_{k-1}, ..., v_{k-p_max}, v_k] holds them all: with R = [[R11, R12], [0,
+R22]], the residual cross-product matrix of order p is R22' R22 plus the rows of R12 beyond the
+first n_p = m p + 1, and the coefficients of order p solve the leading triangle. Where the problem
+is well conditioned R comes from the moment matrices (2011 paper, Eq. 5), else from a QR over the
+record in pieces, each stacked under the triangle so far, so memory does not grow with the record.
 """
 
 from __future__ import annotations
@@ -192,9 +188,8 @@ def _triangle_from_products(v, p):
     """The same as the Cholesky factor of the moment matrix, or None where that would lose digits.
 
     The products of lags i + 1 and j + 1 are those of i and j shifted by one sample, so p + 1 sums
-    over the record
-    give them all. Squaring the matrix squares its condition: smooth series (de-noised ones) go to
-    the QR.
+    over the record give them all. Squaring the matrix squares its condition: smooth series
+    (de-noised ones) go to the QR.
     """
     n, m = v.shape
     blocks = np.empty(

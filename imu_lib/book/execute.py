@@ -1,9 +1,8 @@
 """Executing notebooks so that two runs give the same bytes.
 
 Nothing that changes by itself is stored: no run times, no machine's kernel names, no transient
-ids. A chapter
-runs with its own folder as working directory, one thread, and the kernel of the environment it is
-called from.
+ids. A chapter runs with its own folder as working directory, one thread, and the kernel of the
+environment it is called from.
 """
 
 import os
@@ -48,9 +47,8 @@ def run(notebook, folder: Path, *, after_error=None, on_cell=None):
     """Execute `notebook` (a NotebookNode, changed in place) with `folder` as working directory.
 
     Raises nbclient's CellExecutionError where a cell fails; with `after_error` the next cells go
-    on instead, after the
-    code that `after_error(cell, reply)` returns. `on_cell(cell=, cell_index=)` is told of each cell
-    before it runs.
+    on instead, after the code that `after_error(cell, reply)` returns.
+    `on_cell(cell=, cell_index=)` is told of each cell before it runs.
     """
     from jupyter_core.utils import ensure_async
     from nbclient import NotebookClient

@@ -2,8 +2,8 @@
 builds on it is left out.
 
 A name that a failed statement would have set is taken away from the kernel (`forgotten`): a later
-cell then stops at
-it, instead of drawing what an earlier cell, on a simulation perhaps, had left under the same name.
+cell then stops at it, instead of drawing what an earlier cell, on a simulation perhaps, had left
+under the same name.
 """
 
 import ast

@@ -2,8 +2,8 @@
 becomes the PDF.
 
 Sphinx takes a builder's own node handlers instead of its format's as soon as one exists;
-sphinx-exercise registers
-none for `singlehtml`, another extension does, and every exercise would be an unknown node.
+sphinx-exercise registers none for `singlehtml`, another extension does, and every exercise would
+be an unknown node.
 """
 
 

@@ -1,20 +1,16 @@
 """Gyroscopes without a rate table: turns between poses, whose ends gravity has seen.
 
 Between two rests the gyroscopes integrate to a rotation R_k (body axes at the second rest into
-those at
-the first). Gravity's direction in body axes, g_k, is known at both ends from the calibrated
-accelerometers, so that
+those at the first). Gravity's direction in body axes, g_k, is known at both ends from the
+calibrated accelerometers, so that
 
     g_{k+1} - R_k^T g_k = 0                                                               (1)
 
 is two equations per turn (the rotation about the vertical stays unseen) on the nine elements of M
-(Tedaldi et
-al. 2014, their cost for the gyroscopes); the biases come from the rests. What Eq. (1) leaves over
-is not
-white: neighbouring turns share the pose between them, and all of them share the accelerometers'
-calibration and the biases. The first is whitened; the others are parameters with their own
-covariance as
-prior, so that the intervals hold them.
+(Tedaldi et al. 2014, their cost for the gyroscopes); the biases come from the rests. What Eq. (1)
+leaves over is not white: neighbouring turns share the pose between them, and all of them share the
+accelerometers' calibration and the biases. The first is whitened; the others are parameters with
+their own covariance as prior, so that the intervals hold them.
 """
 
 from __future__ import annotations
@@ -254,8 +250,7 @@ def _whitener(
     """Inverse square root of the covariance of the misfits, ndarray, shape (2k, 2k).
 
     `pose_sd` rad, direction noise of each rest (shared by the turns before and after it); `walk`
-    (k,) rad^2,
-    the gyroscopes' own angle variance of each turn.
+    (k,) rad^2, the gyroscopes' own angle variance of each turn.
     """
     k = len(tangent)
     covariance = np.zeros((2 * k, 2 * k))

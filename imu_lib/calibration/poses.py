@@ -3,8 +3,7 @@
 Two cases:
 
 - the true input of each pose is known (a levelled turntable, a six-position test, a rate table):
-  Eq. (1)
-  of `triad` is linear in M and b, and ordinary least squares answers (`from_reference`);
+  Eq. (1) of `triad` is linear in M and b, and ordinary least squares answers (`from_reference`);
 - it is not, but at rest the specific force has the magnitude of gravity (Tedaldi, Pretto and
   Menegatti
   2014; Eq. 10 there): nine parameters from
@@ -12,8 +11,7 @@ Two cases:
       sum over poses of ( |M^-1 (y_k - b)| - g )^2                                          (2)
 
   with M upper triangular: a rotation of the body axes does not change Eq. (2), so the body x axis
-  is put
-  along the x sensor and the y axis in the plane of the x and y sensors (`from_gravity`).
+  is put along the x sensor and the y axis in the plane of the x and y sensors (`from_gravity`).
 """
 
 from __future__ import annotations
@@ -42,9 +40,8 @@ def from_reference(reading: np.ndarray, truth: np.ndarray, *, nominal: float = 1
     ----------
     reading, truth : ndarray, shape (n, 3)
         Mean reading of each position or rate step, and the true input there. An input axis that
-        the test
-        never excites leaves its column of M undetermined (held at `nominal` on the diagonal, zero
-        elsewhere).
+        the test never excites leaves its column of M undetermined (held at `nominal` on the
+        diagonal, zero elsewhere).
     nominal : float
         Nominal sensitivity, reading per unit of input.
 

@@ -3,8 +3,7 @@
 The standard deviation over a moving window has two populations, at rest and handled, orders of
 magnitude apart. The split between them is Otsu's (largest variance between two classes, on the
 logarithm); the threshold is then drawn close to the resting class, from that class's own scatter,
-so
-that the slow beginning and end of a movement do not count as rest. No threshold is set by hand
+so that the slow beginning and end of a movement do not count as rest. No threshold is set by hand
 (Tedaldi et al. 2014 try multiples of the variance of a first rest of known length instead).
 """
 
@@ -27,8 +26,7 @@ class RestWindows:
     """Where a record rests.
 
     `start`, `stop` (ndarray of int, shape (k,)): first sample and one past the last; `level`:
-    median
-    standard deviation at rest and `threshold`: what counts as rest, unit of the reading;
+    median standard deviation at rest and `threshold`: what counts as rest, unit of the reading;
     `deviation` (ndarray, shape (n,)): the moving standard deviation they were found in.
     """
 

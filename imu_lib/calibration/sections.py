@@ -1,10 +1,8 @@
 """What was done when in a record of poses or rate steps.
 
 The list (`--poses`) is a CSV file with a header and one row per pose or rate step, or a JSON file
-of named
-sections (`x_p x_a y_p y_a z_p z_a x_rot y_rot z_rot`, each with `start` and `stop` in samples), as
-the six
-positions and three turns of Ferraris are usually stored.
+of named sections (`x_p x_a y_p y_a z_p z_a x_rot y_rot z_rot`, each with `start` and `stop` in
+samples), as the six positions and three turns of Ferraris are usually stored.
 
 | column | meaning |
 |---|---|

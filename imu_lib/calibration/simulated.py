@@ -1,9 +1,8 @@
 """Laboratory and hand-held calibration records with known truth.
 
 Readings are `triad.distort(truth)` plus noise. `noise(n)` is any function that returns (n, 3)
-noise in the
-unit of the reading; `white(sd, rng)` makes the simplest, `from_model` draws it from an error
-model.
+noise in the unit of the reading; `white(sd, rng)` makes the simplest, `from_model` draws it from
+an error model.
 """
 
 from __future__ import annotations
@@ -60,8 +59,7 @@ def stepped_table(
     axis: int = 2,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Gyroscopes on a stepped rate table: rates (33,) rad/s and readings (n, 3); each step is
-    reached with
-    time constant `settling` s."""
+    reached with time constant `settling` s."""
     rates, each = steps(), round(dwell * fs)
     before = np.concatenate([[0.0], rates[:-1]])
     decay = np.exp(-np.arange(each) / fs / settling)
@@ -86,8 +84,7 @@ def hand_held(
     """A sensor put down by hand in `poses` random poses: readings accel (n, 3) and gyro (n, 3).
 
     Each turn is about one random body axis by 60 to 170 degrees with a smooth rate, and ends in a
-    rest. While
-    it turns, the hand shakes the accelerometers.
+    rest. While it turns, the hand shakes the accelerometers.
     """
     still, moving = round(rest * fs), round(turn * fs)
     profile = np.sin(np.pi * (np.arange(moving) + 0.5) / moving) ** 2
@@ -139,8 +136,8 @@ def panel_runs(
 
 def table_runs(bias, scale_factor, fs: float, *, noise=None):
     """Repeated stepped rate-table tests of a yaw gyroscope with `bias` (r,) rad/s and
-    `scale_factor` (r,). Returns the fits,
-    (r,) list of `Line`, and the last run's readings (n,) rad/s."""
+    `scale_factor` (r,). Returns the fits, (r,) list of `Line`, and the last run's readings (n,)
+    rad/s."""
     fits = []
     for b, s in zip(bias, scale_factor):
         rates, reading = stepped_table(triad((0, 0, s), (0, 0, b)), fs, noise=noise)
@@ -150,8 +147,7 @@ def table_runs(bias, scale_factor, fs: float, *, noise=None):
 
 def coverage(records: int, *, poses: int = 24, fs: float = 50.0, noise: float = 0.02) -> np.ndarray:
     """Which 95 % intervals of `from_gravity` hold the truth, ndarray of bool, shape (records, 9),
-    over simulated hand-held
-    records of different sensors (seeds 0, 1, ...)."""
+    over simulated hand-held records of different sensors (seeds 0, 1, ...)."""
     from .poses import from_gravity
     from .rest import rest_windows
 

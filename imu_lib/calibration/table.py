@@ -1,16 +1,15 @@
 """Park and Gao's two laboratory tests, and how far ten runs of one pin down its repeatability.
 
 - Rotation panel (2008 paper, Section 4, Figs. 6 to 8, Table 2): an accelerometer turned at a
-  constant
-  rate W in the vertical plane reads
+  constant rate W in the vertical plane reads
 
       y(t) = b + (1 + S) g cos(W t + p) = b + A cos(W t) + C sin(W t),    (1 + S) g = sqrt(A^2 +
       C^2)    (1)
 
   W is found anew in every run, because the motor does not keep it.
 - Rate table (same section, Fig. 9, Table 3): a yaw gyroscope at steps 0, 10, ... 80, ... -80,
-  ... 0 deg/s,
-  each step averaged after it has settled, gives 33 equations y = b + (1 + S) w (Eq. 4).
+  ... 0 deg/s, each step averaged after it has settled, gives 33 equations y = b + (1 + S) w (Eq.
+  4).
 """
 
 from __future__ import annotations

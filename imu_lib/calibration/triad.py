@@ -6,8 +6,7 @@ The reading of a triad at the true input u (specific force or angular rate, body
 
 M is 3 x 3; its diagonal holds `nominal` (1 + scale factor error), its off-diagonal elements the
 cross-coupling (misalignment and non-orthogonality, the M_y, M_z of Eqs. 1 and 3 of the 2008
-paper),
-b is the zero-offset bias in the unit of the reading.
+paper), b is the zero-offset bias in the unit of the reading.
 """
 
 from __future__ import annotations
@@ -50,12 +49,11 @@ class Triad:
         The sensitivity that a scale factor error is relative to (1 where readings are in SI).
     residual_sd : float
         Standard deviation of the residuals of the fit: m/s^2 for accelerometers, rad/s for a rate
-        table, rad
-        (direction of gravity after a turn) for `from_turns`.
+        table, rad (direction of gravity after a turn) for `from_turns`.
     consistency : float
         Mean square of the residuals over what the noise at rest explains (1 when the model of the
-        sensor and
-        of its noise holds); nan where the residuals themselves were the measure of the noise.
+        sensor and of its noise holds); nan where the residuals themselves were the measure of the
+        noise.
     """
 
     matrix: np.ndarray

@@ -1,10 +1,9 @@
 """Every method on every channel of a record at rest: one result, one error model.
 
 Allan variance, spectrum, autocorrelation and autoregressive models read coefficients off their own
-curves; the
-likelihood fits whole sums of processes, chooses between them and gives the error model that is
-saved. What the
-record cannot support is said in the notes of the result instead of being left out in silence.
+curves; the likelihood fits whole sums of processes, chooses between them and gives the error model
+that is saved. What the record cannot support is said in the notes of the result instead of being
+left out in silence.
 """
 
 from dataclasses import dataclass

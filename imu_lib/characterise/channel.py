@@ -35,8 +35,7 @@ class Channel:
         file.
     autoregressive : dict
         `order`, `phi` (list of Estimate), `sigma` (Estimate, of the driving noise), `white`
-        (whether the residuals pass
-        for white).
+        (whether the residuals pass for white).
     choice : imu_lib.likelihood.Choice
         Candidates, the winner's fit, p-value.
     curve : imu_lib.allan.AllanCurve

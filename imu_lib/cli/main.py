@@ -1,9 +1,8 @@
 """`imu-lib COMMAND ...`: the parser, the dispatch, and what a user sees when something is wrong.
 
 A command is a module of this package with NAME, HELP, `add_arguments(parser)` and `run(args)`; it
-is imported when it is
-asked for. Exit 0: done. Exit 2: the input or the call is at fault; one sentence on standard error
-says what and the remedy.
+is imported when it is asked for. Exit 0: done. Exit 2: the input or the call is at fault; one
+sentence on standard error says what and the remedy.
 """
 
 from __future__ import annotations

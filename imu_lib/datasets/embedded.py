@@ -23,8 +23,7 @@ _WAIT = 180.0  # s that one process waits for another that draws the same twin
 
 def twin(name: str = "3dm-gx3-25") -> Record:
     """An embedded record. Seconds on first use, then read from the cache (mapped, not copied).
-    InputError where there is none of
-    that name."""
+    InputError where there is none of that name."""
     mark = twins.fingerprint(name)
     path = places.cache() / f"{name}-{mark[:12]}.npy"
     record = _read(name, path, mark)

@@ -52,8 +52,7 @@ def cache() -> Path:
 
 def given() -> Path | None:
     """The folder that IMU_LIB_DATA names (relative: to the working folder, then to the source
-    tree), None where it is not set or
-    not there."""
+    tree), None where it is not set or not there."""
     value = os.environ.get("IMU_LIB_DATA", "")
     if not value:
         return None

@@ -20,8 +20,7 @@ from imu_lib.record import Record
 @cache
 def registry() -> MappingProxyType:
     """Name -> entry: kind (static, drive, calibration), sensor, about, rate, columns, licence,
-    files, options of the reader,
-    sources (url, sha256, bytes)."""
+    files, options of the reader, sources (url, sha256, bytes)."""
     return MappingProxyType(
         json.loads((places.shipped() / "registry.json").read_text(encoding="utf-8"))
     )

@@ -99,10 +99,10 @@ def free_base(data: Data, held: Sequence[Any] = ()) -> tuple[State, list[State]]
     that stand far out of it; and all families.
 
     A drift competes with the families, each by itself: fitted first, a random walk would imitate a
-    ramp that is plain to see; so do two levels, whose spectrum is that of a Gauss-Markov process. A
-    filter in the sensor is tried beside a base fitted to the low part
-    of the band, up to each of `BELOW`: fitted to all of it, flicker or a quick Gauss-Markov process
-    would imitate the roll-off.
+    ramp that is plain to see; so do two levels, whose spectrum is that of a Gauss-Markov process.
+    A filter in the sensor is tried beside a base fitted to the low part of the band, up to each of
+    `BELOW`: fitted to all of it, flicker or a quick Gauss-Markov process would imitate the
+    roll-off.
     """
     best, families = _likeliest(_families(data, held))
     filtered = _filtered(data, held, best)

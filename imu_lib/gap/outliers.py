@@ -80,8 +80,8 @@ def _settled(
     y: Array, at: Array, new: Array, near: Array, response: Array, least: float
 ) -> tuple[Array, Array]:
     """The samples `at`, those about the `new` ones moved to where they explain the most beside
-    their neighbours, without those
-    that are then too weak; and `near`, the samples that explain nearly as much as one of them."""
+    their neighbours, without those that are then too weak; and `near`, the samples that explain
+    nearly as much as one of them."""
     heights = np.zeros(len(y))
     heights[at] = _heights(y, at, response)
     lag, out, instead, fresh = np.arange(-CLOSE, CLOSE + 1), [], [near], set(new.tolist())

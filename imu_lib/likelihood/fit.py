@@ -30,8 +30,8 @@ class Fit:
         is left out.
     parameters : dict of str to Estimate
         By the label of the template (`N`, `sigma`, `correlation_time`, `sigma_2`, ...), 95 %
-        intervals by the profile
-        of the likelihood. `value` is None where the record does not show the term.
+        intervals by the profile of the likelihood. `value` is None where the record does not show
+        the term.
     labels, covariance : tuple of str, ndarray (k, k)
         Inverse Fisher information of the logarithms of the free parameters.
     loglike, aic, bic : float

@@ -1,8 +1,7 @@
 """Initial alignment: roll and pitch from gravity, heading from the direction of motion.
 
 A car's heading cannot be felt by sensors of this class (Earth rate is below their bias), so it is
-taken from the GNSS
-course once the car moves, and carried back to the start by the gyros.
+taken from the GNSS course once the car moves, and carried back to the start by the gyros.
 """
 
 from dataclasses import dataclass
@@ -30,8 +29,7 @@ class Alignment:
     epoch : index into the stretch's `time`; position, velocity, attitude : (3,) each
     sd : (9,) position m, velocity m/s, attitude rad
     gyro_offset : (3,) rad/s, mean rate at standstill (zeros without one); standstill : s used for
-    it; used : s, time of the fix whose
-    position it took (the filter goes on with later ones)
+    it; used : s, time of the fix whose position it took (the filter goes on with later ones)
     """
 
     epoch: int
@@ -106,9 +104,8 @@ def align(
     """Align at the start of a stretch, or as soon after it as the fixes allow.
 
     Standing at first: level over the standstill, heading from the first straight motion, carried
-    back by the gyros. Moving from
-    the first moment: start at the first fix in straight motion, level with the acceleration that
-    the fixes show.
+    back by the gyros. Moving from the first moment: start at the first fix in straight motion,
+    level with the acceleration that the fixes show.
 
     heading : rad at the start, where it is known; heading_sd, tilt_sd : rad
     Raises InputError where no fix moves and no heading is given.

@@ -2,17 +2,14 @@
 compiled.
 
 Navigation errors x_n = (position m, velocity m/s, attitude rad), NED, estimate minus truth, with
-the estimated matrix
-C_hat = (I - [phi x]) C. Continuous model dx_n/dt = F x_n + G (H x_s + w), x_s the sensor states:
-psi-free phi-angle
-model of Shin 2005 (Eqs. 2.51-2.56) and Groves 2013 (section 14.2.4), with the position error in
-metres.
+the estimated matrix C_hat = (I - [phi x]) C. Continuous model dx_n/dt = F x_n + G (H x_s + w), x_s
+the sensor states: psi-free phi-angle model of Shin 2005 (Eqs. 2.51-2.56) and Groves 2013 (section
+14.2.4), with the position error in metres.
 
 The transition is A = I + F dt + (F dt)^2 / 2 on the navigation block, B = (I dt + F dt^2 / 2) G H
-into it from the
-sensor states, and the exact S (Van Loan, once per run) on the sensor block. The covariance is kept
-in three pieces,
-nn (9, 9), ns (9, m), ss (m, m); S acts channel by channel, so that its zeros are never multiplied.
+into it from the sensor states, and the exact S (Van Loan, once per run) on the sensor block. The
+covariance is kept in three pieces, nn (9, 9), ns (9, m), ss (m, m); S acts channel by channel, so
+that its zeros are never multiplied.
 """
 
 import numpy as np

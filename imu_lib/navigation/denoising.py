@@ -2,12 +2,9 @@
 integrated.
 
 Two questions of the 2013 paper's Section 5.6, with truth known: how many levels before the motion
-suffers
-(`level_study`), and what is left of the gain when a strapdown has integrated the samples over an
-outage
-(`after_integration`). `moving_and_still` cuts the two stretches out of a recorded drive that
-`wavelet.choose_level`
-compares.
+suffers (`level_study`), and what is left of the gain when a strapdown has integrated the samples
+over an outage (`after_integration`). `moving_and_still` cuts the two stretches out of a recorded
+drive that `wavelet.choose_level` compares.
 """
 
 from __future__ import annotations
@@ -35,8 +32,8 @@ class LevelStudy:
     """Errors of one channel after de-noising with 0 to J levels, signal unit.
 
     `rms` {form: (J + 1,)} against the truth; `loss` and `noise` (J + 1,): what the whole-record
-    low-pass takes from the
-    motion, and what it leaves of the noise (their squares add up to that form's).
+    low-pass takes from the motion, and what it leaves of the noise (their squares add up to that
+    form's).
     """
 
     rms: dict[str, np.ndarray]
@@ -83,8 +80,7 @@ def after_integration(x: np.ndarray, fs: float, duration: float, *, integrals: i
     """RMS of the error that a signal error `x` (n,) makes by the end of windows of `duration` s.
 
     `integrals` 1: an angle from a rate, or a velocity from a specific force; 2: a position.
-    Consecutive windows, each
-    starting from zero error.
+    Consecutive windows, each starting from zero error.
     """
     size = round(duration * fs)
     count = len(x) // size
@@ -105,8 +101,7 @@ def moving_and_still(
     which it stands.
 
     The speed is the reference's, or the receiver's where there is none, m/s: below `still` it
-    stands, above `moving` it
-    drives; no stretch holds a gap.
+    stands, above `moving` it drives; no stretch holds a gap.
 
     Raises
     ------

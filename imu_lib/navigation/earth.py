@@ -56,8 +56,7 @@ def meters(position: ArrayLike, origin: ArrayLike) -> Array:
     returns : ndarray, shape (..., 3), m
 
     The arcs are taken at the mean latitude and height, which for offsets of d metres errs by about
-    d^3/R^2
-    (0.02 m over 10 km): right for errors and maps of a drive, not for geodesy.
+    d^3/R^2 (0.02 m over 10 km): right for errors and maps of a drive, not for geodesy.
     """
     position, origin = np.asarray(position, float), np.asarray(origin, float)
     mean = 0.5 * (position + origin)

@@ -16,12 +16,10 @@ class Innovations:
     """One row per fix (two where position and velocity of a fix are taken at different times).
 
     index (f,) row of the drive's `gnss_*`; time (f,) s at which the fix was taken, on the IMU's
-    clock; bits (f,) of `measurement`
-    value (f, 6) measured minus predicted, NED m and m/s; covariance (f, 6, 6); both NaN where the
-    part was not offered (`used`: and passed)
-    normalised (f, 6) whitened one after the other, predicted minus measured, NaN where not used;
-    nis, freedom (f,)
-    log_likelihood (f,) nats; velocity (f, 3) NED of the filter before the fix
+    clock; bits (f,) of `measurement` value (f, 6) measured minus predicted, NED m and m/s;
+    covariance (f, 6, 6); both NaN where the part was not offered (`used`: and passed) normalised
+    (f, 6) whitened one after the other, predicted minus measured, NaN where not used; nis, freedom
+    (f,) log_likelihood (f,) nats; velocity (f, 3) NED of the filter before the fix
     """
 
     index: np.ndarray

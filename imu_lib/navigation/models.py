@@ -2,8 +2,8 @@
 27AR (its Table 8).
 
 None of them is a filter of its own: each is an error model given to the one filter. They can be
-made from the paper's printed
-tables, from any error model, or from a static record of the sensor at hand.
+made from the paper's printed tables, from any error model, or from a static record of the sensor
+at hand.
 """
 
 import numpy as np
@@ -179,9 +179,8 @@ def read_off(record, rate) -> Model:
     curves as the 2013 paper does.
 
     N and K from their slopes, sigma = 0.664 B and the correlation time from the flat part (section
-    5.5, Eq. 29). Where no flat part is
-    found its place is taken by the lowest point of the curve; a walk without a slope of its own is
-    left out.
+    5.5, Eq. 29). Where no flat part is found its place is taken by the lowest point of the curve;
+    a walk without a slope of its own is left out.
     """
     still = record.continuous()
     channels = {}

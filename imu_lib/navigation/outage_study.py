@@ -26,8 +26,7 @@ class ModelOutages:
     states : number of filter states; time (w,) of (k,) s since the window's start; error :
     {"full_gnss": (w,) of (k,), "reference": ...}, m;
     sigma : (w,) of (k,), m, the filter's own horizontal standard deviation (root of the sum of the
-    two variances);
-    path (w,) of (k, 3), positions; solution : the full-GNSS run
+    two variances); path (w,) of (k, 3), positions; solution : the full-GNSS run
     """
 
     states: int

@@ -2,8 +2,8 @@
 until it comes back.
 
 Each outage stands alone: the filter has GNSS up to its start, then runs on without. That is what
-withholding one window in
-a run of its own gives, for hundreds of windows at the price of one run and their seconds.
+withholding one window in a run of its own gives, for hundreds of windows at the price of one run
+and their seconds.
 """
 
 from dataclasses import replace

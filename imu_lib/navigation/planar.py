@@ -7,17 +7,14 @@ On flat ground, with heading p from north and specific force u forward, v right,
     (1)
 
 (its Eqs. 8, 9 and 11; the row of ve' in Eq. 8 is printed with a minus before cos(p) v, which Eqs.
-9 and 11 do not
-have). The errors, estimate minus truth, obey its Eq. 12; what the sensors add is whatever the
-processes say: random constants give its 8-state filter (Eq. 15), fourth-order AR models of u and v
-its 14-state filter (Eq. 16).
+9 and 11 do not have). The errors, estimate minus truth, obey its Eq. 12; what the sensors add is
+whatever the processes say: random constants give its 8-state filter (Eq. 15), fourth-order AR
+models of u and v its 14-state filter (Eq. 16).
 
 What Eqs. 14 and 16 leave out, and `order=2` keeps: the half dt^2 that an acceleration error puts
-into position within
-one step. What Eq. 16 leaves out for good: any bias that lasts. Its AR states forget within
-seconds, and its yaw
-state is white (a zero row), so that neither can carry a zero-offset from one position fix to the
-next.
+into position within one step. What Eq. 16 leaves out for good: any bias that lasts. Its AR states
+forget within seconds, and its yaw state is white (a zero row), so that neither can carry a
+zero-offset from one position fix to the next.
 """
 
 from __future__ import annotations
@@ -68,8 +65,7 @@ def sensors(models: Mapping[str, Sum], dt: float, *, white_state: bool = False) 
     dt : float, s; an AR model must have the rate 1/dt
     white_state : bool
         Give the yaw gyroscope's white noise a state of its own, as Eq. 16 of the paper does (its
-        row is zero). It
-        reaches the heading one step later, and costs a state.
+        row is zero). It reaches the heading one step later, and costs a state.
     """
     blocks, direct = {s: [] for s in SENSORS}, np.zeros(3)
     for k, name in enumerate(SENSORS):
@@ -144,8 +140,7 @@ def _sparse(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 @dataclass(frozen=True)
 class PlanarRun:
     """Positions (r, n, 2) m and their predicted standard deviations (r, n, 2) m, after each step;
-    `nees` (r, n) of the
-    two positions where the truth was given (expected value 2)."""
+    `nees` (r, n) of the two positions where the truth was given (expected value 2)."""
 
     position: np.ndarray
     sd: np.ndarray

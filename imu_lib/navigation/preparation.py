@@ -58,8 +58,8 @@ class Gnss:
     position_sd : m (north, east, down), where the drive gives none; velocity_sd : m/s, likewise
     position_floor, velocity_floor : least standard deviation believed, m and m/s
     latency : s, added to the fixes' time tags; velocity_latency : s, to those of the velocities
-    (None: the same); correlation_time : s, of the fixes' errors: fixes
-    that follow each other faster
+    (None: the same); correlation_time : s, of the fixes' errors: fixes that follow each other
+    faster
         are given the variance that makes so many of them worth one
     position_ratio, velocity_ratio : true standard deviation over the stated one; position_extra,
     velocity_extra : m and m/s, standard deviation of what the receiver does not count, on each of

@@ -35,10 +35,8 @@ class GnssErrors:
     """GNSS fixes and their errors.
 
     rate : Hz; position_sd, velocity_sd : white, north-east-down, m and m/s; drift_sd, drift_time :
-    m and s, of the
-    Gauss-Markov part of the position error (multipath, atmosphere); latency : s, by which time
-    tags are late; wild : share of fixes
-    thrown off by `wild_sd` m
+    m and s, of the Gauss-Markov part of the position error (multipath, atmosphere); latency : s,
+    by which time tags are late; wild : share of fixes thrown off by `wild_sd` m
     """
 
     rate: float = 1.0

@@ -39,8 +39,8 @@ def smooth(engine: LooselyCoupled, *, withhold=(), covariances=False) -> Smoothe
     """Run the filter forwards and the smoother backwards.
 
     engine : LooselyCoupled; withhold : windows (start s, duration s) without fixes: what
-    interpolation over an outage would give, the
-    bound that no causal filter reaches; covariances : keep the whole matrices
+    interpolation over an outage would give, the bound that no causal filter reaches; covariances :
+    keep the whole matrices
     """
     solution = engine.solve(withhold=withhold, smooth=True)
     pieces = [_stretch(m, covariances) for m in solution.moments]

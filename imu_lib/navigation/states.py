@@ -1,10 +1,9 @@
 """Sensor states: what the processes of an error model become in the filter.
 
 Nothing here knows a filter by its number of states: the 15-, 18- and 27-state filters of the 2013
-paper (its Table 8)
-are three models given to this one builder. Each process hands over its own state space; the blocks
-stand channel by
-channel, gyro x to accelerometer z, so that the transition is block diagonal.
+paper (its Table 8) are three models given to this one builder. Each process hands over its own
+state space; the blocks stand channel by channel, gyro x to accelerometer z, so that the transition
+is block diagonal.
 """
 
 from dataclasses import dataclass
@@ -93,9 +92,8 @@ def sensor_states(
     rate : float, Hz
     turn_on_sd : (gyro rad/s, accelerometer m/s^2)
         Standard deviation of the bias left at switch-on. It goes to the slowest state of each
-        channel, so that it
-        adds none: a Gauss-Markov state forgets it with its correlation time, as the paper's
-        15-state filters do.
+        channel, so that it adds none: a Gauss-Markov state forgets it with its correlation time,
+        as the paper's 15-state filters do.
     constant : bool
         The bias goes to a state that keeps it, added where a channel has none.
     scale_sd : (gyro, accelerometer), dimensionless
@@ -103,9 +101,8 @@ def sensor_states(
         sensor.
     flicker : "refuse" or "markov"
         1/f noise has no finite state space; "markov" puts one Gauss-Markov process per decade in
-        its place
-        (0.1 s to 10,000 s, sigma = B sqrt(ln 10 / pi)), within 10 % of its spectrum between 1e-4
-        and 1 Hz.
+        its place (0.1 s to 10,000 s, sigma = B sqrt(ln 10 / pi)), within 10 % of its spectrum
+        between 1e-4 and 1 Hz.
     free : mapping of a group of `free.GROUPS` to standard deviations: parameters as states
     vibration : mapping of channel to (N or None, N_per_speed): white noise that follows the speed
     correlated : (sigma m, correlation_time s) of the fixes' positions

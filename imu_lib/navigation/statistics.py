@@ -98,9 +98,8 @@ def paired(first, second, names=("first", "second"), *, clusters=None) -> Paired
     """Compare errors of the same outages.
 
     first, second : ndarray, shape (n,), m; clusters : (n,) labels of what is not independent (a
-    drive): logs of ratios are then
-    averaged within each first, and the interval is Student's over the clusters. The model with the
-    smaller mean log error is named `better`.
+    drive): logs of ratios are then averaged within each first, and the interval is Student's over
+    the clusters. The model with the smaller mean log error is named `better`.
     """
     log = np.log(
         np.maximum(np.asarray(first, float), 1e-3) / np.maximum(np.asarray(second, float), 1e-3)

@@ -2,11 +2,9 @@
 standstill.
 
 A static record knows nothing of vibration, scale factors or mounting. Here the parameters of a
-model are chosen so that
-the filter's own prediction over withheld windows is as likely as possible: the density of the
-horizontal error after some
-seconds, under the covariance that the filter gives it. It must be judged on a drive that it has
-not seen.
+model are chosen so that the filter's own prediction over withheld windows is as likely as
+possible: the density of the horizontal error after some seconds, under the covariance that the
+filter gives it. It must be judged on a drive that it has not seen.
 """
 
 from dataclasses import dataclass

@@ -1,9 +1,8 @@
 """Two drives shaped on the Turin tests of the 2013 paper, and what its tables print for them.
 
 The paper gives length (17.3 and 15.05 min), the outages' durations and mean speeds (its Tables 6,
-9 and 10) and which of them
-turn; the streets and the order of the outages within a drive are ours. Each outage is driven at
-its printed mean speed.
+9 and 10) and which of them turn; the streets and the order of the outages within a drive are ours.
+Each outage is driven at its printed mean speed.
 """
 
 from dataclasses import dataclass

@@ -2,10 +2,8 @@
 19), with truth known.
 
 Ten drives of ten minutes on a parking lot at 10 to 30 km/h with six turns, logged at 20 Hz; a fix
-every 1, 5, 10, 20,
-30 or 60 s; the stochastic part of the accelerometers modelled by a first-order Gauss-Markov
-process or by AR(4), both
-fitted to the same static records.
+every 1, 5, 10, 20, 30 or 60 s; the stochastic part of the accelerometers modelled by a first-order
+Gauss-Markov process or by AR(4), both fitted to the same static records.
 """
 
 from __future__ import annotations
@@ -29,8 +27,8 @@ KMH = 1 / 3.6
 @dataclass(frozen=True)
 class PlanarDrive:
     """True motion in the plane: `position` (n, 2) m and `state` (n, 5) after each step, `start`
-    (5,), `inputs` (n, 3)
-    true forward and right specific force and yaw rate (means over the step), `fs` Hz."""
+    (5,), `inputs` (n, 3) true forward and right specific force and yaw rate (means over the step),
+    `fs` Hz."""
 
     position: np.ndarray
     state: np.ndarray
@@ -98,8 +96,7 @@ def fit_static(
     averaged over the records.
 
     Both see the same detrended total output, white noise included, as in the 2008 paper (Section
-    5). GM(1) takes the
-    variance and the correlation at one sample; the yaw gyroscope is white.
+    5). GM(1) takes the variance and the correlation at one sample; the yaw gyroscope is white.
     """
     t = np.linspace(-1, 1, round(hours * 3600 * fs))
     found = {"accel_x": [], "accel_y": []}
@@ -121,8 +118,7 @@ def fit_static(
 @dataclass(frozen=True)
 class Errors:
     """Errors of repeated drives with one interval and model: `north`, `east` (r,) RMS per run, m;
-    `track` (n, 2) of the
-    first run; `nees` mean over all."""
+    `track` (n, 2) of the first run; `nees` mean over all."""
 
     north: np.ndarray
     east: np.ndarray
@@ -146,10 +142,8 @@ class Scenario:
     """What acts besides the sensors' noise. Standard deviations; each Gauss-Markov in time.
 
     `tilt` rad: roll and pitch that the planar filter does not know (slope, suspension), with
-    `tilt_time` s;
-    `gnss` m north and east, with `gnss_time` s, plus `gnss_white` m; `heading` rad at the start;
-    `static` s of rest
-    that the zero-offsets are taken from.
+    `tilt_time` s; `gnss` m north and east, with `gnss_time` s, plus `gnss_white` m; `heading` rad
+    at the start; `static` s of rest that the zero-offsets are taken from.
     """
 
     tilt: float = 0.0

@@ -1,8 +1,7 @@
 """Figures: functions of the results, one file per subject; the only room that imports matplotlib.
 
 A chapter does `from imu_lib import plots` and calls `plots.NAME(result)`; each function takes
-`ax=None` and returns
-the axes. To add one, write it in a file of this folder and list it here.
+`ax=None` and returns the axes. To add one, write it in a file of this folder and list it here.
 """
 
 import sys

@@ -117,8 +117,7 @@ def repeatability(values, *, truth=None, unit="", labels=None, ax=None):
 @style.styled
 def repeatability_panels(results, *, truth, units, axes=None):
     """`repeatability` of several quantities side by side: results {quantity: (r, k)} and truth
-    {quantity: (r, k or more)}, columns
-    x, y, z; `units` label the panels in turn."""
+    {quantity: (r, k or more)}, columns x, y, z; `units` label the panels in turn."""
     axes = style.grid(1, len(results), size=(9.0, 3.4)) if axes is None else axes
     for ax, (name, found), unit in zip(np.ravel(axes), results.items(), units, strict=True):
         repeatability(

@@ -121,8 +121,8 @@ def outage_fan(study, *, name=None, against=None, ax=None):
     hold 95 % of them.
 
     For a horizontal error of unequal and correlated components, the 95 % radius lies between 1.73
-    (one round cloud) and 1.96 (a line) times
-    the horizontal standard deviation; the round one is drawn.
+    (one round cloud) and 1.96 (a line) times the horizontal standard deviation; the round one is
+    drawn.
     """
     name = name or next(iter(study.models))
     against = against or ("reference" if "reference" in study.against else "full_gnss")

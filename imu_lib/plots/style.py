@@ -3,8 +3,7 @@
 Colours are those of Okabe and Ito, told apart by colour-blind readers; sizes keep an executed
 chapter small. A plot function is decorated with `styled`, takes `ax=None`, and returns the axes:
 
-    @style.styled
-    def curve(result, *, ax=None):
+    @style.styled def curve(result, *, ax=None):
         ax = style.axes(ax, x="averaging time, s", y="Allan deviation, deg/h", log=True)
 """
 

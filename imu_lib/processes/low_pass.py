@@ -42,9 +42,9 @@ class LowPass(Stage):
     """Low-pass filter of the sensor, run at `rate` and read out at the sampling rate.
 
     Give `taps` (a moving average), `order` (a Butterworth filter with -3 dB at `cutoff`) or
-    `smoothing` = 1 (exponential
-    smoothing y_k = y_{k-1} + a (x_k - y_{k-1}), its weight a such that -3 dB lies at `cutoff`).
-    A `rate` that is a multiple of the sampling rate is a filter inside the sensor, decimated.
+    `smoothing` = 1 (exponential smoothing y_k = y_{k-1} + a (x_k - y_{k-1}), its weight a such
+    that -3 dB lies at `cutoff`). A `rate` that is a multiple of the sampling rate is a filter
+    inside the sensor, decimated.
 
     Parameters
     ----------

@@ -82,8 +82,8 @@ class Quantization(Process):
     Q : float, signal unit times s
     rounded : int, optional
         1: the integrated output is rounded to steps of Q sqrt(12), and a simulated sum does just
-        that. What is read out lies
-        on a grid of Q sqrt(12) fs, behind a low-pass filter if there is one.
+        that. What is read out lies on a grid of Q sqrt(12) fs, behind a low-pass filter if there
+        is one.
     """
 
     Q: float = FREE

@@ -59,8 +59,8 @@ def read_drive(
     .pos or NMEA).
 
     Both clocks must be absolute (epoch or dates) to be laid over each other; else `gnss_offset` is
-    the IMU's time of the first fix, s.
-    start, stop: s from the first IMU sample. InputError names what is missing.
+    the IMU's time of the first fix, s. start, stop: s from the first IMU sample. InputError names
+    what is missing.
     """
     path = path if path is not None else imu
     if path is None:

@@ -131,8 +131,7 @@ def _take(fix: dict, kind: str, m) -> None:
 
 def _nmea(path, lines) -> dict[str, np.ndarray]:
     """GGA for position and fix, RMC for date, speed and course, GST for standard deviations;
-    sentences with a wrong checksum are
-    left out."""
+    sentences with a wrong checksum are left out."""
     import pynmea2
 
     fixes: dict[float, dict] = {}

@@ -93,8 +93,7 @@ class _Reader:
 
 def read_rdata(path) -> dict[str, np.ndarray]:
     """The numeric vectors and matrices of an `.rda` file by name; columns of a data frame are
-    stacked. InputError where it is no
-    such file."""
+    stacked. InputError where it is no such file."""
     out = {}
     for name, value in objects(Path(path).read_bytes(), str(path)).items():
         if isinstance(value, Frame):

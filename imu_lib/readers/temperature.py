@@ -15,8 +15,7 @@ class NoTemperature(InputError):
 
 def read_temperature(path) -> tuple[np.ndarray, np.ndarray]:
     """Time (s from the first sample) and temperature (degC), both (n,). NoTemperature where there
-    is none, InputError where it
-    is at fault."""
+    is none, InputError where it is at fault."""
     raw = read_raw(path, signal="temperature")
     if "temperature" not in raw.columns:
         raise NoTemperature(f"{path} has no temperature.")

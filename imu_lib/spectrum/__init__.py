@@ -2,9 +2,8 @@
 slopes.
 
 `welch(x, fs)` gives the estimate, `average(spectrum)` the same in bands of equal width on the
-logarithmic axis
-(IEEE Std 1293), `read_off(averaged)` what lines of slope 2, 0, -1 and -2 say, `characterise(x,
-fs)` all in one.
+logarithmic axis (IEEE Std 1293), `read_off(averaged)` what lines of slope 2, 0, -1 and -2 say,
+`characterise(x, fs)` all in one.
 """
 
 from imu_lib.spectrum.density import Spectrum, average, welch

@@ -175,8 +175,7 @@ def average(spectrum, *, per_decade=20, keep=4):
         Bands to a decade where they are wider than the resolution.
     keep : int
         Lowest frequencies that are left as they are. The first two are dropped: the removal of the
-        mean and the
-        window's main lobe bias them.
+        mean and the window's main lobe bias them.
 
     Returns
     -------

@@ -55,11 +55,9 @@ def read_off(spectrum, *, least=0.4, highest=None):
     slopes.
 
     The stretches are found, not drawn: see `imu_lib.slopes`. Only stretches in an order of rising
-    slope are read, of
-    several of one slope the longest; the interval joins the line's degrees of freedom and its
-    scatter. No line is
-    forced where there is no stretch: the coefficient is then at most what the density leaves room
-    for.
+    slope are read, of several of one slope the longest; the interval joins the line's degrees of
+    freedom and its scatter. No line is forced where there is no stretch: the coefficient is then
+    at most what the density leaves room for.
 
     Parameters
     ----------

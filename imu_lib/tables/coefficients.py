@@ -95,8 +95,7 @@ def gauss_markov(truth, reading, fit):
     density that they make.
 
     `truth` is the Sum that has the process, `reading` what `allan.read_off` says of its curve
-    (taken as the flat part, and as
-    the process's peak), `fit` an AllanFit.
+    (taken as the flat part, and as the process's peak), `fit` an AllanFit.
     """
     process, found = truth.find("gauss_markov"), values_of(fit)
     ways = {

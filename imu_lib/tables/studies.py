@@ -20,9 +20,8 @@ def coverage(path, methods=None):
     -------
     pandas.DataFrame
         Number of seeds, share of 95 % intervals that hold the truth, median of estimate / truth,
-        standard deviation of
-        its logarithm, share of draws in which the term was not shown. The row `all` pools a
-        method's parameters.
+        standard deviation of its logarithm, share of draws in which the term was not shown. The
+        row `all` pools a method's parameters.
     """
     stored = json.loads(Path(path).read_text())["methods"]
     rows = {}
@@ -172,8 +171,8 @@ def repeatability(results, means, deviations):
 
 def calibration_coverage(study):
     """What `benchmarks/calibration_coverage.py` stored, numbers of poses across: share of 95 %
-    intervals that hold the truth by
-    sensor and quantity, and the median half width of the scale factors'.
+    intervals that hold the truth by sensor and quantity, and the median half width of the scale
+    factors'.
 
     Returns
     -------

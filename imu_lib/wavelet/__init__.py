@@ -2,12 +2,10 @@
 without the future.
 
 The discrete wavelet transform splits a signal sampled at `fs` into details D_j, nominally between
-fs / 2^(j+1) and
-fs / 2^j, and an approximation A_J below fs / 2^(J+1) (Figs. 7 and 8 of Quinchia et al. 2013).
-De-noising shrinks the
-details and leaves the approximation alone. The 2013 paper uses Daubechies 4, soft thresholds by
-Stein's unbiased
-risk estimate (SURE), and three to eight levels.
+fs / 2^(j+1) and fs / 2^j, and an approximation A_J below fs / 2^(J+1) (Figs. 7 and 8 of Quinchia
+et al. 2013). De-noising shrinks the details and leaves the approximation alone. The 2013 paper
+uses Daubechies 4, soft thresholds by Stein's unbiased risk estimate (SURE), and three to eight
+levels.
 
 * `denoise`: whole record (every output sample uses the future), or causal (sliding or block);
 * `thresholds`, `bands`, `band_variance`, `gain`, `span`: what a level does, in numbers;

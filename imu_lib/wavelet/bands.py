@@ -55,10 +55,8 @@ def gain(f, fs, level, *, wavelet="db4"):
     ... D_J, A_J.
 
     The share of white noise that the band passes at a frequency, and the amplitude at which it
-    returns a sine there
-    (averaged over the phase of the decimation; the rest comes back as an alias at another
-    frequency). The rows add
-    up to one.
+    returns a sine there (averaged over the phase of the decimation; the rest comes back as an
+    alias at another frequency). The rows add up to one.
     """
     w = pywt.Wavelet(wavelet)
     f = np.atleast_1d(np.asarray(f, dtype=float))

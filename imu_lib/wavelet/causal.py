@@ -1,13 +1,10 @@
 """De-noising without the future.
 
 The last sample of a de-noised window is a sum over few coefficients: those whose synthesis
-function reaches the
-window's end. Each of them is a fixed linear combination of the window's samples, the mirrored edge
-included. So the
-sliding form needs no transform per sample: one FIR filter per contributing coefficient, run over
-the whole record by
-FFT, a threshold, and a sum. Only the thresholds need the other coefficients, once per `refresh`
-samples.
+function reaches the window's end. Each of them is a fixed linear combination of the window's
+samples, the mirrored edge included. So the sliding form needs no transform per sample: one FIR
+filter per contributing coefficient, run over the whole record by FFT, a threshold, and a sum. Only
+the thresholds need the other coefficients, once per `refresh` samples.
 """
 
 from __future__ import annotations
@@ -31,9 +28,8 @@ class EdgeBank:
     weights.
 
     `filters[j]` has shape (m_j, window) and `weights[j]` (m_j,) for detail level j + 1;
-    `approximation` (window,) is
-    the whole contribution of the approximation. Filters run along time: the last column meets the
-    newest sample.
+    `approximation` (window,) is the whole contribution of the approximation. Filters run along
+    time: the last column meets the newest sample.
     """
 
     filters: tuple[np.ndarray, ...]
@@ -110,8 +106,7 @@ def edge_response(level: int, *, window: int | None = None, wavelet: str = "db4"
     """Noise and lag of the newest sample, approximation only.
 
     Both depend on where the grid of the decimation falls against the window's end, which the
-    length of the window
-    modulo 2^level decides: a window that ends well for the noise lags more.
+    length of the window modulo 2^level decides: a window that ends well for the noise lags more.
     """
     h = edge_bank(level, 32 * 2**level if window is None else window, wavelet).approximation
     return EdgeResponse(float(np.linalg.norm(h)), float(h @ np.arange(h.size)[::-1]))

@@ -1,10 +1,9 @@
 """Threshold rules for wavelet coefficients, row by row.
 
 All rules act on rows of coefficients, shape (r, n), and return one threshold per row. They follow
-MATLAB's `wden`
-and `thselect`, which the 2013 paper used: `sure` is its 'rigrsure', `hybrid` its 'heursure',
-`universal` its
-'sqtwolog'; the noise scale `per_level` is its 'mln', `first_level` its 'sln', `unit` its 'one'.
+MATLAB's `wden` and `thselect`, which the 2013 paper used: `sure` is its 'rigrsure', `hybrid` its
+'heursure', `universal` its 'sqtwolog'; the noise scale `per_level` is its 'mln', `first_level` its
+'sln', `unit` its 'one'.
 """
 
 from __future__ import annotations

@@ -39,8 +39,7 @@ def unsteady(y: Array, fs: float, independent: float = 1.0) -> tuple[float, str]
     chance; None below three blocks.
 
     `independent` is the share of the samples that are independent of one another. Two tests at
-    each scale: dispersion of the
-    block energies, and the largest line in their periodogram.
+    each scale: dispersion of the block energies, and the largest line in their periodogram.
     """
     worst, of_worst = (0.0, ""), (np.zeros(0), 0.0)
     kurt = max(
@@ -102,8 +101,7 @@ def change_point(y: Array, independent: float = 1.0) -> tuple[float, int, float]
     """(gain, index, ratio) of the best single change of variance of a white series, to the sample.
 
     Where the series has heavier shoulders than a normal one (a few levels of a coarse grid), its
-    energy scatters more and
-    the gain counts for less.
+    energy scatters more and the gain counts for less.
     """
     n = len(y)
     square = np.minimum(y**2, 25.0)  # a spike that was left over is no change of level

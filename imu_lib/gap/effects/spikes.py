@@ -85,8 +85,7 @@ def exceedances(y: Array, s: float) -> tuple[float, float, float, float]:
     """As `mixture`, from the surprises beyond `OUTLIER` times `s` alone.
 
     In strongly coloured noise a spike too small to be taken out on its own leaves traces on many
-    samples, which the shoulders
-    would count as spikes of their own.
+    samples, which the shoulders would count as spikes of their own.
     """
     far = np.abs(y[np.abs(y) > OUTLIER * s]) / s
     n, k = len(y), len(far)
@@ -113,8 +112,7 @@ def shape(height: Array, tail: Callable[[float], Array | float]) -> float:
     expected beyond each.
 
     Two per cent of every class are allowed for the whitening, and fifteen for what is missing:
-    differenced rounding errors
-    are flatter than normal ones.
+    differenced rounding errors are flatter than normal ones.
     """
     count = np.histogram(height, EDGES)[0]
     beyond = np.array([tail(e) for e in EDGES[:-1]] + [0.0])

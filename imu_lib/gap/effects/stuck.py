@@ -38,9 +38,8 @@ def _least(length: Array, chance: Array | None, n: int, rate: float) -> tuple[fl
     repeats chance makes in runs of that length or more.
 
     The longest chance runs are geometric. There have to be so many more that chance makes them
-    once in a hundred thousand
-    records, and it has to account for three in ten at the most; infinite where no length is like
-    that.
+    once in a hundred thousand records, and it has to account for three in ten at the most;
+    infinite where no length is like that.
     """
     if chance is None or len(chance) == 0:
         more = rate / (1 - rate)
