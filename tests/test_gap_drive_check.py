@@ -46,7 +46,8 @@ def test_a_right_drive_says_nothing():
         ("late", {"gnss_time": RIGHT["gnss_time"] + 2.0}),
         ("forward, right, down", {k: RIGHT[k][:, [1, 0, 2]] * [1, -1, 1] for k in ("gyro", "accel")}),
         ("deg/s", {"gyro": RIGHT["gyro"] * 180 / np.pi}),
-        ("all signs turned", {"accel": -RIGHT["accel"]}),
+        ("multiply `accel` by -1", {"accel": -RIGHT["accel"]}),
+        ("multiply `gyro` by -1", {"gyro": -RIGHT["gyro"]}),
         ("Gravity", {"accel": RIGHT["accel"] * 0.96}),
         ("east, north, up", {"gnss_velocity": RIGHT["gnss_velocity"][:, [1, 0, 2]] * [1, 1, -1]}),
         ("too small", {"gnss_position_sd": RIGHT["gnss_position_sd"] * 0.1}),
@@ -79,6 +80,7 @@ def test_units_and_signs_are_asked_for_and_not_explained():
     upside = np.array([1.0, 1.0, -1.0])
     for word, changes in {
         "--gyro-unit deg/s": {"gyro": np.degrees(drive.gyro)},
+        "multiply `gyro`": {"gyro": -drive.gyro},
         "--accel-unit g": {"accel": drive.accel / 9.81},
         "third column": {"gnss_velocity": drive.gnss_velocity * upside},
     }.items():

@@ -186,8 +186,9 @@ def test_accelerometers_with_all_signs_turned_are_refused():
     # in a case that leans by 10 degrees
     leaning = Rotation.from_euler("YX", [0.18, -0.14]).as_matrix()
     leant = drive.with_(gyro=drive.gyro @ leaning, accel=drive.accel @ leaning)
-    assert not axes.forces_reversed(leant)
-    assert axes.forces_reversed(leant.with_(accel=-leant.accel))
+    assert axes.reversed_sensor(leant) == ""
+    assert axes.reversed_sensor(leant.with_(accel=-leant.accel)) == "accel"
+    assert axes.reversed_sensor(leant.with_(gyro=-leant.gyro)) == "gyro"
 
 
 def test_fixes_and_readings_that_do_not_overlap_are_said():

@@ -57,12 +57,9 @@ def _put_right(drive):
             "turn the sign of the third column of gnss_velocity, or of the heights if they are "
             "depths."
         )
-    if axes.forces_reversed(drive):
-        drive = drive.with_(accel=-drive.accel)
-        out.append(
-            "The accelerometers have all signs turned: they read gravity, and not the specific "
-            "force, its opposite; multiply `accel` by -1."
-        )
+    if sensor := axes.reversed_sensor(drive):
+        drive = drive.with_(**{sensor: -getattr(drive, sensor)})
+        out.append(axes.REVERSED[sensor].replace("the", "The", 1))
     permutation, _, _, gain, _ = axes.of(drive)
     if permutation != axes.IDENTITY:
         c = axes.to_body(permutation)

@@ -22,7 +22,13 @@ LEANING = 2.5  # m/s^2: a case tilted by 15 degrees
 IDENTITY = ("+x", "+y", "+z")
 CLEAR = 6.0  # least gain of other axes, after tempering, nats
 MIRRORED = 3.0  # nats against left-handed axes: no sensor has them, a wrong sign in a file does
-
+#: What is said of a sensor with all its signs turned (`reversed_sensor`).
+REVERSED = {
+    "accel": "the accelerometers have all signs turned: they read gravity, and not the specific "
+    "force, its opposite; multiply `accel` by -1.",
+    "gyro": "the gyros have their signs turned: they turn against the course of the fixes, where "
+    "the accelerometers agree with it; multiply `gyro` by -1.",
+}
 
 Names = tuple[str, ...]
 #: Permutation, how sure, runner-up, gain in nats, those that cannot be told apart from it.
@@ -55,18 +61,21 @@ def of(drive: Drive) -> Found:
     return first, float(1.0 / (1.0 + np.exp(-apart))), second, float(gain), alike
 
 
-def forces_reversed(drive: Drive) -> bool:
-    """Whether the accelerometers, all their signs turned, fit the gyros and the fixes clearly
-    better than under any order and sign of the axes.
+def reversed_sensor(drive: Drive) -> str:
+    """The sensor, "accel" or "gyro", that with all its signs turned fits the fixes and the other
+    one clearly better than both do under any order and sign of the axes; "" where neither does.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 50:
-        return False
-    turned = replace(m, readings=m.readings * np.repeat([1.0, -1.0], 3))
-    rigid = (p for p in everything() if not mirrored(p))
-    there = min(_costs(turned, rigid, LEANING).values())
+        return ""
+    rigid = [p for p in everything() if not mirrored(p)]
+    there = {}
+    for sensor, signs in (("gyro", [-1.0, 1.0]), ("accel", [1.0, -1.0])):
+        turned = replace(m, readings=m.readings * np.repeat(signs, 3))
+        there[sensor] = min(_costs(turned, rigid, LEANING).values())
+    best = min(there, key=lambda sensor: there[sensor])
     here = min(_costs(m, everything(), LEANING).values())
-    return (here - there) / _temper(m, there) > CLEAR
+    return best if (here - there[best]) / _temper(m, there[best]) > CLEAR else ""
 
 
 def _costs(m, tried, leaning=0.0):

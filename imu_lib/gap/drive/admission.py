@@ -48,11 +48,8 @@ def check(drive: Drive) -> None:
             f"{name}: the accelerometers read {felt:.3g} in the median, where a car feels 9.8 "
             "m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`."
         )
-    if axes.forces_reversed(drive):
-        raise InputError(
-            f"{name}: the accelerometers have all signs turned: they read gravity, and not the "
-            "specific force, its opposite; multiply `accel` by -1."
-        )
+    if sensor := axes.reversed_sensor(drive):
+        raise InputError(f"{name}: {axes.REVERSED[sensor]}")
     ratio = turn_ratio(drive)
     if ratio is not None and ratio < DEG * ALIKE:
         raise InputError(
