@@ -10,8 +10,10 @@ from scipy.spatial.transform import Rotation
 from imu_lib.drive import from_arrays
 from imu_lib.errors import InputError
 from imu_lib.gap.drive import admission, left, vehicle
+from imu_lib.health.drive import of_drive
 from imu_lib.health.driven import disagreements
 from imu_lib.navigation import fix_faults, lateness, preparation, windows
+from imu_lib.readers import read_drive
 
 RIGHT = generator.make(21, duration=200.0)
 STAMPS = RIGHT["gnss_time"]
@@ -131,6 +133,29 @@ def test_outages_begin_where_fixes_in_bursts_end():
     drive = from_arrays({**RIGHT, **burst}, "x")
     found = windows.regular_windows(drive, duration=20.0, settle=37.0)
     assert len(found) >= 4 and not any(windows.broken(drive, w) for w in found)
+
+
+def test_fixes_over_a_second_of_a_drive_are_no_drive():
+    few = {k: v[:3] for k, v in RIGHT.items() if k.startswith("gnss_")}
+    drive = from_arrays({**RIGHT, **few}, "x")
+    said = windows.uncovered(drive)
+    assert said.startswith("3 fixes, from ") and said in of_drive(drive).findings
+    with pytest.raises(InputError, match="3 fixes, from .* give the whole GNSS solution"):
+        windows.regular_windows(drive)
+    assert not windows.uncovered(from_arrays(RIGHT, "x"))
+
+
+def test_an_offset_brings_fixes_and_reference_of_one_file_to_the_clock_of_the_imu(tmp_path):
+    path, late = tmp_path / "drive.npz", dict(RIGHT)
+    for key in ("gnss_time", "reference_time"):
+        late[key] = RIGHT[key] + 5000.0
+    np.savez(path, **late)
+    drive = read_drive(path, gnss_offset=STAMPS[0] - RIGHT["time"][0])
+    assert drive.gnss_time == pytest.approx(STAMPS, abs=1e-6)
+    assert drive.reference_time == pytest.approx(RIGHT["reference_time"], abs=1e-6)
+    np.savez(path, **{**late, "reference_time": RIGHT["reference_time"]})
+    drive = read_drive(path, gnss_offset=STAMPS[0] - RIGHT["time"][0])
+    assert drive.reference_time == pytest.approx(RIGHT["reference_time"], abs=1e-6)
 
 
 @pytest.mark.parametrize("angles", [(0.1, 0.2, 0.3), (-0.7, 0.44, 2.27), (0.0, 0.0, -3.0)])

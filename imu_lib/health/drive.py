@@ -8,6 +8,7 @@ from imu_lib.drive import Drive
 from imu_lib.health.driven import disagreements
 from imu_lib.health.record import of_record
 from imu_lib.health.result import Health
+from imu_lib.navigation import windows
 
 TILTED = "The sensor was tilted"
 
@@ -40,7 +41,10 @@ def of_drive(drive: Drive) -> Health:
         gnss["fix_codes"] = {f"{c:g}": int(n) for c, n in zip(code, count)}
     more = []
     if drive.gnss_time[0] > drive.time[-1] or drive.gnss_time[-1] < drive.time[0]:
-        more.append("The fixes and the IMU do not overlap in time.")
+        more.append(
+            "The fixes and the IMU do not overlap in time: bring both to one clock; `imu-lib gap` "
+            "and `imu-lib outages` take --gnss-offset S, the IMU's time of the first fix."
+        )
     if gnss["gaps"]:
         count = int((step > 1.5 * usual).sum())
         more.append(
@@ -50,6 +54,7 @@ def of_drive(drive: Drive) -> Health:
     if drive.gnss_velocity is None:
         more.append("The fixes have no velocity.")
     if not any("overlap" in m for m in more):
+        more += [said] if (said := windows.uncovered(drive)) else []
         more += disagreements(drive)
     # a vehicle moves, accelerates, and nobody reads bias instability off it: none is a finding here
     keep = tuple(

@@ -10,6 +10,7 @@ from imu_lib.errors import InputError
 from . import earth
 
 BEFORE = 5.0  # s before an outage in which a fix must lie
+COVERED = 0.5  # of the drive's time: fixes over less are not the whole solution
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,23 @@ def overlapping(drive: Drive):
     raise InputError(
         f"{drive.source or drive.name or 'the drive'}: the fixes ({fixes[0]:.6g} to "
         f"{fixes[-1]:.6g} s) and the IMU ({first:.6g} to {last:.6g} s) "
-        f"do not overlap: they lie {apart:.4g} s apart; bring both to one clock (--gnss-offset S "
-        "for two files)."
+        f"do not overlap: they lie {apart:.4g} s apart; bring both to one clock: --gnss-offset S, "
+        "the IMU's time of the first fix, in s from its first sample."
+    )
+
+
+def uncovered(drive: Drive) -> str:
+    """A sentence where the fixes cover less than half of the drive; "" where they cover more."""
+    first, last = float(drive.time[0]), float(drive.time[-1])
+    fixes = np.asarray(drive.gnss_time)[np.isfinite(drive.gnss_position).all(axis=1)]
+    fixes = fixes[(fixes >= first) & (fixes <= last)]
+    if fixes.size and np.ptp(fixes) >= COVERED * (last - first):
+        return ""
+    when = f", from {fixes[0]:.4g} to {fixes[-1]:.4g} s," if fixes.size else ""
+    return (
+        f"{fixes.size} fixes{when} cover {np.ptp(fixes) if fixes.size else 0.0:.3g} s of the "
+        f"{last - first:.4g} s of the drive: give the whole GNSS solution, or cut the drive to "
+        "the time that it covers."
     )
 
 
@@ -73,11 +89,17 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
             f"{drive.name or 'the drive'} never moves faster than 3 m/s: there is nothing to "
             "compare in an outage"
         )
-    starts = np.arange(
-        np.ceil(speed_time[moved[0]] + settle),
-        min(drive.time[-1], drive.gnss_time[-1]) - duration,
-        every,
-    )
+    first, last = np.ceil(speed_time[moved[0]] + settle), min(drive.time[-1], drive.gnss_time[-1])
+    starts = np.arange(first, last - duration, every)
+    if not starts.size:
+        lacking = uncovered(drive)
+        if lacking:
+            raise InputError(f"no window of {duration:g} s fits: {lacking}")
+        raise InputError(
+            f"no window of {duration:g} s fits: the first would begin at {first:.4g} s, "
+            f"{settle:g} s after the first motion, and the fixes and the IMU end at {last:.4g} s; "
+            "name outages of your own (--windows START:DURATION,...), or give a longer drive"
+        )
     starts = _from_fixes(drive, starts, duration)
     windows = [measure(drive, Window(float(s), float(duration))) for s in starts]
     kept = tuple(w for w in windows if not w.mean_speed < moving and not broken(drive, w))
@@ -88,8 +110,8 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
         )
     if not kept:
         raise InputError(
-            f"no window of {duration:g} s fits: the drive must last {settle:g} s after its first "
-            "motion and go on moving"
+            f"no window of {duration:g} s fits: the drive must go on moving from {settle:g} s "
+            "after its first motion on"
         )
     return kept
 

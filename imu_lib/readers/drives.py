@@ -35,7 +35,13 @@ def _archive(path, rate, gyro_unit, accel_unit, gnss_offset, columns) -> Drive:
     if gnss_offset is not None and "gnss_time" in arrays and np.size(arrays["gnss_time"]):
         time = numbers(arrays["gnss_time"], f"{path}, array `gnss_time`,")
         first = float(np.asarray(arrays.get("time", [0.0]), float).ravel()[0])
-        arrays["gnss_time"] = time - np.nanmin(time) + gnss_offset + first
+        shift = gnss_offset + first - np.nanmin(time)
+        arrays["gnss_time"] = time + shift
+        if "reference_time" in arrays:
+            stamps = numbers(arrays["reference_time"], f"{path}, array `reference_time`,")
+            # on the fixes' clock, as a drive's is, unless it does not even meet them there
+            if np.nanmin(stamps) <= np.nanmax(time) and np.nanmax(stamps) >= np.nanmin(time):
+                arrays["reference_time"] = stamps + shift
     return from_arrays(arrays, str(path))
 
 
