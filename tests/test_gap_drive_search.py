@@ -261,6 +261,14 @@ def test_the_index_of_turned_axes_is_said_to_be_of_turned_ones():
     assert step["gap_after"] == found.after.index == found.before.index
     assert "axes already turned" in found.notes[0]
     assert "with the axes turned" in gap_cli.text(found) and " to " not in gap_cli.gap(step)
+    assert gap_cli.CONFIDENCE in gap_cli.text(found)
+
+
+def test_a_rival_without_weight_is_not_named():
+    step = {"runner_up": {"effect": "lever_arm", "confidence": 1e-295}}
+    assert "lever_arm" not in gap_cli.runner_up(step)
+    step["runner_up"]["confidence"] = 0.02
+    assert gap_cli.runner_up(step) == ", runner-up lever_arm (0.02)"
 
 
 def test_a_vibration_tells_the_density_of_the_noise_fitted_last(monkeypatch):

@@ -52,6 +52,12 @@ def _say(line):
         print(f"\r\x1b[2K{line[:110]}", end="", file=sys.stderr, flush=True)
 
 
+#: Confidence from which on a rival is named.
+NAMED = 1e-3
+CONFIDENCE = (
+    "A confidence is how often names found as clearly were right on blind drives, a counted share: "
+    "what it leaves to 1 is no evidence for the runner-up, whose own confidence stands beside it."
+)
 #: What a parameter is told in: its unit, or the effect's own; SI angles become degrees.
 UNITS = {
     **dict.fromkeys(("offset", "velocity_offset", "correlation_time"), "s"),
@@ -116,13 +122,15 @@ def text(found) -> str:
     for step in found.steps:
         lines.append(
             f"{step['effect']}: {values(step, found.invisible)}\n    {_lines(step)}\n"
-            f"    confidence {step['confidence']:.3g}, runner-up {step['runner_up']['effect']}; "
+            f"    confidence {step['confidence']:.3g}{runner_up(step)}; "
             f"log-likelihood gain {step['log_likelihood_gain']:.0f}; {gap(step)}"
         )
         if step["indistinguishable"]:
             lines.append(
                 "    this drive cannot tell it from " + ", ".join(step["indistinguishable"])
             )
+    if found.steps:
+        lines.append(CONFIDENCE)
     lines.append(
         f"innovations: mean square {found.before.nis:.2f} before, {found.after.nis:.2f} after (1 "
         f"in a right filter); largest correlation between fixes {found.before.whiteness:.2f} and "
@@ -135,6 +143,14 @@ def text(found) -> str:
     lines.append(f"unexplained: {found.unexplained or 'nothing'}")
     lines += [f"note: {n}" for n in found.notes]
     return "\n".join(lines)
+
+
+def runner_up(step) -> str:
+    """What of the step's rivals is to be named, with its own confidence; none below NAMED."""
+    rival = step["runner_up"]
+    if rival["confidence"] < NAMED:
+        return f", no rival above {NAMED:g}"
+    return f", runner-up {rival['effect']} ({rival['confidence']:.2g})"
 
 
 def gap(step, digits=1) -> str:

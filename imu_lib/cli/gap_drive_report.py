@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from imu_lib import plots, report
-from imu_lib.cli.gap_drive import gap, sentence, values
+from imu_lib.cli.gap_drive import CONFIDENCE, gap, runner_up, sentence, values
 
 INDEX = (
     "The gap index is the distance of the innovations' statistics from those of simulated copies "
@@ -23,7 +23,9 @@ def write(found, path) -> None:
     parts = [report.paragraph(_about(found)), _indices(found)]
     for step in found.steps:
         parts += _step(step, found.invisible)
-    if not found.steps:
+    if found.steps:
+        parts.append(report.paragraph(CONFIDENCE))
+    else:
         parts.append(report.paragraph("Nothing is missing that the innovations would show."))
     left = "Nothing is left unexplained."
     if found.unexplained:
@@ -63,12 +65,10 @@ def _indices(found):
 
 def _step(step, invisible):
     """What was found, in words, with its evidence."""
-    rival = step["runner_up"]
     lines = [
         f"Where: {step['where']}.",
         f"Physical cause: {step['cause']}",
-        f"Confidence {step['confidence']:.3g}; "
-        f"runner-up: {rival['effect']} ({rival['confidence']:.2g}).",
+        f"Confidence {step['confidence']:.3g}{runner_up(step)}.",
         f"Log-likelihood gained {step['log_likelihood_gain']:.1f}; {gap(step, 2)}.",
     ]
     if said := sentence(step):
