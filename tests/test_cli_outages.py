@@ -14,6 +14,7 @@ from imu_lib.cli.main import main
 from imu_lib.drive_effects import DriveEffect
 from imu_lib.navigation import earth, models, reference, simulation, trajectory, turin
 from imu_lib.navigation.statistics import paired
+from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
 
 PAPER = preset("3dm-gx3-25-2013")
@@ -209,4 +210,5 @@ def test_a_bias_left_at_switch_on_is_kept_by_a_model_that_forgets(tmp_path, driv
     biased = drive.with_(accel=drive.accel + 0.2, gyro=drive.gyro + 0.1 * DEG)
     model = run(tmp_path, biased, "--models", "15AV")["models"]["15AV"]
     assert model["states"] == 21 and model["ranked"]
+    assert model["states_added"] == [f"{c} constant" for c in CHANNELS]
     assert model["nis"] < 1.3

@@ -106,6 +106,7 @@ def test_errors_grow_and_the_filter_says_so(study):
     content = json.loads(json.dumps(study.to_json()))
     assert (
         content["models"]["18AV"]["states"] == 18
+        and content["models"]["18AV"]["states_added"] == []
         and len(content["models"]["18AV"]["against"]["full_gnss"]["max"]) == 2
     )
     assert set(content["windows"][0]) == {"start", "duration", "mean_speed"} and {

@@ -36,7 +36,7 @@ def text(study, drive) -> str:
         rows.append(
             [
                 name,
-                str(m.states),
+                f"{m.states - len(m.added)}{f' + {len(m.added)}' if m.added else ''}",
                 *(_metres(f(e)) if e.size else "-" for f in (np.median, np.mean, np.max)),
                 _metres(np.median([s[-1] for s in m.sigma])),
                 f"{m.over_predicted(against):.2g}",

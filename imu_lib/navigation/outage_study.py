@@ -35,6 +35,7 @@ class ModelOutages:
     sigma: tuple
     path: tuple
     solution: Solution
+    added: tuple = ()
 
     def max(self, against="full_gnss"):
         """Maximum horizontal error of each window, (w,), m; NaN where the reference is not fit."""
@@ -158,6 +159,7 @@ class OutageStudy:
         model = self.models[name]
         return {
             "states": model.states,
+            "states_added": list(model.added),
             "against": {
                 a: {"max": model.max(a).tolist(), "mean": model.mean(a).tolist()}
                 for a in model.error

@@ -18,6 +18,7 @@ from . import earth, reference
 from .filter import LooselyCoupled
 from .outage_study import ModelOutages, OutageStudy
 from .preparation import Gnss
+from .states import sensor_states
 from .windows import Window, broken, measure, regular_windows, speeds, windows_from
 
 __all__ = [
@@ -199,4 +200,22 @@ def _coasted(drive, engine, solution, windows, trust):
         tuple(sigmas),
         tuple(paths),
         solution,
+        _added(engine),
     )
+
+
+def _added(engine):
+    """Names of the states that the processes of the error model do not ask for: biases left at
+    switch-on that none of them keeps, parameters of the drive, correlated errors of the fixes.
+    """
+    model = engine.model
+    asked = sensor_states(
+        engine.held.model(model.model), engine.prepared.rate, flicker=model.flicker
+    )
+    left, added = list(asked.names), []
+    for name in engine.sensors.names:
+        if name in left:
+            left.remove(name)
+        else:
+            added.append(name)
+    return tuple(added)
