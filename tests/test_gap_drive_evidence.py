@@ -189,6 +189,14 @@ def test_accelerometers_with_all_signs_turned_are_refused():
     assert axes.reversed_sensor(leant) == ""
     assert axes.reversed_sensor(leant.with_(accel=-leant.accel)) == "accel"
     assert axes.reversed_sensor(leant.with_(gyro=-leant.gyro)) == "gyro"
+    # in one that is turned by any angle no order of axes fits either of the two
+    case = Rotation.from_euler("ZYX", [50.0, 40.0, 35.0], degrees=True)
+    any_way = drive.with_(**{k: case.apply(RIGHT[k]) for k in ("gyro", "accel")})
+    assert axes.reversed_sensor(any_way) == ""
+    for sensor in ("gyro", "accel"):
+        turned = any_way.with_(**{sensor: -getattr(any_way, sensor)})
+        assert axes.reversed_sensor(turned) in (sensor, "either")
+        assert "multiply" in " ".join(disagreements(turned))
 
 
 def test_fixes_and_readings_that_do_not_overlap_are_said():

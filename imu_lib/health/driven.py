@@ -32,8 +32,8 @@ def disagreements(drive: Drive) -> list[str]:
 
 
 def frames(drive: Drive) -> tuple[list[str], Drive | None]:
-    """What is said of axes, signs and clocks, and the drive with its axes put right; None where the
-    fixes are not even of one frame.
+    """What is said of axes, signs and clocks, and the drive with its axes put right; None where
+    that cannot be done.
     """
     out, right = _put_right(drive)
     return out if right is None else out + _clocks(right), right
@@ -58,8 +58,10 @@ def _put_right(drive):
             "depths."
         )
     if sensor := axes.reversed_sensor(drive):
-        drive = drive.with_(**{sensor: -getattr(drive, sensor)})
         out.append(axes.REVERSED[sensor].replace("the", "The", 1))
+        if sensor == "either":
+            return out, None
+        drive = drive.with_(**{sensor: -getattr(drive, sensor)})
     permutation, _, _, gain, _ = axes.of(drive)
     if permutation != axes.IDENTITY:
         c = axes.to_body(permutation)

@@ -28,6 +28,9 @@ REVERSED = {
     "force, its opposite; multiply `accel` by -1.",
     "gyro": "the gyros have their signs turned: they turn against the course of the fixes, where "
     "the accelerometers agree with it; multiply `gyro` by -1.",
+    "either": "the gyros or the accelerometers have all signs turned, in a case that is turned so "
+    "that the drive does not show which: an axis that points up reads +9.8 m/s^2 at rest; "
+    "multiply `accel` by -1 where it reads -9.8, and `gyro` by -1 where it reads right.",
 }
 
 Names = tuple[str, ...]
@@ -63,7 +66,8 @@ def of(drive: Drive) -> Found:
 
 def reversed_sensor(drive: Drive) -> str:
     """The sensor, "accel" or "gyro", that with all its signs turned fits the fixes and the other
-    one clearly better than both do under any order and sign of the axes; "" where neither does.
+    one clearly better than both do under any order and sign of the axes; "either" where the
+    two do so alike; "" where neither does.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 50:
@@ -75,7 +79,10 @@ def reversed_sensor(drive: Drive) -> str:
         there[sensor] = min(_costs(turned, rigid, LEANING).values())
     best = min(there, key=lambda sensor: there[sensor])
     here = min(_costs(m, everything(), LEANING).values())
-    return best if (here - there[best]) / _temper(m, there[best]) > CLEAR else ""
+    temper = _temper(m, there[best])
+    if (here - there[best]) / temper < CLEAR:
+        return ""
+    return best if abs(there["gyro"] - there["accel"]) / temper > CLEAR else "either"
 
 
 def _costs(m, tried, leaning=0.0):
