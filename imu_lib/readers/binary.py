@@ -79,12 +79,42 @@ def _matlab5(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
 
 def _flatten(key, value, out, texts, depth):
     """Numbers of structs into `out`, texts that are called units into `texts`."""
-    if isinstance(value, np.ndarray) and value.dtype == object and value.size == 1:
-        value = value.ravel()[0]
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        structs = [x for x in value.ravel() if hasattr(x, "_fieldnames")]
+        if value.size == 1:
+            value = value.ravel()[0]
+        elif len(structs) == value.size and depth < 4:
+            for i, struct_ in enumerate(structs):
+                _flatten(f"{key}[{i}]", struct_, out, texts, depth + 1)
+            return
     if hasattr(value, "_fieldnames") and depth < 4:
+        values, label = _signal(value)
+        if label and values is not None:  # a label is what it is called where signals have one
+            name = f"{key.rpartition('.')[0]}.{label}".lstrip(".")
+            out[name if name not in out else f"{key}.{label}"] = values
+            return
         for name in value._fieldnames:
             _flatten(f"{key}.{name}", getattr(value, name), out, texts, depth + 1)
     elif isinstance(value, np.ndarray) and value.dtype.kind in "fiubc":
         out[key] = value
     elif isinstance(value, np.ndarray) and re.search(r"(^|[._])units?([._]|$)", key, re.IGNORECASE):
         texts[key] = ",".join(str(v) for x in value.ravel() for v in np.ravel(x))
+
+
+def _signal(struct_) -> tuple[np.ndarray | None, str]:
+    """Values and name of a signal of Simulink (`values` beside `label`, else the last part of
+    `blockName`); None and an empty name where a struct is none.
+    """
+    if not {"values", "label"} <= set(struct_._fieldnames):
+        return None, ""
+    values = np.asarray(struct_.values)
+    if values.dtype.kind not in "fiub":
+        return None, ""
+    label = _word(struct_.label) or _word(getattr(struct_, "blockName", "")).rpartition("/")[2]
+    return (values.squeeze() if values.ndim > 2 else values), label  # (3, 1, n) of a frame
+
+
+def _word(text) -> str:
+    """The text of an array of one, blanks cut."""
+    found = np.ravel(text)
+    return str(found[0]).strip() if found.size == 1 else ""
