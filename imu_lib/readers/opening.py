@@ -74,8 +74,10 @@ def _read(path, columns, signal, topic) -> Raw:
         return _of_bytes(packed.member(*archive), path, options)
     with open(path, "rb") as file:
         magic = file.read(16)
+        begin = magic + file.read(64)
     if not magic:
         raise InputError(f"{path} is empty; {KNOWN} is expected.")
+    packed.refuse_pointer(begin, path)
     if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
         raise InputError(f"{path} is a spreadsheet; save its sheet as .csv.")
     how = packed.how(magic, path)
@@ -153,6 +155,7 @@ def _of_bytes(data: bytes, path: Path, options, name: str | None = None) -> Raw:
     name = name or path.name
     if not data:
         raise InputError(f"{path} is empty inside; {KNOWN} is expected.")
+    packed.refuse_pointer(data, path)
     binary_ = Path(name).suffix.lower() in (".npz", ".npy", ".mat", ".parquet")
     if not binary_ and not data.startswith(BINARY):
         return _of_text(data, path, {k: options[k] for k in ("columns", "signal")})

@@ -37,6 +37,15 @@ _DATA = (
 )
 
 
+def refuse_pointer(data: bytes, path) -> None:
+    """InputError where a file of any suffix is the pointer that Git LFS leaves in its place."""
+    if data.startswith(b"version https://git-lfs"):
+        raise InputError(
+            f"{path} is a pointer of Git LFS, not the file itself; fetch the file with "
+            "`git lfs pull`."
+        )
+
+
 def how(magic: bytes, path) -> str | None:
     """By what a file is packed, by its first bytes; None where it is not. InputError where it is
     not unpacked here.
