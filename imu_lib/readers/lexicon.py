@@ -177,6 +177,11 @@ SUFFIX_UNIT = {
     "rad_sec": "rad/s", "deg_sec": "deg/s", "rad_per_sec": "rad/s", "deg_per_sec": "deg/s", "degs": "deg/s", "m_s_2": "m/s^2", "m_s^2": "m/s^2", "ms_2": "m/s^2",
     "mss": "m/s^2", "meters_pers2": "m/s^2", "meters_per_s2": "m/s^2", "m_pers2": "m/s^2", "m_per_s2": "m/s^2", "rad_per_s": "rad/s", "deg_per_s": "deg/s",
 }  # fmt: skip
+#: Units of an increment behind its name, or before its axis.
+SUMMED_UNIT = {
+    "rad": "rad", "deg": "deg", "m_s": "m/s", "mps": "m/s", "m_per_s": "m/s", "g_s": "g*s",
+}  # fmt: skip
+SUMMED = re.compile(rf"(.+?)_({'|'.join(SUMMED_UNIT)})((?:_[xyz])?)")
 REMARKS = words(
     "raw calibrated uncalibrated cal uncal imu utc local gps relative boot body sensor device "
     "filtered lp hp axis unix posix since start system host txt text string hex elapsed"

@@ -87,6 +87,12 @@ def _with_tail(found: Meaning, key: str, axis, signal, name: str):
     """
     if axis is None and (bare := _RAD.match(key)):
         return read(bare[1], axis, signal, name), bare[2], None
+    summed = lexicon.SUMMED.fullmatch(key)
+    if summed:  # dtheta_x_rad, dvel_m_s_x
+        shorter = read(summed[1] + summed[3], axis, signal, name)
+        spelled = lexicon.SUMMED_UNIT[summed[2]]
+        if spelled in UNITS.get(shorter.quantity, ()) and shorter.quantity in ("dtheta", "dv"):
+            return shorter, spelled, None
     tail = lexicon.SUFFIX.search(key)
     if tail:
         head = key[: tail.start()]
