@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from imu_lib.errors import InputError
-from imu_lib.readers import by_rows, clock, instances, looks, names
+from imu_lib.readers import by_rows, clock, instances, lexicon, looks, names
 from imu_lib.readers.asking import STAMPS, Unnamed, example
 from imu_lib.readers.names import SIGNALS
 from imu_lib.readers.raw import Raw
@@ -93,6 +93,11 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
         else f"no header of {width} name{'s' * (width > 1)} right above "
         f"{'them' if width > 1 else 'it'}"
     )
+    if named and (angles := _angles_alone(told, headings)):
+        return Unnamed(
+            f"{raw.source} holds angles ({', '.join(angles)}) and no rates or accelerations, which "
+            "angles do not give back; give the file with the sensor's own readings."
+        )
     named_so = example(told, headings, values)
     if not any(f"{s}_" in named_so for s in SIGNALS):
         return Unnamed(
@@ -120,6 +125,26 @@ def unnamed(raw: Raw, told, headings, signal, named, load) -> Unnamed:
         f"{raw.source} has {many} and {header}{_commas(headings, values)}{damage}; name them by "
         f"position with --columns, as in {named_so}{units_open(named_so)}{rate}{one}."
     )
+
+
+def _angles_alone(told, headings) -> list[str]:
+    """Headings of the angles of an attitude, where too few unknown columns stand beside them to be
+    a sensor; empty where they are fewer than two, or the rest may be one.
+    """
+    angles = [
+        h.name
+        for m, h in zip(told, headings)
+        if m.why in ("an attitude", "an angle") and not re.match(r"o?q|orient", h.name, re.I)
+    ]
+    unknown = [
+        h.name
+        for m, h in zip(told, headings)
+        if h.kind == "number"
+        and m.quantity is None
+        and m.why not in lexicon.NOT.values()
+        and m.why not in ("an angle", "a velocity")
+    ]
+    return angles[:6] if len(angles) > 1 and len(unknown) < 3 else []
 
 
 def _volts(headings) -> str:
