@@ -113,6 +113,8 @@ def test_values_in_a_list_under_the_name_of_the_sensor(tmp_path):
     ("name", "content", "said"),
     [
         ("a.csv", "<!DOCTYPE html><html><head></head></html>\n", "web page"),
+        ("a.mat", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 1834\n", "git lfs pull"),
+        ("a.csv", table("t,roll (deg),pitch (deg),heading (deg),altitude (m),throttle", T, GYRO, T, T), "holds angles"),
         ("a.bin", b"\xa3\x95\x80\x80YFMT\0BBnNZ\0\r\0Type,Length\"", "mavlogdump"),
         ("a.csv", table("tau,gx,gy,gz", np.geomspace(0.01, 100, N), GYRO), "Allan analysis"),
         ("a.txt", table("t tx ty tz qx qy qz qw", T, ACCEL, GYRO, GYRO[:, 0], sep=" "), "holds numbers that could be one"),
@@ -295,3 +297,31 @@ def test_a_turntable_keeps_its_unit():
     assert told is None or not told.refused
     told = plausibility.gyro_unit(w * 57.3, a, 100.0, "rad/s", strict=True)
     assert told.refused and told.likely == "deg/s"
+
+
+def test_signals_of_simulink_are_called_by_their_labels(tmp_path):
+    scipy = pytest.importorskip("scipy.io")
+    signals = np.zeros(2, dtype=[(n, object) for n in ("values", "dimensions", "label")])
+    for k, (x, label) in enumerate([(GYRO, "gyro (rad/s)"), (ACCEL, "accel (m/s^2)")]):
+        signals[k] = (x, 3.0, label)
+    scipy.savemat(tmp_path / "a.mat", {"simout": {"time": T[:, None], "signals": signals}})
+    same(opened(tmp_path / "a.mat", (tmp_path / "a.mat").read_bytes(), "--time-unit s"), 100)
+
+
+def test_increments_state_their_units_without_brackets(tmp_path):
+    names = [f"dtheta_{a}_rad" for a in "xyz"] + [f"dvel_{a}_m_s" for a in "xyz"]
+    text = table(",".join(["tow_s", *names]), 1000 + T, GYRO * 0.01, ACCEL * 0.01, form="%.12g")
+    same(opened(tmp_path / "a.csv", text, ""), 100)
+
+
+def test_the_gyro_is_the_sensor_s_own_where_the_accelerometer_is(tmp_path):
+    """A phone writes its sensors beside what it made of them."""
+    kinds = [f"{k}{a}({u})" for k, u in (
+        ("accelerometerAcceleration", "G"), ("gyroRotation", "rad/s"),
+        ("motionRotationRate", "rad/s"), ("motionUserAcceleration", "G"),
+    ) for a in "XYZ"]  # fmt: skip
+    free = (GYRO - GYRO.mean(axis=0), IN_G - IN_G.mean(axis=0))
+    text = table(",".join(["time(s)", *kinds]), T, IN_G, GYRO, *free)
+    found = opened(tmp_path / "a.csv", text, "")
+    same(found, 100)
+    assert any("`gyroRotationX(rad/s)` was taken as the gyro" in n for n in found.record.notes)

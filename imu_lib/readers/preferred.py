@@ -21,12 +21,15 @@ def one_each(raw: Raw, told, headings, load) -> list[Meaning]:
     are equal.
     """
     out = list(told)
+    own_force = _own_force(told, headings)
     second: dict[str, tuple[int, int]] = {}
     skip: list[int] = []
     equal: list[tuple[str, int, int]] = []
     for canonical in sorted({m.canonical for m in told if m.quantity in SIGNALS and m.axis}):
         there = [i for i, m in enumerate(told) if m.canonical == canonical]
         first = _first(told, headings, there)
+        if own_force and canonical.startswith("gyro"):
+            first = [i for i in first if not names.worked_on(headings[i].name)] or first
         if len(first) > 1:
             equal.append((canonical, *first[:2]))
             skip += first[1:]
@@ -43,6 +46,18 @@ def one_each(raw: Raw, told, headings, load) -> list[Meaning]:
         )
     twins.say(raw, second, headings)
     return _one_temperature(_without_increments(out), headings)
+
+
+def _own_force(told, headings) -> bool:
+    """Whether the accelerometer that is taken is the sensor's own reading beside one that a device
+    has worked on: the gyro of that sensor is its own reading too.
+    """
+    force = [i for i, h in enumerate(headings) if names.meaning(h.name).quantity == "accel"]
+    left = [i for i in force if names.worked_on(headings[i].name)]
+    own = [i for i in force if i not in left and told[i].quantity == "accel"]
+    return bool(left and own) and min(told[i].rank for i in own) <= min(
+        (told[i].rank for i in left if told[i].quantity == "accel"), default=9
+    )
 
 
 def _first(told, headings, there: list[int]) -> list[int]:
