@@ -325,3 +325,14 @@ def test_the_gyro_is_the_sensor_s_own_where_the_accelerometer_is(tmp_path):
     found = opened(tmp_path / "a.csv", text, "")
     same(found, 100)
     assert any("`gyroRotationX(rad/s)` was taken as the gyro" in n for n in found.record.notes)
+
+
+def test_a_board_that_restarted_in_the_middle_is_said(tmp_path):
+    greeting = f"MPU6050 connection successful\nt_ms,{SIX}\n"
+    runs = [table("", 412 + I[part] * 10 - 10 * I[part][0], GYRO[part], ACCEL[part]) for part in (slice(0, 150), slice(150, N))]  # fmt: skip
+    text = greeting + runs[0].strip() + "\n0.9\n" + greeting + runs[1].strip() + "\n"
+    found = opened(tmp_path / "a.csv", text, SI)
+    assert len(same(found, 100)["gyro"]) == N
+    assert any("Line 153 is cut off" in n and "restarted" in n for n in found.record.notes)
+    (tmp_path / "b.csv").write_text("".join(text.splitlines(keepends=True)[:152]))
+    assert opened(tmp_path / "b.csv", (tmp_path / "b.csv").read_bytes(), SI).record.n == 150

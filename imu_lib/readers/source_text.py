@@ -6,7 +6,18 @@ from __future__ import annotations
 
 import re
 
-from imu_lib.readers import cells, commas, encodings, fields, folded, labelled, tagged, thousands
+from imu_lib.readers import (
+    cells,
+    commas,
+    encodings,
+    fields,
+    folded,
+    labelled,
+    restarts,
+    tagged,
+    thousands,
+)
+from imu_lib.readers.restarts import BEGINS
 
 #: A single number in brackets between two delimiters.
 _ACCOUNTS = re.compile(rb"(?<=[,;\t])\s*[(](\d[\d.,]*(?:[eE][+-]?\d+)?)[)]\s*(?=[,;\t\r\n])")
@@ -160,11 +171,11 @@ class Lines:
         named = {n for n in layout.header or () if n}
         rows = self.data.split(b"\n") if at >= 0 and len(named) > 3 else []
         for i in range(layout.first + 2, len(rows) - 1):
-            if rows[i].strip() or _BEGINS.match(rows[i + 1]) or not rows[i + 1].strip():
+            if rows[i].strip() or BEGINS.match(rows[i + 1]) or not rows[i + 1].strip():
                 continue
             heads = []
             for r in rows[i + 1 : i + 7]:
-                if _BEGINS.match(r) and b"," in r:
+                if BEGINS.match(r) and b"," in r:
                     break
                 heads.append([f for f in layout.split(r.decode(layout.encoding, "replace")) if f])
             texts = [h for h in heads if all(fields.kind(f) == "text" for f in h)]
@@ -185,10 +196,10 @@ class Lines:
         tail = self.data[-4096:].rstrip().split(b"\n")
         words = next((k for k, r in enumerate(reversed(tail)) if not _words(r, layout)), 0)
         top = self.data[: fields.HEAD].split(b"\n")[: layout.first]
-        heads = [r for r in reversed(top) if r.strip() and not _BEGINS.match(r)]
+        heads = [r for r in reversed(top) if r.strip() and not BEGINS.match(r)]
         named = heads[0].strip() if layout.header and heads else b""
         below = sum(len(r) + 1 for r in top)
-        cut = 0 if words else _is_cut(tail, layout)
+        cut = 0 if words else restarts.is_cut(tail, layout)
         if not words and not cut and not (named and self.data.find(named, below) >= 0):
             return False
         rows = self.data.rstrip().split(b"\n")
@@ -196,13 +207,14 @@ class Lines:
         end = len(rows) - words - cut
         again = {i for i in range(layout.first, end) if named and rows[i].strip() == named}
         for i in sorted(again):  # with what stands above it: LabVIEW's heading of a block
-            while not _BEGINS.match(rows[i - 1]):
+            while not BEGINS.match(rows[i - 1]):
                 i -= 1
                 again.add(i)
+        torn = restarts.torn(rows, again, layout)
         text = [i for i in range(layout.first, len(rows)) if i >= end and rows[i].strip()]
         if not again and not text:
             return False
-        keep = [i for i in range(len(rows)) if i < end and i not in again]
+        keep = [i for i in range(len(rows)) if i < end and i not in again | torn]
         self.data = b"\n".join(rows[i] for i in keep) + b"\n"
         comment = tuple(c.encode() for c in fields.COMMENTS)
         self.places = [
@@ -215,6 +227,7 @@ class Lines:
                 f"The header stands {sum(rows[i].strip() == named for i in again) + 1} times in "
                 f"the file (line {min(again) + 1} begins the second): sessions that were appended, "
                 "or blocks.",
+                *restarts.said(torn),
             )
         if cut:
             self.notes += (f"The last line ({len(rows)}) is cut off and was left out.",)
@@ -225,10 +238,6 @@ class Lines:
         return True
 
 
-#: How a row of numbers begins.
-_BEGINS = re.compile(rb"^\s*\"?[+-]?\.?\d")
-
-
 def _without_remark(rows: list[bytes], layout) -> int:
     """1 where the row above the first was one with a remark behind it, as LabVIEW puts it there,
     which is taken off; else 0.
@@ -236,17 +245,10 @@ def _without_remark(rows: list[bytes], layout) -> int:
     at = layout.first - 1
     found = layout.split(rows[at].decode(layout.encoding, "replace").strip("\r")) if at > 0 else []
     full = len(layout.kinds)
-    if len(found) != full + 1 or fields.kind(found[-1]) != "text" or not _BEGINS.match(rows[at]):
+    if len(found) != full + 1 or fields.kind(found[-1]) != "text" or not BEGINS.match(rows[at]):
         return 0
     rows[at] = (layout.delimiter or " ").join(found[:-1]).encode()
     return 1
-
-
-def _is_cut(tail: list[bytes], layout) -> int:
-    """1 where the last line has fewer fields than the rows, and those before it have all."""
-    width = [len(layout.split(r.decode(layout.encoding, "replace").strip("\r"))) for r in tail[-4:]]
-    full = len(layout.kinds)
-    return int(len(width) == 4 and width[-1] < full and width[1:3] == [full] * 2)
 
 
 def _ended(data: bytes) -> bool:
