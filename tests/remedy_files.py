@@ -115,6 +115,7 @@ def files(folder):
         "time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]", T, GYRO, ACCEL
     )
     text["plain.csv"] = table(f"time,{SIX}", T, GYRO, ACCEL)
+    text["summed.csv"] = table(f"time,{SIX},status", T, GYRO / 100, ACCEL / 100, I * 0)
     text["named_wrong.csv"] = table("t [s],acc_x [deg/s],acc_y [deg/s],acc_z [deg/s]", T, DPS)
     text["loop.csv"] = table(f"loop_time_us,{THREE}", 2500 + I * 37 % 61, GYRO)
     text["range.csv"] = table("t [s],gx (500 dps),gy (500 dps),gz (500 dps)", T, DPS)

@@ -327,10 +327,12 @@ def test_the_gyro_is_the_sensor_s_own_where_the_accelerometer_is(tmp_path):
     assert any("`gyroRotationX(rad/s)` was taken as the gyro" in n for n in found.record.notes)
 
 
-def test_a_board_that_restarted_in_the_middle_is_said(tmp_path):
+@pytest.mark.parametrize("torn", ["0.9\n", "9412,-0.0"])
+def test_a_board_that_restarted_in_the_middle_is_said(tmp_path, torn):
     greeting = f"MPU6050 connection successful\nt_ms,{SIX}\n"
     runs = [table("", 412 + I[part] * 10 - 10 * I[part][0], GYRO[part], ACCEL[part]) for part in (slice(0, 150), slice(150, N))]  # fmt: skip
-    text = greeting + runs[0].strip() + "\n0.9\n" + greeting + runs[1].strip() + "\n"
+    again = greeting if torn.endswith("\n") else greeting.splitlines()[1] + "\n"
+    text = greeting + runs[0].strip() + "\n" + torn + again + runs[1].strip() + "\n"
     found = opened(tmp_path / "a.csv", text, SI)
     assert len(same(found, 100)["gyro"]) == N
     assert any("Line 153 is cut off" in n and "restarted" in n for n in found.record.notes)

@@ -113,3 +113,15 @@ def test_a_bias_that_was_taken_out_is_said(tmp_path):
         np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="")  # fmt: skip
         found = readers.read(tmp_path / "a.csv", gyro_unit="rad/s", accel_unit="m/s^2", time_unit="s")  # fmt: skip
         assert any("vanish" in n for n in found.record.notes) is said
+
+
+@pytest.mark.parametrize("unit", ["m/s^2", "g", ""])
+def test_increments_under_the_names_of_rates_are_asked_for(tmp_path, unit):
+    """At rest their length is gravity over the rate; the columns that are offered read them."""
+    heads = [f"gyro_{a}" for a in "xyz"] + [f"accel_{a} ({unit})" if unit else f"accel_{a}" for a in "xyz"]  # fmt: skip
+    force = IN_G if unit == "g" else ACCEL
+    text = table(",".join(["time (s)", *heads]), T, GYRO * 0.01, force * 0.01, form="%.12g")
+    with pytest.raises(InputError, match="look like increments") as error:
+        opened(tmp_path / "a.csv", text, "")
+    named = re.search(r"--columns '([^']+)'", str(error.value))[1]
+    same(opened(tmp_path / "a.csv", text, f"--columns '{named}'"), 100)

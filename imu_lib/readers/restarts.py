@@ -9,10 +9,13 @@ from collections.abc import Collection
 BEGINS = re.compile(rb"^\s*\"?[+-]?\.?\d")
 
 
-def torn(rows: list[bytes], again: Collection[int], layout) -> set[int]:
-    """Rows cut off right above a heading that stands there again with its words."""
+def torn(rows: list[bytes], again: Collection[int], named: bytes, layout) -> set[int]:
+    """Rows cut off right above a heading (`named`) that stands there again with its words, or in
+    front of it in one line.
+    """
     above = {i - 1 for i in again if i - 1 not in again and i - 1 > layout.first}
-    return {i for i in above if BEGINS.match(rows[i]) and _short(rows[i], layout)}
+    short = {i for i in above if BEGINS.match(rows[i]) and _short(rows[i], layout)}
+    return short | {i for i in again if BEGINS.match(rows[i]) and rows[i].strip() != named}
 
 
 def _short(row: bytes, layout) -> bool:
@@ -33,7 +36,7 @@ def said(cut: Collection[int]) -> tuple[str, ...]:
         return ()
     first = min(cut)
     return (
-        f"Line {first + 1} is cut off and the heading stands below it again: the logger restarted "
+        f"Line {first + 1} is cut off and the heading stands behind it again: the logger restarted "
         f"there{f' and {len(cut) - 1} times later' if len(cut) > 1 else ''}; the cut row was left "
         f"out, and `head -n {first}` of the file is the run before.",
     )

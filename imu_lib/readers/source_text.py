@@ -205,12 +205,12 @@ class Lines:
         rows = self.data.rstrip().split(b"\n")
         first = layout.first - _without_remark(rows, layout)
         end = len(rows) - words - cut
-        again = {i for i in range(layout.first, end) if named and rows[i].strip() == named}
+        again = {i for i in range(layout.first, end) if named and rows[i].strip().endswith(named)}
         for i in sorted(again):  # with what stands above it: LabVIEW's heading of a block
             while not BEGINS.match(rows[i - 1]):
                 i -= 1
                 again.add(i)
-        torn = restarts.torn(rows, again, layout)
+        torn = restarts.torn(rows, again, named, layout)
         text = [i for i in range(layout.first, len(rows)) if i >= end and rows[i].strip()]
         if not again and not text:
             return False
@@ -223,10 +223,10 @@ class Lines:
             if i >= first and rows[i].strip() and not rows[i].lstrip().startswith(comment)
         ]
         if again:
+            times = 1 + sum(rows[i].strip().endswith(named) for i in again)
             self.notes += (
-                f"The header stands {sum(rows[i].strip() == named for i in again) + 1} times in "
-                f"the file (line {min(again) + 1} begins the second): sessions that were appended, "
-                "or blocks.",
+                f"The header stands {times} times in the file (line {min(again) + 1} begins the "
+                "second): sessions that were appended, or blocks.",
                 *restarts.said(torn),
             )
         if cut:

@@ -9,6 +9,7 @@ from imu_lib.errors import InputError
 from imu_lib.readers import (
     at_once,
     axis_units,
+    increments,
     one_sensor,
     other_rows,
     sentinels,
@@ -200,6 +201,7 @@ def of_one(raw: Raw, units: dict[str, str | None], options) -> tuple[Record, int
     axis_units.one_each(raw, units)
     if not options["trust"]:
         treated.refuse_angles(raw)
+        increments.refuse(raw, options["rate"], units)
     try:
         ask(raw, units)
     except UnitAsked as error:
