@@ -55,13 +55,18 @@ def uneven(x: Array, step: float, offset: float) -> Uneven | None:
     if k.max() - first > 20_000:
         return None
     count = np.bincount(k - first).astype(float)
+    if len(count) < LEVELS:
+        return None
+    # what a limited range piles up at its end says nothing of the last step
+    piled = int(count[0] > count[1]), int(count[-1] > count[-2])
+    count = count[piled[0] : len(count) - piled[1]]
     often = np.flatnonzero(count >= MANY)
     if len(often) < LEVELS:
         return None
     seen = np.arange(often[0], often[-1] + 1)
     if count[seen].min() < FEW:  # a code that hardly occurs among those that do
         return None
-    density, fine = _density(count, seen)
+    density, fine = _density(count, seen, piled)
     between = np.cumsum(density) / np.sum(density)
     edges = np.interp(np.cumsum(count)[:-1] / count.sum(), between, fine)
     width = np.diff(edges)[seen[0] : seen[-1] - 1]
@@ -73,18 +78,21 @@ def uneven(x: Array, step: float, offset: float) -> Uneven | None:
     # a gain or an offset of its own is no error
     fitted = np.polyval(np.polyfit(level, fine, 1, w=np.sqrt(density)), level)
     variance = float(np.average((fine - fitted) ** 2, weights=density))
+    ends = [-0.5] * piled[0], [len(count) - 0.5] * piled[1]
+    edges = np.concatenate([ends[0], edges, ends[1]]) + piled[0]
     return Uneven(edges, first, scatter, variance)
 
 
-def _density(count: Array, seen: Array) -> tuple[Array, Array]:
+def _density(count: Array, seen: Array, piled: tuple[int, int]) -> tuple[Array, Array]:
     """The smooth density behind the counts of the levels, and the places, in steps, at which it
-    is.
+    is; at an end at which the range is limited (`piled`) it ends with the last level.
     """
     at = np.arange(len(count))
     middle, size = at[seen].mean(), max(np.ptp(at[seen]) / 2.0, 1.0)
     order = min(ORDER, len(seen) - 2)
     fit = np.polyfit((at[seen] - middle) / size, np.log(count[seen]), order, w=np.sqrt(count[seen]))
-    fine = (np.arange(-POINTS, (len(count) + 1) * POINTS) + 0.5) / POINTS - 0.5
+    ends = (piled[0] - 1) * POINTS, (len(count) + 1 - piled[1]) * POINTS
+    fine = (np.arange(*ends) + 0.5) / POINTS - 0.5
     z = (fine - middle) / size
     inside = np.clip(z, -1.1, 1.1)
     # beyond the levels that tell it falls off as it does at their ends
