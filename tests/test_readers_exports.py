@@ -115,6 +115,7 @@ def test_values_in_a_list_under_the_name_of_the_sensor(tmp_path):
         ("a.csv", "<!DOCTYPE html><html><head></head></html>\n", "web page"),
         ("a.mat", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 1834\n", "git lfs pull"),
         ("a.csv", table("t,roll (deg),pitch (deg),heading (deg),altitude (m),throttle", T, GYRO, T, T), "holds angles"),
+        ("a.log", "(1710411753.000000) can0 4B1#8D7405C8958\n(1710411753.010000) can0 4B1#8D7405C8\n", "CAN bus"),
         ("a.bin", b"\xa3\x95\x80\x80YFMT\0BBnNZ\0\r\0Type,Length\"", "mavlogdump"),
         ("a.csv", table("tau,gx,gy,gz", np.geomspace(0.01, 100, N), GYRO), "Allan analysis"),
         ("a.txt", table("t tx ty tz qx qy qz qw", T, ACCEL, GYRO, GYRO[:, 0], sep=" "), "holds numbers that could be one"),
