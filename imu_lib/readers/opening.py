@@ -147,7 +147,7 @@ def _of_text(data: bytes, path: Path, table) -> Raw:
             f"{path} is a web page, no table: the address gave a page in the place of the file; "
             "fetch the file itself."
         )
-    if re.match(rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}##?[0-9A-Fa-fR]*\s", data[:200]):
+    if re.match(rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}##?[0-9A-Fa-fR]*\s*\n", data[:200]):
         raise InputError(
             f"{path} holds raw frames of a CAN bus (candump), no values of signals; decode them "
             "by the sensor's .dbc file into a table with a row a sample."
