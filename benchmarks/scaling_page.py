@@ -33,6 +33,7 @@ four million (5.8 hours); beyond, it stays on disk, and memory does not grow wit
 | `characterise`, `compare` | one pass over each channel, of some megabytes, whose sums merge |
 | `gap` | one pass for block means and windows of minutes; the workflow on the part most like the rest, on the block means, on windows unlike the rest |
 
+{grows}
 Parquet, NumPy files that are not compressed and HDF5 are read where they lie. Text, packed logs,
 compressed `.npz` and files whose stamps jitter are read once, part by part, into a Parquet file in
 the user's cache (`IMU_LIB_CACHE` names another folder), which the next command finds again; the
@@ -113,6 +114,18 @@ def alone(rows):
     return f": of {most['records']} records the summary takes {most['processor']:g} s"
 
 
+def grows(rows):
+    """A sentence where the peak of `gap` is not the same on the two longest records."""
+    own = sorted((r["hours"], r["pss"]) for r in rows if r["command"] == "gap")[-2:]
+    (short, before), (long, after) = own[0], own[-1]
+    if after < 1.1 * before:
+        return ""
+    return (
+        f"Except for `gap`, whose two processes had a peak of {after:.0f} MiB together on {long:g} "
+        f"hours and {before:.0f} MiB on {short:g}.\n\n"
+    )
+
+
 def page(told):
     """The text of the page."""
     rows = [row for row in told["table"] if "hours" in row]
@@ -135,6 +148,7 @@ def page(told):
         processors=told["processors"],
         busy=busy,
         lengths=table(rows, "hours", "hours"),
+        grows=grows(rows),
         fleets=fleets(told["table"]),
         alone=alone(told["table"]),
         fixed=fixed,
