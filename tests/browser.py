@@ -23,10 +23,12 @@ class Browser:
         self._in, write_end = os.pipe()
 
         def plumb():
-            os.dup2(read_end, 30)
-            os.dup2(write_end, 40)
-            os.dup2(30, 3)
-            os.dup2(40, 4)
+            import fcntl  # POSIX alone, as a `preexec_fn` is
+
+            # copies beyond 4 at free numbers, so that neither end is overwritten by the other
+            commands, answers = (fcntl.fcntl(e, fcntl.F_DUPFD, 5) for e in (read_end, write_end))
+            os.dup2(commands, 3)
+            os.dup2(answers, 4)
 
         self._process = subprocess.Popen(
             [
@@ -53,6 +55,13 @@ class Browser:
         os.close(write_end)
         self._buffer, self._number, self._session, self.problems = b"", 0, None, []
         self._loaded = False
+        try:
+            self._attach()
+        except BaseException:
+            self.close()
+            raise
+
+    def _attach(self):
         targets = self.send("Target.getTargets")["targetInfos"]
         page = next(t["targetId"] for t in targets if t["type"] == "page")
         self._session = self.send("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
