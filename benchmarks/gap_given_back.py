@@ -31,7 +31,8 @@ import gap_generator as generator  # noqa: E402
 import numpy as np  # noqa: E402
 from gap_score import RESULTS, plan, wilson  # noqa: E402
 
-from imu_lib.gap import close, ensemble  # noqa: E402
+from imu_lib.ensembles import ensemble  # noqa: E402
+from imu_lib.gap import close  # noqa: E402
 from imu_lib.model import Model  # noqa: E402
 from imu_lib.record import Record  # noqa: E402
 

@@ -1,4 +1,4 @@
-"""What three axes of a sensor agree on is as sure as all of them make it; two noises that take turns."""
+"""What three axes of a sensor agree on is as sure as all of them make it; two noises that take two_noises."""
 
 import re
 from dataclasses import replace
@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from imu_lib.gap import far, turns
+from imu_lib.ensembles import furthest
+from imu_lib.ensembles.battery import battery
 from imu_lib.gap.axes import agreed
-from imu_lib.gap.battery import battery
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.steps import Step
 from imu_lib.processes import Sum, WhiteNoise
+from imu_lib.samples import two_noises
 
 MODEL = Sum((WhiteNoise(1e-4),))
 
@@ -67,22 +68,22 @@ def test_two_noises_that_take_turns_are_said_with_their_share_and_ratio(run, wor
     n = 60_000
     loud = np.repeat(rng.random(n // run) < 0.2, run)
     y = rng.standard_normal(n) * np.where(loud, 4.0, 1.0)
-    share, ratio = turns.two_sizes(y)
+    share, ratio = two_noises.two_sizes(y)
     assert share == pytest.approx(np.mean(loud), abs=0.02) and ratio == pytest.approx(4.0, rel=0.1)
-    assert words in turns.sentence(y, 100.0)
+    assert words in two_noises.sentence(y, 100.0)
     if run > 1:  # runs of one length, some of them in a row
-        assert 0.5 * run < turns.stays(y) < 3 * run
-    assert turns.sentence(rng.standard_normal(n), 100.0) is None
+        assert 0.5 * run < two_noises.stays(y) < 3 * run
+    assert two_noises.sentence(rng.standard_normal(n), 100.0) is None
 
 
 def test_what_is_still_off_is_said_in_words_that_a_figure_shows():
     rng, n, fs = np.random.default_rng(5), 8_000, 100.0
     rows = [battery(rng.standard_normal(n), fs) for _ in range(20)]
-    tails = far.sentence("distribution", battery(rng.standard_t(4, n), fs), rows, n, fs)
+    tails = furthest.sentence("distribution", battery(rng.standard_t(4, n), fs), rows, n, fs)
     assert re.fullmatch(r"the \D+ is [\d.]+ ?%? where simulations have [\d.]+ ?%? to .*", tails)
-    loud = far.sentence("allan", battery(2.0 * rng.standard_normal(n), fs), rows, n, fs)
+    loud = furthest.sentence("allan", battery(2.0 * rng.standard_normal(n), fs), rows, n, fs)
     assert re.match(r"the Allan variance at 0.01 s is \+(5.9|6|6.1) dB off", loud)
     line = np.sin(2 * np.pi * 20.0 * np.arange(n) / fs)
-    seen = far.sentence("psd", battery(rng.standard_normal(n) + line, fs), rows, n, fs)
+    seen = furthest.sentence("psd", battery(rng.standard_normal(n) + line, fs), rows, n, fs)
     low, high = (float(v) for v in re.search(r"between ([\d.]+) and ([\d.]+) Hz", seen).groups())
     assert low <= 20.0 <= high

@@ -10,7 +10,7 @@ from gap_unknowns import unknown
 from scipy import signal
 
 from imu_lib.gap.effects.vibration import VIBRATION
-from imu_lib.gap.episodes import episodes
+from imu_lib.vibrations.episodes import episodes
 
 FS, N = 100.0, 24_000
 

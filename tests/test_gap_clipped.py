@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from imu_lib.gap.channel import analyse
-from imu_lib.gap.clipped import Side, started
 from imu_lib.gap.effects.saturation import Saturation
+from imu_lib.samples.clipped import Side, started
 
 FS, N = 100.0, 40_000
 

@@ -9,7 +9,6 @@ from scipy.signal import butter, lfilter, sosfilt
 from imu_lib.gap import close
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects.saturation import Saturation
-from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.verdict import stationarity
 from imu_lib.model import Model
@@ -24,6 +23,7 @@ from imu_lib.processes import (
     Temperature,
     WhiteNoise,
 )
+from imu_lib.samples.innovations import Smooth, whitened
 
 FS, N = 100.0, 180_000
 WHITE = WhiteNoise(N=2e-4)

@@ -9,11 +9,11 @@ import pytest
 from imu_lib import gap, presets
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects import CATALOGUE
-from imu_lib.gap.imputation import impute
-from imu_lib.gap.innovations import Smooth
 from imu_lib.model import Model
 from imu_lib.processes import OF_CHANNEL, OF_RECORD, Sum, from_json
 from imu_lib.record import Record
+from imu_lib.samples.imputation import impute
+from imu_lib.samples.innovations import Smooth
 
 FS, DURATION = 100.0, 900.0
 #: A gain far above the limit of detectability, so that no seed makes the name a matter of luck.

@@ -5,11 +5,11 @@ whitening.
 import numpy as np
 import pytest
 
+from imu_lib.ensembles.draws import Draws
+from imu_lib.ensembles.ensemble import draw, index
 from imu_lib.gap.channel import _doubtful
-from imu_lib.gap.data import Data, statistics
-from imu_lib.gap.draws import Draws
+from imu_lib.gap.data import Data
 from imu_lib.gap.effects import CATALOGUE
-from imu_lib.gap.ensemble import draw, index
 from imu_lib.gap.steps import Step
 from imu_lib.likelihood import Statistics, density, tapered
 from imu_lib.likelihood.evidence import maximum
@@ -29,6 +29,7 @@ from imu_lib.processes import (
     WhiteNoise,
 )
 from imu_lib.processes import Step as StepProcess
+from imu_lib.samples.blocks import statistics
 
 FS, M = 100.0, 400
 PROCESSES = [

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from imu_lib.gap import forest, skirts
 from imu_lib.gap.channel import analyse
+from imu_lib.vibrations import forest, skirts
 
 FS, N = 100.0, 40_000
 

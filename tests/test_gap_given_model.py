@@ -9,7 +9,6 @@ from scipy.signal import lfilter
 from imu_lib import processes
 from imu_lib.errors import UndefinedFormError
 from imu_lib.gap.channel import analyse
-from imu_lib.gap.data import statistics
 from imu_lib.processes import (
     Autoregressive,
     Flicker,
@@ -25,6 +24,7 @@ from imu_lib.processes import (
     Telegraph,
     WhiteNoise,
 )
+from imu_lib.samples.blocks import statistics
 
 FS = 100.0
 RESONANCE = (2 * 0.999 * np.cos(0.05), -(0.999**2))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from imu_lib.gap import ensemble
+from imu_lib.ensembles import ensemble
+from imu_lib.ensembles.draws import Draws
 from imu_lib.gap.channel import analyse
-from imu_lib.gap.draws import Draws
 from imu_lib.gap.grown import REFITS, _drawn
 from imu_lib.processes import (
     Constant,

@@ -11,17 +11,18 @@ from scipy import signal
 
 from imu_lib import faults
 from imu_lib.faults import Finding
-from imu_lib.gap import knocked, mains, swallowed, wrong
+from imu_lib.gap import knocked, swallowed, wrong
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.gap.faulty import ready
 from imu_lib.gap.steps import Step
-from imu_lib.gap.uneven import uneven
 from imu_lib.model import Model
 from imu_lib.processes import Sum, WhiteNoise
 from imu_lib.record import Record
+from imu_lib.samples.uneven import uneven
+from imu_lib.vibrations import mains
 
 FS, N, SD = 100.0, 20_000, 1e-3
 

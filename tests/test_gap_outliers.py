@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from imu_lib.gap.channel import analyse
-from imu_lib.gap.imputation import impute
-from imu_lib.gap.innovations import Smooth, surprises
-from imu_lib.gap.outliers import deconvolved
 from imu_lib.processes import LowPass, Sum, WhiteNoise
+from imu_lib.samples.imputation import impute
+from imu_lib.samples.innovations import Smooth, surprises
+from imu_lib.samples.outliers import deconvolved
 
 FS, N = 100.0, 180_000
 WHITE = WhiteNoise(N=1e-3)

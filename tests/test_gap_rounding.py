@@ -6,9 +6,9 @@ import pytest
 
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects.stuck import Stuck
-from imu_lib.gap.innovations import Smooth
-from imu_lib.gap.rounding import Rounding, moments
 from imu_lib.processes import Sum, from_json
+from imu_lib.samples.innovations import Smooth
+from imu_lib.samples.rounding import Rounding, moments
 
 FS, N = 100.0, 120_000
 

@@ -8,8 +8,8 @@ from scipy import signal
 
 from imu_lib.gap import shaken
 from imu_lib.gap.effects.vibration import VIBRATION
-from imu_lib.gap.quieten import quietened
 from imu_lib.processes import Vibration
+from imu_lib.vibrations.band_removal import quietened
 
 NAMES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 

@@ -8,8 +8,9 @@ go on.
 
 The order of the work: what the electronics did to single samples, changes of the noise level,
 lines; then all noises and drifts of the catalogue compete on one likelihood (`likelihood`), one is
-added at a time (`rounds`), and what is left is tested (`verdict`). `ensemble` measures the gap
-before and after.
+added at a time (`rounds`), and what is left is tested (`verdict`). `gauge` measures the gap before
+and after. What shakes a record is found in a room of its own (`vibrations`), so are single samples
+(`samples`) and simulations (`ensembles`).
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from imu_lib.drive import Drive
+from imu_lib.ensembles.ensemble import Index
 from imu_lib.long_record import LongRecord
 from imu_lib.model import Model
 from imu_lib.record import Record
 
 from .effects import CATALOGUE
-from .ensemble import Index
 from .found import ChannelReport, Report
 from .loop import close as _of_record
 from .steps import Step

@@ -31,8 +31,8 @@ from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.state import MIN_EVIDENCE, State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
 from imu_lib.gap.undone import Channel, OfRecord, Undone, undone
-from imu_lib.gap.uneven import uneven
 from imu_lib.processes import Sum
+from imu_lib.samples.uneven import uneven
 
 #: Confidence in one of two readings of a grid that the record does not tell apart.
 DOUBTED = 0.5

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from imu_lib.arrays import Array
-from imu_lib.gap.imputation import first_fill
-from imu_lib.gap.innovations import trend
 from imu_lib.likelihood.tapered import taper
+from imu_lib.samples.imputation import first_fill
+from imu_lib.samples.innovations import trend
 
 #: Ordinates in a band at the least, and bands at the most: within a band the spectra have to be
 #: level.

@@ -12,27 +12,12 @@ from imu_lib.arrays import Array
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.layout import Layout
 from imu_lib.likelihood.statistics import Statistics, cosines
+from imu_lib.samples.blocks import block_length, statistics
 
 #: Gain in log-likelihood below which a screened candidate is not fitted.
 SCREEN = 4.0
-#: The drifts are heard in periods of two blocks and longer: a block has four seconds at least, a
-#: record this many blocks at the most and at the least.
-SHORTEST_BLOCK, MOST_BLOCKS, FEWEST_BLOCKS = 4.0, 640, 48
 #: Points to a block on which a drift is evaluated.
 FINE = 4
-
-
-def block_length(n: int, fs: float) -> int:
-    """Samples in a block."""
-    samples = max(SHORTEST_BLOCK * fs, n / MOST_BLOCKS)
-    return int(max(1, min(round(samples), n // FEWEST_BLOCKS)))
-
-
-def statistics(x: Array, fs: float) -> Statistics:
-    """What the likelihood knows of samples: cosine coefficients below one cycle in two blocks, the
-    tapered periodogram above.
-    """
-    return Statistics.split(x, fs, fs / (2 * block_length(len(x), fs)))
 
 
 class Data:

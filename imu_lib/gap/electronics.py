@@ -20,16 +20,16 @@ from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.saturation import Saturation
 from imu_lib.gap.effects.stuck import Stuck
-from imu_lib.gap.imputation import first_fill
-from imu_lib.gap.innovations import Smooth
 from imu_lib.gap.loud import loud
-from imu_lib.gap.rounding import COARSE, Rounding
 from imu_lib.gap.thrown_off import Hidden, thrown_off
-from imu_lib.gap.uneven import Uneven, uneven
 from imu_lib.processes import Quantization as OfIntegral
 from imu_lib.processes import Resolution as Grid
 from imu_lib.processes import Saturation as Range
 from imu_lib.processes import Sum
+from imu_lib.samples.imputation import first_fill
+from imu_lib.samples.innovations import Smooth
+from imu_lib.samples.rounding import COARSE, Rounding
+from imu_lib.samples.uneven import Uneven, uneven
 
 #: Share of the mean spectrum below which a bin holds little but what was filled in for missing
 #: samples.

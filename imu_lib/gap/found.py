@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from imu_lib.gap import ensemble
+from imu_lib.ensembles import ensemble
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.steps import Step
 from imu_lib.gap.summary import sentences

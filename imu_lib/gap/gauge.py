@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap import ensemble, far
-from imu_lib.gap.battery import battery
+from imu_lib.ensembles import ensemble, furthest
+from imu_lib.ensembles.battery import battery
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.effects.resolution import printed
 from imu_lib.gap.found import ChannelReport
@@ -172,7 +172,7 @@ def _far(
     domain = max(after.domains, key=lambda d: after.domains[d])
     return (
         f"simulations of the grown model: gap index {after.value:.2f}, most in the domain "
-        f"{domain} ({after.domains[domain]:.2f}): {far.sentence(domain, measured, rows, *of)}"
+        f"{domain} ({after.domains[domain]:.2f}): {furthest.sentence(domain, measured, rows, *of)}"
     )
 
 

@@ -5,10 +5,10 @@ on which it was fitted, amplitude and frequency are the sensor's or its surround
 from __future__ import annotations
 
 from imu_lib.arrays import Array
+from imu_lib.ensembles.ensemble import filled
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.sinusoid import FIRST
 from imu_lib.gap.effects.sinusoid import Sinusoid as Effect
-from imu_lib.gap.ensemble import filled
 from imu_lib.processes import Sinusoid, Sum
 
 #: Share of a line's amplitude below which the record does not have it.

@@ -8,7 +8,8 @@ import os
 import time
 from collections.abc import Callable, Sequence
 
-from imu_lib.gap import axes, ensemble, gauge, knocked, once
+from imu_lib.ensembles import ensemble
+from imu_lib.gap import axes, gauge, knocked, once
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.moved import as_tilts

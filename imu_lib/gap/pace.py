@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap.forest import level_of
-from imu_lib.gap.imputation import first_fill
-from imu_lib.gap.mains import MAINS
 from imu_lib.gap.steps import Step
 from imu_lib.likelihood.tapered import taper
 from imu_lib.model import Model
 from imu_lib.processes import Sinusoid, Vibration
 from imu_lib.record import Record
+from imu_lib.samples.imputation import first_fill
+from imu_lib.vibrations.forest import level_of
+from imu_lib.vibrations.mains import MAINS
 
 #: Share by which a clock may be off, and by which the mains are (EN 50160: 1 % in 99.5 % of a year,
 #: in minutes a tenth of that).

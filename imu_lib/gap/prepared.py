@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from imu_lib.gap import ensemble, faulty, record_level, shaken
+from imu_lib.ensembles import ensemble
+from imu_lib.gap import faulty, record_level, shaken
 from imu_lib.gap.clocked import at_rate
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.pace import Pace, paced

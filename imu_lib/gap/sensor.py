@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imu_lib import units
+from imu_lib import units, words
 from imu_lib.errors import UndefinedFormError
-from imu_lib.gap import told, words
+from imu_lib.gap import told
 from imu_lib.processes import (
     GaussMarkov,
     NoiseLevelChange,

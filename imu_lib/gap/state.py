@@ -12,7 +12,7 @@ import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.gap.candidate import Assembly, Candidate
-from imu_lib.gap.data import Data, statistics
+from imu_lib.gap.data import Data
 from imu_lib.gap.drifts import scanner
 from imu_lib.gap.screening import Screening
 from imu_lib.likelihood.evidence import Maximum, maximum
@@ -20,6 +20,7 @@ from imu_lib.likelihood.problem import Problem
 from imu_lib.likelihood.regressors import Regressors
 from imu_lib.likelihood.slot import Slot
 from imu_lib.processes import LowPass
+from imu_lib.samples.blocks import statistics
 
 #: What an effect has to add to the evidence and to the log-likelihood: odds of 20 to 1, and a gain
 #: that one parameter reaches by chance once in 45,000 times, for the hundreds that are looked at.

@@ -10,9 +10,9 @@ from scipy.stats import chi2
 from imu_lib.arrays import Array
 from imu_lib.gap.check import Check
 from imu_lib.gap.effects.noise_level_change import unsteady
-from imu_lib.gap.innovations import Smooth
 from imu_lib.gap.state import State
 from imu_lib.likelihood.evaluate import with_extra
+from imu_lib.samples.innovations import Smooth
 
 #: Streams that may take turns.
 TURNS = (2, 3, 4)

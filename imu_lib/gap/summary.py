@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imu_lib import words
 from imu_lib.faults import travelling
-from imu_lib.gap import known_before, surroundings, told, words
+from imu_lib.gap import known_before, surroundings, told
 from imu_lib.gap.evenness import TAIL
 from imu_lib.gap.faulty import BURSTS
 from imu_lib.gap.sensor import REACHED, of_sensor, sensor

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from imu_lib.gap import told, words
+from imu_lib import words
+from imu_lib.gap import told
 from imu_lib.gap.effects.wandering_level import in_short
-from imu_lib.gap.mains import hint, of_mains
-from imu_lib.gap.shakes import FOREST
+from imu_lib.vibrations.entries import FOREST
+from imu_lib.vibrations.mains import hint, of_mains
 
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imu_lib.gap import told, words
+from imu_lib import words
+from imu_lib.gap import told
 from imu_lib.gap.effects import DRIFTS
 
 if TYPE_CHECKING:

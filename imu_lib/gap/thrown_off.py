@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from imu_lib import words
 from imu_lib.arrays import Array
-from imu_lib.gap import words
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.spikes import Spikes
-from imu_lib.gap.imputation import impute
-from imu_lib.gap.innovations import Smooth, surprises
-from imu_lib.gap.outliers import deconvolved, spike_odds
 from imu_lib.processes import Spikes as Thrown
+from imu_lib.samples.imputation import impute
+from imu_lib.samples.innovations import Smooth, surprises
+from imu_lib.samples.outliers import deconvolved, spike_odds
 
 #: Steps of the grid, in standard deviations of what the other samples leave open, from which on
 #: the levels show in the innovations.

@@ -13,9 +13,9 @@ from imu_lib.gap import effects, electronics, held_out, noise_level
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.base import ChannelView, Finding
 from imu_lib.gap.in_phase import in_phase
-from imu_lib.gap.innovations import Smooth, whitened
 from imu_lib.gap.state import State
 from imu_lib.processes import CommonMode, Constant, NoiseLevelChange, Process, Sum
+from imu_lib.samples.innovations import Smooth, whitened
 
 #: Step of a grid in standard deviations of the fast noise from which on rounded samples are not
 #: normal.

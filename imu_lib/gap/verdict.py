@@ -15,12 +15,12 @@ from imu_lib.arrays import Array
 from imu_lib.gap.check import Check
 from imu_lib.gap.data import Data
 from imu_lib.gap.evenness import SKEW, distribution, log10_normal
-from imu_lib.gap.innovations import Smooth
 from imu_lib.gap.state import State
 from imu_lib.gap.steadiness import resonances, stationarity
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.processes import Quantization, Sum
+from imu_lib.samples.innovations import Smooth
 
 #: log10 p below which a disagreement is reported (family-wise 0.5 % per channel over all tests,
 #: benchmarks/gap_null.py).

@@ -4,7 +4,7 @@ gap by domain.
 
 import numpy as np
 
-from imu_lib.gap.battery import edges
+from imu_lib.ensembles.battery import edges
 from imu_lib.plots import style
 
 LABELS = {

@@ -8,10 +8,10 @@ from scipy.special import gammaln, ndtri
 from scipy.stats import t as student
 
 from imu_lib.arrays import Array
-from imu_lib.gap import turns
-from imu_lib.gap.innovations import whitened
-from imu_lib.gap.uneven import uneven
 from imu_lib.processes import HeavyTails as Stage
+from imu_lib.samples import two_noises
+from imu_lib.samples.innovations import whitened
+from imu_lib.samples.uneven import uneven
 
 from .base import ChannelEffect, ChannelView, Finding
 from .noise_level_change import unsteady
@@ -104,7 +104,7 @@ class HeavyTails(ChannelEffect):
             {"freedom": [freedom * np.exp(-1.96 * sd), freedom * np.exp(1.96 * sd)]},
         )
         if freedom < LEAST:
-            found.doubt = turns.sentence(y, view.fs) or (
+            found.doubt = two_noises.sentence(y, view.fs) or (
                 "distribution of the innovations: a few large deviations among many small ones, "
                 f"excess kurtosis {np.mean(u**4) - 3:.3g}: two noises that take turns"
             )

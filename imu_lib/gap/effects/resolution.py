@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap.uneven import uneven
 from imu_lib.processes import Resolution as Stage
+from imu_lib.samples.uneven import uneven
 
 from .base import Effect, Finding
 

@@ -8,12 +8,12 @@ from scipy.ndimage import median_filter
 
 from imu_lib.arrays import Array
 from imu_lib.gap.data import Data
-from imu_lib.gap.mains import hint
 from imu_lib.gap.state import MIN_EVIDENCE
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH
 from imu_lib.processes import Sinusoid as Process
 from imu_lib.processes import Sum
+from imu_lib.vibrations.mains import hint
 
 from .base import Finding, SignalEffect
 

@@ -11,12 +11,12 @@ from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, kstest
 
 from imu_lib.arrays import Array
-from imu_lib.gap import turns
-from imu_lib.gap.innovations import Smooth
-from imu_lib.gap.outliers import loudest, spike_odds
-from imu_lib.gap.tailed import beyond
-from imu_lib.gap.tailed import odds as odds_beyond
 from imu_lib.processes import Spikes as Stage
+from imu_lib.samples import two_noises
+from imu_lib.samples.innovations import Smooth
+from imu_lib.samples.outliers import loudest, spike_odds
+from imu_lib.samples.student_spikes import beyond
+from imu_lib.samples.student_spikes import odds as odds_beyond
 
 from . import heavy_tails as tails
 from .base import Effect, Finding
@@ -178,7 +178,7 @@ class Spikes(Effect):
         if not tailed:
             found.doubt = self.doubt(y / s, p, scale, shoulders=not traces)
         if found.doubt and p > FEW:
-            found.doubt = turns.sentence(y, smooth.fs) or found.doubt
+            found.doubt = two_noises.sentence(y, smooth.fs) or found.doubt
         return found
 
     @staticmethod

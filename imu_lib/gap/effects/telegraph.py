@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from imu_lib import words
 from imu_lib.arrays import Array
-from imu_lib.gap import words
 from imu_lib.gap.candidate import Assembly, Candidate
 from imu_lib.gap.state import MIN_EVIDENCE, MIN_LIKELIHOOD, TEMPER, State
 from imu_lib.gap.two_levels import TwoLevels, decoded

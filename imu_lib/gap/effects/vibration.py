@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap import forest, narrow_band, shared_band
-from imu_lib.gap.behaviour import BREATHES, BURSTS, SWEEPS, half_in
-from imu_lib.gap.families import folds, grouped
-from imu_lib.gap.imputation import first_fill
-from imu_lib.gap.innovations import trend
-from imu_lib.gap.mains import of_mains
-from imu_lib.gap.quieten import quietened
-from imu_lib.gap.shakes import Shake, of_band, of_family, of_forest, of_tone
-from imu_lib.gap.skirts import widened
-from imu_lib.gap.sources import NARROW, Source, sources
-from imu_lib.gap.swaying import apart, of_building
-from imu_lib.gap.transforms import Transforms
 from imu_lib.model import Model
 from imu_lib.processes import Sinusoid as Line
 from imu_lib.processes import Vibration as Process
+from imu_lib.samples.imputation import first_fill
+from imu_lib.samples.innovations import trend
+from imu_lib.vibrations import coherent_band, forest, narrow_band
+from imu_lib.vibrations.band_removal import quietened
+from imu_lib.vibrations.behaviour import BREATHES, BURSTS, SWEEPS, half_in
+from imu_lib.vibrations.building import apart, of_building
+from imu_lib.vibrations.entries import Shake, of_band, of_family, of_forest, of_tone
+from imu_lib.vibrations.families import folds, grouped
+from imu_lib.vibrations.mains import of_mains
+from imu_lib.vibrations.skirts import widened
+from imu_lib.vibrations.sources import NARROW, Source, sources
+from imu_lib.vibrations.transforms import Transforms
 
 from .base import Effect, Finding
 
@@ -193,7 +193,7 @@ def _with_bands(shakes: list[Shake], quick: dict[str, Array], fs: float) -> list
     lines = [
         s.process for s in shakes if s.bands and s.process.bandwidth < NARROW * s.process.frequency
     ]
-    bands = [of_band(band) for band in shared_band.bands(quick, fs, lines)]
+    bands = [of_band(band) for band in coherent_band.bands(quick, fs, lines)]
     bands = [b for b in bands if _matters(b.process, quick)]
     bands = [b for b in bands if not any(_skirt(b, s) for s in shakes if s.process in lines)]
     out = [s for s in shakes if s.process in lines or not any(_within(s, b) for b in bands)]

@@ -21,8 +21,9 @@ import numpy as np
 
 from imu_lib import scheduler, units
 from imu_lib.arrays import Array
+from imu_lib.ensembles import ensemble
 from imu_lib.errors import InputError
-from imu_lib.gap import ensemble, loop
+from imu_lib.gap import loop
 from imu_lib.gap.found import Report
 from imu_lib.gap.long import begun, joined, looked_at, views
 from imu_lib.gap.long.scan import Scan, scan

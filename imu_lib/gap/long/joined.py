@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap import ensemble
+from imu_lib.ensembles import ensemble
+from imu_lib.ensembles.ensemble import Index
 from imu_lib.gap.channel import ChannelResult
-from imu_lib.gap.ensemble import Index
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.long import looked_at
 from imu_lib.gap.long.views import LINE, averaged, belongs_to_means, is_slow

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from imu_lib.arrays import Array
-from imu_lib.gap.behaviour import (
+from imu_lib.vibrations.behaviour import (
     BREATHES,
     SWEEPS,
     breathes,
@@ -24,10 +24,10 @@ from imu_lib.gap.behaviour import (
     sweeps,
     wander,
 )
-from imu_lib.gap.episodes import BLOCKS, episodes
-from imu_lib.gap.felt import beside, felt_on, within
-from imu_lib.gap.narrow_band import Place
-from imu_lib.gap.transforms import Transforms
+from imu_lib.vibrations.episodes import BLOCKS, episodes
+from imu_lib.vibrations.narrow_band import Place
+from imu_lib.vibrations.response import beside, felt_on, within
+from imu_lib.vibrations.transforms import Transforms
 
 #: Width over frequency up to which what several channels show at one place is one cause.
 NARROW = 0.04

@@ -15,7 +15,7 @@ from scipy.ndimage import median_filter
 from scipy.stats import gamma
 
 from imu_lib.arrays import Array
-from imu_lib.gap.innovations import STOP_BAND_DEPTH
+from imu_lib.samples.innovations import STOP_BAND_DEPTH
 
 #: Lengths of the segments, and the stretches that a record is divided into at the most.
 LENGTHS, STRETCHES = (128, 512, 2048, 8192, 32768, 131072), 32

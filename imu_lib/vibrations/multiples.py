@@ -4,9 +4,9 @@ where the sampling folds them to.
 
 from __future__ import annotations
 
-from imu_lib.gap import mains
-from imu_lib.gap.sources import Source
-from imu_lib.gap.transforms import Transforms
+from imu_lib.vibrations import mains
+from imu_lib.vibrations.sources import Source
+from imu_lib.vibrations.transforms import Transforms
 
 #: (fundamental in Hz or 0, its sources).
 Family = tuple[float, list[Source]]

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from imu_lib.gap.multiples import (
+from imu_lib.vibrations.multiples import (
     Family,
     is_line,
     multiple,
@@ -17,8 +17,8 @@ from imu_lib.gap.multiples import (
     together,
     with_folds,
 )
-from imu_lib.gap.sources import Source
-from imu_lib.gap.transforms import Transforms
+from imu_lib.vibrations.sources import Source
+from imu_lib.vibrations.transforms import Transforms
 
 #: Multiples that are looked for, and how many lines of a comb have to be there.
 MULTIPLES, SHARE = 40, 0.5

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from imu_lib import words
 from imu_lib.arrays import Array
-from imu_lib.gap import words
-from imu_lib.gap.families import weak_lines
-from imu_lib.gap.forest import Forest
-from imu_lib.gap.mains import folded
-from imu_lib.gap.multiples import multiple, order_of
-from imu_lib.gap.shared_band import Band
-from imu_lib.gap.sources import Source
-from imu_lib.gap.transforms import Transforms
 from imu_lib.processes import Vibration as Process
+from imu_lib.vibrations.coherent_band import Band
+from imu_lib.vibrations.families import weak_lines
+from imu_lib.vibrations.forest import Forest
+from imu_lib.vibrations.mains import folded
+from imu_lib.vibrations.multiples import multiple, order_of
+from imu_lib.vibrations.sources import Source
+from imu_lib.vibrations.transforms import Transforms
 
 #: Lines beyond which a sentence says how many there are.
 FOREST = 40

@@ -16,7 +16,7 @@ from scipy.special import ndtr, ndtri
 
 from imu_lib import timing
 from imu_lib.arrays import Array
-from imu_lib.gap.innovations import trend
+from imu_lib.samples.innovations import trend
 
 #: Samples that one which is thrown off makes surprising from which on clipped ones are drawn
 #: together, how often, and how often each for itself.

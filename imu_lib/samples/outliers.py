@@ -11,7 +11,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 
 from imu_lib.arrays import Array
-from imu_lib.gap.innovations import Smooth
+from imu_lib.samples.innovations import Smooth
 
 #: Samples thrown off so near each other are looked at together.
 CLOSE = 6

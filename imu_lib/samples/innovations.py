@@ -8,7 +8,7 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from imu_lib.arrays import Array
-from imu_lib.gap.data import block_length, statistics
+from imu_lib.samples.blocks import block_length, statistics
 
 #: Degrees of freedom of a spectrum at the least: the reciprocal of what has one or two is now and
 #: then a hundred times too large, and whitening amplifies what little there is.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap.transforms import Transforms
+from imu_lib.vibrations.transforms import Transforms
 
 #: Gain in log-likelihood from which on a channel feels what another one shows, and power over its
 #: surroundings that it needs at the least.

@@ -11,10 +11,10 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from imu_lib.arrays import Array
-from imu_lib.gap.data import statistics
-from imu_lib.gap.innovations import Smooth, trend
-from imu_lib.gap.uneven import Uneven
 from imu_lib.processes import Quantization
+from imu_lib.samples.blocks import statistics
+from imu_lib.samples.innovations import Smooth, trend
+from imu_lib.samples.uneven import Uneven
 
 #: Steps in standard deviations of the rounded noise from which on rounding is more than white
 #: noise of step^2 / 12.

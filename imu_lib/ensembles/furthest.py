@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from imu_lib.gap.battery import BLOCK, JOINED, LAGS, edges
+from imu_lib.ensembles.battery import BLOCK, JOINED, LAGS, edges
 
 #: Simulations outside the told range, on either side.
 OUTSIDE = 0.05

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from imu_lib.gap.sources import Source
+from imu_lib.vibrations.sources import Source
 
 #: Hz below which two accelerometers show the modes of what they stand on, and power of such a band
 #: over the noise.

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from imu_lib.arrays import Array
-from imu_lib.gap.battery import battery, stack
-from imu_lib.gap.draws import Draws
+from imu_lib.ensembles.battery import battery, stack
+from imu_lib.ensembles.draws import Draws
 from imu_lib.processes import (
     Constant,
     NoiseLevelChange,

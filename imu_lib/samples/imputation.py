@@ -8,9 +8,9 @@ import numpy as np
 from scipy.fft import irfft, rfft
 
 from imu_lib.arrays import Array
-from imu_lib.gap import clipped
-from imu_lib.gap.innovations import Smooth, padded_size
 from imu_lib.likelihood.tapered import bridge
+from imu_lib.samples import clipped
+from imu_lib.samples.innovations import Smooth, padded_size
 
 
 def first_fill(x: Array, bad: Array) -> np.ndarray:
