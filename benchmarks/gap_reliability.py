@@ -23,7 +23,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "benchmarks")]
 import numpy as np  # noqa: E402
 from gap_score import RESULTS, matches, same_spectrum, wilson  # noqa: E402
 
-from imu_lib.gap import measured  # noqa: E402
+from imu_lib.gap import left_beside, measured  # noqa: E402
 from imu_lib.gap.effects import COMPETITORS  # noqa: E402
 from imu_lib.gap.effects.competitor import SLOPE_BESIDE_FILTER  # noqa: E402
 
@@ -51,7 +51,9 @@ BINS = (0.0, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.97, 0.995, 1.0 + 1e-9)
 
 
 def findings(strict=True):
-    """(effect, stored confidence, right, beside something unexplained, table) of every finding.
+    """(effect, stored confidence, right, what is left unexplained beside it, table) of every
+    finding; what is left are the kinds of `gap.left_beside`, none where nothing is, ("any",) where
+    the kind is not stored.
 
     Where an effect was put into a recorded signal, a new name in place of one that is gone counts
     as wrong, though nobody knows which of the two was; without `strict` it is left out.
@@ -60,7 +62,8 @@ def findings(strict=True):
         for case in json.loads((RESULTS / f"{name}.json").read_text())["cases"]:
             for s in case["steps"]:
                 right = any(matches(s, t) or same_spectrum(s, t) for t in case["truths"])
-                left = bool(case["unexplained"].get(s["channel"]))
+                told = case["unexplained"].get(s["channel"])
+                left = _kinds(s, told, case["steps"]) if told else ()
                 sure = s["confidence"]
                 if s["effect"] in RIVALS and not s.get("calibrated"):
                     sure = measured.calibrated(sure)
@@ -73,9 +76,10 @@ def findings(strict=True):
         for _, effect, sure, right, left, instead in case.get("fresh", ()):
             if instead and not strict:
                 continue
+            left = ("any",) if left else ()
             if effect in OF_RECORD:  # one finding, whatever channels it is on
                 right = right or case["effect"] in SEEN_AS.get(effect, ())
-                left = False
+                left = ()
                 if effect in told:
                     continue
                 told.add(effect)
@@ -84,14 +88,25 @@ def findings(strict=True):
             yield effect, sure, right, left, "gap_injected"
 
 
+def _kinds(step, told, steps):
+    """What is told to be left in a channel is to one of its steps."""
+    lines = sum(s["channel"] == step["channel"] and s["effect"] == "sinusoid" for s in steps)
+    return left_beside.kinds(step["effect"], step["parameters"], told, lines)
+
+
 def beside_unexplained() -> dict:
-    """Effect -> (findings beside something unexplained, right ones)."""
+    """(effect, kind of what is left) -> (findings beside it, right ones)."""
     found, right = Counter(), Counter()
     for effect, _, good, left, _ in findings():
-        if left:
-            found[effect] += 1
-            right[effect] += good
+        for kind in left:
+            found[effect, kind] += 1
+            right[effect, kind] += good
     return {e: (found[e], right[e]) for e in sorted(found)}
+
+
+def as_told(sure, effect, left) -> float:
+    """A confidence as the workflow tells it now beside what is left."""
+    return min([sure, *(left_beside.share(effect, kind) for kind in left)])
 
 
 def table(rows) -> list[dict]:
@@ -119,7 +134,7 @@ def main():
     rows = {}
     for strict in (True, False):
         rows[strict] = [
-            (min(sure, measured.beside_unexplained(effect)) if left else sure, right)
+            (as_told(sure, effect, left), right)
             for effect, sure, right, left, _ in findings(strict)
         ]
     found = {
@@ -128,7 +143,7 @@ def main():
         "tables": [*SCORES, "gap_injected"],
         "table": table(rows[True]),
         "without_names_in_place_of_others": table(rows[False]),
-        "beside_unexplained": beside_unexplained(),
+        "beside_unexplained": {" ".join(k): v for k, v in beside_unexplained().items()},
     }
     (RESULTS / "gap_reliability.json").write_text(json.dumps(found, indent=1) + "\n")
     for line in [*found["table"], "", *found["without_names_in_place_of_others"]]:

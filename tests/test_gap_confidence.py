@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from imu_lib.gap import measured, rounds, steps
+from imu_lib.gap import left_beside, measured, rounds, steps
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step
@@ -67,9 +67,9 @@ def test_names_are_as_sure_as_the_stored_scores_were_right():
     diagram that holds twenty findings is within five points of its confidence or has it in its
     95 % interval.
     """
-    assert gap_reliability.beside_unexplained() == measured.BESIDE
+    assert gap_reliability.beside_unexplained() == left_beside.COUNTED
     rows = [
-        (min(sure, measured.beside_unexplained(effect)) if left else sure, right)
+        (gap_reliability.as_told(sure, effect, left), right)
         for effect, sure, right, left, _ in gap_reliability.findings()
     ]
     for bin_ in gap_reliability.table(rows):

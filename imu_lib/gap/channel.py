@@ -15,7 +15,7 @@ from imu_lib.gap import (
     electronics,
     evenness,
     held_out,
-    measured,
+    left_beside,
     noise_level,
     rounds,
     steadiness,
@@ -27,6 +27,7 @@ from imu_lib.gap.check import Check
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
+from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.state import MIN_EVIDENCE, State
 from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
@@ -255,8 +256,11 @@ def _capped(
     effects `plain`: that all samples lie on one grid, or a fifth of them on a rail, is counted.
     """
     if unexplained is not None:
+        lines = sum(s.effect == Sinusoid.name for s in steps)
         return [
-            s if s.effect in plain else s.capped(measured.beside_unexplained(s.effect))
+            s
+            if s.effect in plain
+            else s.capped(left_beside.most_sure(s.effect, s.parameters, unexplained, lines))
             for s in steps
         ]
     if len(state.fit.slots) - len(state.base_slots) > 2:

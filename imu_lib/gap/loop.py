@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from imu_lib.ensembles import ensemble
-from imu_lib.gap import axes, gauge, knocked, once
+from imu_lib.gap import axes, gauge, knocked, left_beside, once
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.moved import as_tilts
@@ -68,7 +68,8 @@ def close(
     told.one("coherence")
     results = _named(about, seed, jobs, told)
     base, grown = _models(about, results)
-    results = knocked.told(once.doubted(axes.agreed(results), about), about)
+    results = left_beside.on_record(axes.agreed(results), about.left)
+    results = knocked.told(once.doubted(results, about), about)
     results, moved = as_tilts(results, about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:

@@ -48,36 +48,6 @@ def weight(sure: float) -> float:
 PLAIN = 0.95
 
 
-#: Findings beside something that was left unexplained: how many, and how many of them right (same
-#: benchmark).
-BESIDE: dict[str, tuple[int, int]] = {
-    "autoregressive": (115, 0),
-    "flicker": (2, 0),
-    "gauss_markov_2": (44, 0),
-    "heavy_tails": (1, 0),
-    "low_pass": (11, 5),
-    "noise_level_change": (12, 1),
-    "parameter_change": (154, 0),
-    "quantization": (32, 1),
-    "ramp": (1, 1),
-    "resolution": (61, 1),
-    "saturation": (4, 1),
-    "sinusoid": (421, 1),
-    "spikes": (123, 2),
-    "stuck": (24, 1),
-    "telegraph": (1, 1),
-    "temperature": (1, 1),
-    "wandering_level": (1, 1),
-    "warm_up": (2, 1),
-}
-
-
-def beside_unexplained(effect: str) -> float:
-    """Expected share of right names among findings beside something that is left unexplained."""
-    found, right = BESIDE.get(effect, (0, 0))
-    return (right + 1) / (found + 2)
-
-
 def odds(gain: float, places: float) -> float:
     """Confidence in the largest of the gains in log-likelihood that were looked at in `places`
     independent places.

@@ -5,6 +5,7 @@ sentence of where.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,8 @@ def weighed(tests: list[Check], named: list[str]) -> tuple[Check, list[str]]:
     """
     strict = any(effect in OF_SAMPLES for effect in named)
     uneven = any(effect in ONE_SIDED for effect in named)
-    small = [c for c in tests if c.size < 1.0 and not (uneven if c.domain == SKEW else strict)]
+    told = {SKEW: uneven, ROLL_OFF: False}
+    small = [c for c in tests if c.size < 1.0 and not told.get(c.domain, strict)]
     worst = min((c for c in tests if c not in small), key=lambda c: c.log_p)
     return worst, [c.where for c in small if c.log_p < LIMIT]
 
@@ -57,16 +59,33 @@ def _log10_chi2(value: float | Array, dof: float | Array) -> Any:
     return (np.minimum(upper, lower) + np.log(2)) / np.log(10)
 
 
-def spectrum(state: State) -> Check:
-    """Bins of the spectrum, singly and in runs of 3, 9 and 27, against the model; the model's own
-    fit error is allowed for.
+def spectrum(state: State) -> list[Check]:
+    """Bins of the spectrum, singly and in runs of 3, 9 and 27, against the model; those where a
+    filter rolls off by themselves. The model's own fit error is allowed for.
     """
     layout, count = state.data.layout, state.problem.stats.count
     seen = (count > 0) & (np.arange(len(count)) >= layout.slow)
+    f, low_pass = layout.frequency[seen], state.fit.low_pass
     nu, ratio = count[seen], (state.mean_power / state.fit.expected)[seen]
-    f = layout.frequency[seen]
-    worst = Check("psd", 0.0, "")
-    for width in (1, 3, 9, 27):
+    begins = np.inf if low_pass is None else CORNER * low_pass.cutoff
+    ends = min(0.5 * EDGE * state.data.fs, begins)
+    out = [_worst(f[f < ends], nu[f < ends], ratio[f < ends])[0]]
+    for part in (f >= begins, (f >= ends) & (f < begins)):
+        if not part.any():
+            continue
+        found, decibel = _worst(f[part], nu[part], ratio[part])
+        # at the end what is too low is the filter against folding, what is too high is not
+        most = SHAPE if ends == begins else FALLS * (decibel < 0.0)
+        out.append(replace(found, domain=ROLL_OFF, size=abs(decibel) / max(most, 1e-9)))
+    return out
+
+
+def _worst(f: Array, nu: Array, ratio: Array) -> tuple[Check, float]:
+    """The worst of the bins at `f` Hz of `nu` degrees of freedom and their runs, and by how many
+    dB.
+    """
+    worst = Check("psd", 0.0, ""), 0.0
+    for width in (w for w in (1, 3, 9, 27) if w <= len(f)):
         kernel = np.ones(width)
         dof = np.convolve(nu, kernel, "valid")
         excess = np.convolve(nu * ratio, kernel, "valid")
@@ -76,18 +95,21 @@ def spectrum(state: State) -> Check:
         p = _log10_chi2(wilson, dof)
         i = int(np.argmin(p))
         corrected = p[i] + np.log10(len(nu))
-        if corrected < worst.log_p:
-            decibel = 10 * np.log10(excess[i] / dof[i])
-            worst = Check(
-                "psd",
-                float(corrected),
+        if corrected < worst[0].log_p:
+            decibel = float(10 * np.log10(excess[i] / dof[i]))
+            where = (
                 f"power spectral density between {f[i]:.3g} and "
                 f"{f[min(i + width, len(f)) - 1]:.3g} Hz, "
-                f"{decibel:+.2g} dB from the fitted model",
+                f"{decibel:+.2g} dB from the fitted model"
             )
+            worst = Check("psd", float(corrected), where), decibel
     return worst
 
 
+#: Domain of the bins where a filter rolls off; share of its cutoff from which on it does, and of
+#: half the sampling rate from which on what is too low is its end; dB that its shape there may
+#: differ from the catalogue's (a ripple, another order), and that such an end may fall.
+ROLL_OFF, CORNER, EDGE, SHAPE, FALLS = "roll-off", 0.7, 0.96, 1.5, 6.0
 #: Relative accuracy that is asked of a model spectrum.
 MODEL = 0.004
 
@@ -249,7 +271,7 @@ def checks(
         slow_checks = [max(pair, key=lambda c: c.log_p) for pair in zip(slow_checks, bias(second))]
     fs = state.data.fs
     out = [
-        spectrum(second),
+        *spectrum(second),
         *slow_checks,
         *stationarity(y, fs, smooth, coarse_steps=coarse_steps),
         *resonances(state, y),

@@ -12,11 +12,15 @@ from scipy.signal import freqz, lfilter, lfiltic
 from imu_lib.arrays import Array, ArrayLike
 from imu_lib.errors import InputError, UndefinedFormError
 
-from .base import FREE, Parameter, Process, StateSpace
+from .base import FREE, SHORT, Parameter, Process, StateSpace
 from .sampled import avar_from_transition, cluster_size
 
 if TYPE_CHECKING:
     from .gauss_markov import GaussMarkov
+
+
+#: Samples within which a fast noise forgets at the most, where these are longer than `SHORT`.
+FEW = 5.0
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,13 @@ class Autoregressive(Process):
     def stable(self) -> bool:
         """Whether the process is stationary."""
         return bool(np.all(np.abs(self.poles) < 1.0))
+
+    @property
+    def fast(self) -> bool:
+        if self.phi is None or self.rate is None:
+            return False
+        slowest = float(np.max(np.abs(self.poles), initial=0.0))
+        return bool(slowest < np.exp(-1.0 / max(SHORT * self.rate, FEW)))
 
     def _at(self, fs: float | None) -> float:
         self._require()

@@ -53,6 +53,9 @@ class Parameter:
 POSITIVE_KINDS = ("amplitude", "time", "frequency", "rate", "ratio")
 
 
+#: Correlation time in s below which a coloured noise is of the fast noise.
+SHORT = 0.1
+
 #: Every process that has been defined, by its name.
 NAMED: dict[str, type[Process]] = {}
 
@@ -67,8 +70,6 @@ class Process:
     #: A deterministic process is a function of time (or temperature): it has a `mean` and no
     #: noise.
     deterministic: ClassVar[bool] = False
-    #: Fast noise: what a change of noise level scales.
-    fast: ClassVar[bool] = False
     #: Whether its samples are jointly normal, so that its spectrum says all of it.
     gaussian: ClassVar[bool] = True
 
@@ -78,6 +79,11 @@ class Process:
         it, 0 where it forgets within a few samples.
         """
         return 0.0
+
+    @property
+    def fast(self) -> bool:
+        """Whether it is of the fast noise, which a change of the noise level scales."""
+        return False
 
     @property
     def onset(self) -> float:

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from imu_lib.arrays import Array, ArrayLike
 
-from .base import FREE, Parameter, Process, StateSpace
+from .base import FREE, SHORT, Parameter, Process, StateSpace
 from .sampled import avar_from_semivariogram, cluster_size
 
 _PARAMETERS = (
@@ -41,6 +41,10 @@ class GaussMarkov(Process):
     @property
     def memory(self) -> float:
         return self.correlation_time
+
+    @property
+    def fast(self) -> bool:
+        return self.correlation_time is not None and self.correlation_time < SHORT
 
     def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
@@ -149,6 +153,10 @@ class GaussMarkov2(Process):
     @property
     def memory(self) -> float:
         return self.correlation_time
+
+    @property
+    def fast(self) -> bool:
+        return self.correlation_time is not None and self.correlation_time < SHORT
 
     @property
     def beta(self) -> float:

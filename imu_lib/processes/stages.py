@@ -19,8 +19,8 @@ from .stage import Stage
 
 @dataclass(frozen=True)
 class NoiseLevelChange(Stage):
-    """From `time` on the fast noise (white, quantization) is `ratio` times as strong, or comes to
-    that along a straight line over a `duration`.
+    """From `time` on the fast noise (white, quantization, what forgets within a tenth of a second)
+    is `ratio` times as strong, or comes to that along a straight line over a `duration`.
 
     Parameters
     ----------

@@ -27,10 +27,13 @@ class WhiteNoise(Process):
 
     N: float = FREE
     name: ClassVar[str] = "white_noise"
-    fast: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("N", "amplitude", "density, unit/sqrt(Hz)"),
     )
+
+    @property
+    def fast(self) -> bool:
+        return True
 
     def psd(self, f: ArrayLike, fs: float | None = None) -> Array:
         self._require()
@@ -89,11 +92,14 @@ class Quantization(Process):
     Q: float = FREE
     rounded: int | None = None
     name: ClassVar[str] = "quantization"
-    fast: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("Q", "amplitude", "standard deviation of the integrated output"),
         Parameter("rounded", "count", "1: by rounding the integrated output", optional=True),
     )
+
+    @property
+    def fast(self) -> bool:
+        return True
 
     @property
     def behind_filter(self) -> bool:

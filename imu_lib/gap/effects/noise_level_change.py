@@ -16,6 +16,9 @@ from .base import ChannelEffect, ChannelView, Finding
 #: with a probability of about ln(n^2) sqrt(u / 2 pi) exp(-u / 2) (Csorgo and Horvath 1997, Theorem
 #: 1.3.1): 1e-4 for an hour at 100 Hz.
 MIN_GAIN = 13.0
+#: Seconds, and share of the record, before and after a change at the least: a louder second at the
+#: end is somebody who stops the logger, and no level that stays.
+STAYS = (3.0, 0.02)
 #: Block lengths over which the noise has to keep its level, s, and parts of a record that is too
 #: short for the first of these; blocks at the least, and samples in one.
 SCALES, PARTS = (5.0, 20.0, 60.0, 300.0), (40, 12)
@@ -97,8 +100,9 @@ def _scales(n: int, fs: float) -> tuple[float, ...]:
     return tuple(n / fs / part for part in PARTS if n >= LEAST_SAMPLES * part)
 
 
-def change_point(y: Array, independent: float = 1.0) -> tuple[float, int, float]:
-    """(gain, index, ratio) of the best single change of variance of a white series, to the sample.
+def change_point(y: Array, independent: float = 1.0, edge: int = 20) -> tuple[float, int, float]:
+    """(gain, index, ratio) of the best single change of variance of a white series, to the sample,
+    with `edge` samples on either side of it.
 
     Where the series has heavier shoulders than a normal one (a few levels of a coarse grid), its
     energy scatters more and the gain counts for less.
@@ -107,7 +111,6 @@ def change_point(y: Array, independent: float = 1.0) -> tuple[float, int, float]
     square = np.minimum(y**2, 25.0)  # a spike that was left over is no change of level
     c = np.cumsum(square)
     total = c[-1]
-    edge = max(20, n // 400)
     k = np.arange(edge, n - edge)
     a, b = c[k - 1] / k, (total - c[k - 1]) / (n - k)
     gain = 0.5 * (n * np.log(total / n) - k * np.log(a) - (n - k) * np.log(b))
@@ -138,10 +141,16 @@ class NoiseLevelChange(ChannelEffect):
 
     def detect(self, y: Array, fs: float, independent: float = 1.0) -> Finding | None:
         """`y` is the whitened fast noise, a share of whose samples is `independent`."""
-        gain, k, ratio = change_point(y, independent)
+        n = len(y)
+        edge = max(20, n // 400)
+        gain, k, ratio = change_point(y, independent, edge)
         if gain < MIN_GAIN:
             return None
-        n = len(y)
+        stays = int(min(STAYS[0] * fs, STAYS[1] * n))
+        if min(k, n - k) < stays:
+            gain, k, ratio = change_point(y, independent, stays)
+            if gain < MIN_GAIN or min(k, n - k) < 2 * stays:  # the rest of the loud end
+                return None
         sd = np.sqrt((0.5 / k + 0.5 / (n - k)) / independent)
         slack = self._time_slack(y, k, independent)
         after = y.copy()
