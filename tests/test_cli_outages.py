@@ -117,6 +117,20 @@ def test_units_other_than_the_formats(tmp_path, drive, capsys):
     assert run(tmp_path, in_g, "--accel-unit", "g")["models"].keys() == converted["models"].keys()
 
 
+def test_velocities_in_other_axes_or_units_are_not_ranked_upon(tmp_path, drive, capsys):
+    velocity = np.asarray(drive.gnss_velocity)
+    for wrong, said in (
+        (velocity[:, [1, 0, 2]] * [1.0, 1.0, -1.0], "east, north, up"),
+        (3.6 * velocity, "they are in km/h; divide gnss_velocity by 3.6"),
+    ):
+        bad = drive.with_(gnss_velocity=wrong)
+        run(tmp_path, bad, expect=2)
+        error = capsys.readouterr().err
+        assert said in error and "--no-velocity" in error
+    alone = run(tmp_path, bad, "--as-stated", "--no-velocity")
+    assert alone["models"]["18AV"]["ranked"] and not any("velocities" in n for n in alone["notes"])
+
+
 def test_ten_samples_a_second_are_not_refused(tmp_path, drive):
     n = len(drive.time) // 10 * 10
     mean = {
@@ -170,6 +184,7 @@ def test_a_model_that_loses_the_drive_is_not_ranked(tmp_path, drive):
     ranked = {n for n, m in content["models"].items() if m["ranked"]}
     assert "18AV+scale" in ranked and "15AV" not in ranked
     assert all({p["better"], p["than"]} <= ranked for p in content["paired"])
+    assert all(p["decided"] == (p["high"] < 1.0) for p in content["paired"])
     assert any("15AV rejects" in n and "not ranked" in n for n in content["notes"])
 
 

@@ -78,7 +78,9 @@ def test_every_command_that_has_json_is_called_above():
 
 def test_check_describes_every_column(files, capsys):
     assert cli.main(["check", f"{files}/record.npz", "--json", "-"]) == 0
-    told = json.loads(capsys.readouterr().out)["columns"]
+    told = json.loads(capsys.readouterr().out)
+    assert told["clock"]["stamped"] is True  # as evenly as no record keeps them
+    told = told["columns"]
     assert [c["column"] for c in told] == ["time", "gyro", "accel"]
     assert told[1]["read_as"] == "gyro_x, gyro_y, gyro_z" and told[1]["unit"] == "rad/s"
     assert all(c["evidence"] for c in told)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from imu_lib.cli import common, drives
@@ -28,6 +29,7 @@ def add_arguments(parser):
 def run(args):
     common.check_writable(args.json)
     health, columns = look(args)
+    health = _with_stamps(health, columns)
     told = {"columns": columns, **health.to_json()}
     common.write_json(told, args.json)
     if args.json != "-":
@@ -64,6 +66,15 @@ def look(args):
             return found, list(long.described)
     found = readers.read(args.file, lenient=True, **options)
     return health.of_record(found.record, repeats=found.repeats), list(found.columns)
+
+
+def _with_stamps(health, columns):
+    """The health with what the file's columns say of stamps: a record keeps none where they are
+    perfectly even.
+    """
+    if health.clock.stamped or not any("time" in (c.read_as or "").split(", ") for c in columns):
+        return health
+    return replace(health, clock=replace(health.clock, stamped=True, jitter=0.0))
 
 
 def described(columns) -> str:
@@ -131,7 +142,8 @@ def _facts(health):
     clock, motion = health.clock, health.motion
     stamps = "perfectly even, or none in the file"
     if clock.stamped:
-        stamps = f"jitter {clock.jitter * 1e3:.3g} ms" + (", in bursts" if clock.bursts else "")
+        stamps = f"jitter {clock.jitter * 1e3:.3g} ms" if clock.jitter else "perfectly even"
+        stamps += ", in bursts" if clock.bursts else ""
     gaps = "none"
     if clock.gap_count:
         gaps = f"{clock.gap_count} ({clock.missing:,} samples missing)"

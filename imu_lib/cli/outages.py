@@ -184,8 +184,9 @@ def run(args):
         windows = outages.regular_windows(drive, duration=duration, every=args.every or duration)
     models = outages_models.models(args, names, drive, arm)
     heading = None if args.heading is None else args.heading * 3.141592653589793 / 180.0
+    said = _frames(drive, models, velocity=not args.no_velocity)
     gnss, notes = _fixes(args, drive, models, heading)
-    notes = (*_frames(drive, models), *notes)
+    notes = (*said, *notes)
     study = outages.compare(
         drive,
         models,
@@ -204,14 +205,21 @@ def run(args):
         print(outages_report.text(study, drive))
 
 
-def _frames(drive, models):
-    """What is to be said of axes and signs, beyond what the models hold of them."""
+def _frames(drive, models, velocity):
+    """What is to be said of axes and signs, beyond what the models hold of them; InputError where
+    no filter can use the fixes as they are. velocity : of the fixes, whether it is used.
+    """
     import numpy as np
     from scipy.spatial.transform import Rotation
 
     from imu_lib.health.driven import frames
     from imu_lib.navigation import fix_faults
 
+    if not velocity:
+        drive = drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+    if wrong := fix_faults.unusable(drive) or fix_faults.other_unit(drive):
+        alone = "" if fix_faults.positions_swapped(drive) else " Or --no-velocity leaves them out."
+        raise InputError(f"{drive.source or drive.name}: {wrong}{alone}")
     held = next(iter(models.values())).held
     held_drive = held.drive(drive)
     offset = held.value("gnss_time_offset", "offset", 0.0)
@@ -221,10 +229,7 @@ def _frames(drive, models):
         held_drive = held_drive.with_(
             gyro=turn.apply(np.array(held_drive.gyro)), accel=turn.apply(np.array(held_drive.accel))
         )
-    said, _ = frames(held_drive)
-    if fix_faults.positions_swapped(held_drive):
-        raise InputError(said[0])
-    return said
+    return frames(held_drive)[0]
 
 
 def _codes(text):

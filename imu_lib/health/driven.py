@@ -21,14 +21,14 @@ RATIO = 3.0  # of the fixes' scatter to what is stated
 def disagreements(drive: Drive) -> list[str]:
     """Sentences, each with its remedy: wrong axes or units, late fixes, wrong gravity, a reference
     that jumps or lies elsewhere, standard deviations that are not true, velocities in another
-    frame.
+    frame: without these the rest is looked at.
     """
     out, right = _put_right(drive)
     if right is None:
         return out
     clocks, late = _clocks(right), lateness.late(right)
     out += clocks or _time(right, late)
-    return out + _turns(right, late[0]) + _weight(right) + _reference(drive) + _fixes(drive)
+    return out + _turns(right, late[0]) + _weight(right) + _reference(drive) + _fixes(right)
 
 
 def frames(drive: Drive) -> tuple[list[str], Drive | None]:
@@ -40,23 +40,13 @@ def frames(drive: Drive) -> tuple[list[str], Drive | None]:
 
 
 def _put_right(drive):
-    if fix_faults.positions_swapped(drive):
-        return [
-            "The fixes' positions are longitude, latitude; a drive holds latitude, longitude: "
-            "swap the first two columns of gnss_position."
-        ], None
-    if fix_faults.velocities_swapped(drive):
-        return [
-            "The fixes' velocities are east, north, up; a drive holds north, east, down: swap the "
-            "first two and turn the third's sign."
-        ], None
-    out = _speeds(drive) + _jumps(drive) + _held(drive)
-    if fix_faults.upside_down(drive):
-        out.append(
-            "The heights rise where the fixes' velocities fall: a drive holds north, east, down; "
-            "turn the sign of the third column of gnss_velocity, or of the heights if they are "
-            "depths."
-        )
+    out = []
+    if said := fix_faults.unusable(drive):
+        out.append(said[0].upper() + said[1:])
+        if fix_faults.positions_swapped(drive):
+            return out, None
+        drive = drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+    out += _speeds(drive) + _jumps(drive) + _held(drive)
     if sensor := axes.reversed_sensor(drive):
         out.append(axes.REVERSED[sensor].replace("the", "The", 1))
         if sensor == "either":
@@ -101,14 +91,13 @@ def _clocks(drive):
 
 
 def _speeds(drive):
-    ratio = fix_faults.speed_ratio(drive)
-    if ratio == 1.0:
-        return []
-    said = f"The fixes' velocities are {ratio:.3g} times those at which their positions move"
-    unit = fix_faults.unit_of(ratio)
-    if unit is None:
-        return [f"{said}: one of the two is in another unit or of another solution."]
-    return [f"{said}: they are in {unit}; divide gnss_velocity by {fix_faults.UNITS[unit]:.4g}."]
+    said = fix_faults.other_unit(drive)
+    if said is None and (ratio := fix_faults.speed_ratio(drive)) != 1.0:
+        said = (
+            f"the fixes' velocities are {ratio:.3g} times those at which their positions move: one "
+            "of the two is in another unit or of another solution."
+        )
+    return [said[0].upper() + said[1:]] if said else []
 
 
 def _jumps(drive):

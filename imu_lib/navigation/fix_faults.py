@@ -123,6 +123,41 @@ def unit_of(ratio: float) -> str | None:
     return next((u for u, factor in UNITS.items() if abs(ratio / factor - 1.0) < 0.06), None)
 
 
+def other_unit(drive: Drive) -> str | None:
+    """Velocities in another unit than m/s, said with the remedy, or None."""
+    ratio = speed_ratio(drive)
+    unit = unit_of(ratio)
+    if unit is None:
+        return None
+    return (
+        f"the fixes' velocities are {ratio:.3g} times those at which their positions move: they "
+        f"are in {unit}; divide gnss_velocity by {UNITS[unit]:.4g}."
+    )
+
+
+def unusable(drive: Drive) -> str | None:
+    """Positions or velocities in other axes than those of a drive, said with the remedy, or
+    None.
+    """
+    if positions_swapped(drive):
+        return (
+            "the fixes' positions are longitude, latitude; a drive holds latitude, longitude: "
+            "swap the first two columns of gnss_position."
+        )
+    if velocities_swapped(drive):
+        return (
+            "the fixes' velocities are east, north, up; a drive holds north, east, down: swap the "
+            "first two columns of gnss_velocity and turn the third's sign."
+        )
+    if upside_down(drive):
+        return (
+            "the heights rise where the fixes' velocities fall: a drive holds north, east, down; "
+            "turn the sign of the third column of gnss_velocity, or of the heights if they are "
+            "depths."
+        )
+    return None
+
+
 def held(drive: Drive):
     """Which fixes (m,) only repeat the position of the one before while the drive goes on: of a
     receiver that gives its last solution until it has another.

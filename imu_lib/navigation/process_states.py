@@ -1,11 +1,12 @@
 """The states of a channel's processes: each hands over its own state space."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from imu_lib.errors import InputError, UndefinedFormError
-from imu_lib.processes import GaussMarkov
+from imu_lib.processes import GaussMarkov, Process, StateSpace
 
 # deterministic functions of the time since switching on, or without a place in a state: said in
 # `ignored`
@@ -63,7 +64,7 @@ def _parts(entry, channel, rate, flicker):
             parts.append(constant_state("constant", 0.0))
             continue
         for each in _states_of(process, channel, flicker):
-            space = each.state_space()
+            space, step = _over_a_sample(each, rate)
             density += space.direct
             if not space.order:
                 continue
@@ -72,9 +73,18 @@ def _parts(entry, channel, rate, flicker):
                     f"the {each.name} process of {channel} steps at {space.rate:g} Hz, the drive "
                     f"at {rate:g} Hz; fit it at the drive's rate"
                 )
-            step = space.discrete(1.0 / space.rate if space.rate is not None else 1.0 / rate)
             parts.append(Part(each.name, *step, np.ravel(space.H), space.P0.copy()))
     return density, parts, ignored
+
+
+@lru_cache(maxsize=1024)
+def _over_a_sample(process: Process, rate: float) -> tuple[StateSpace, tuple]:
+    """A process as states, with its step matrix and covariance; its own rate is kept where it has
+    one. A search asks for the same process thousands of times: what is returned is not to be
+    changed.
+    """
+    space = process.state_space()
+    return space, space.discrete(1.0 / (rate if space.rate is None else space.rate))
 
 
 def _turned_on(parts, sd, constant):

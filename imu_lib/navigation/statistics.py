@@ -2,7 +2,7 @@
 intervals.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy import stats
@@ -36,8 +36,8 @@ class Paired:
     """Comparison of two models on the same outages: geometric mean of error ratios with its 95 %
     interval.
 
-    better, than : names; ratio below 1 means `better` has the smaller errors; wins : share of
-    outages in which it has;
+    better, than : names; ratio below 1 means `better` has the smaller errors, beyond chance where
+    `decided`; wins : share of outages in which it has;
     p : of Wilcoxon's signed-rank test on the log ratios (two-sided); outages, clusters : how many,
     and in how many independent groups
     """
@@ -72,6 +72,7 @@ class Paired:
             "high": self.high,
             "wins": self.wins,
             "p": self.p,
+            "decided": self.decided,
             "outages": self.outages,
             "clusters": self.clusters,
         }
@@ -84,7 +85,7 @@ class Pairs:
     """
 
     def __init__(self, comparisons):
-        found = [c if isinstance(c, Paired) else Paired(**c) for c in comparisons]
+        found = [c if isinstance(c, Paired) else _stored(c) for c in comparisons]
         self._by_names = {frozenset((c.better, c.than)): c for c in found}
 
     def __getitem__(self, names):
@@ -92,6 +93,11 @@ class Pairs:
             return self._by_names[frozenset(names)]
         except KeyError:
             raise KeyError(f"no comparison of {' and '.join(map(repr, names))}") from None
+
+
+def _stored(comparison) -> Paired:
+    """A comparison as its `to_json` wrote it."""
+    return Paired(**{f.name: comparison[f.name] for f in fields(Paired)})
 
 
 def paired(first, second, names=("first", "second"), *, clusters=None) -> Paired:

@@ -23,20 +23,8 @@ def check(drive: Drive) -> None:
     windows.overlapping(drive)
     inside = (drive.gnss_time >= drive.time[0]) & (drive.gnss_time <= drive.time[-1])
     fixes = int((np.isfinite(drive.gnss_position).all(axis=1) & inside).sum())
-    if fix_faults.positions_swapped(drive):
-        raise InputError(
-            f"{name}: gnss_position is longitude, latitude; swap its first two columns."
-        )
-    if fix_faults.velocities_swapped(drive):
-        raise InputError(
-            f"{name}: gnss_velocity is east, north, up; swap its first two columns and turn the "
-            "third's sign."
-        )
-    if fix_faults.upside_down(drive):
-        raise InputError(
-            f"{name}: the heights rise where gnss_velocity falls: it is north, east, down; turn "
-            "the sign of its third column, or of the heights if they are depths."
-        )
+    if wrong := fix_faults.unusable(drive):
+        raise InputError(f"{name}: {wrong}")
     if drive.duration < SHORTEST or fixes < FEWEST:
         raise InputError(
             f"{name}: {drive.duration:.3g} s with {fixes} fixes are too few for a search; it "
@@ -112,14 +100,8 @@ def one_solution(drive: Drive, notes: list[str]) -> Drive:
     drive = _of_one_code(drive, notes)
     if drive.gnss_velocity is None:
         return drive
-    ratio = fix_faults.speed_ratio(drive)
-    unit = fix_faults.unit_of(ratio)
-    if unit is not None:
-        notes.append(
-            f"The velocities are {ratio:.3g} times those at which the positions move, as in "
-            f"{unit}: positions alone are used; divide gnss_velocity by "
-            f"{fix_faults.UNITS[unit]:.4g}."
-        )
+    if unit := fix_faults.other_unit(drive):
+        notes.append(f"{unit[0].upper()}{unit[1:-1]}; until then positions alone are used.")
         return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
     share = float(np.mean(fix_motion.contradicted(drive)))
     if share < CONTRADICTED:

@@ -43,31 +43,6 @@ def _error_to(
     out[8] = 0.5 * (r[0, 1] - r[1, 0])
 
 
-@njit(cache=True)
-def _columns(w: Array, f: Array, warmth: float, speed: float, late: float, u: Array) -> None:
-    """Errors of the six channels (columns.IMU without the clock's path) into u (number, 6)."""
-    u[:, :] = 0.0
-    for i in range(3):
-        u[i, 3 + i] = f[i]
-        u[3 + i, i] = w[i]
-    k = 0
-    for i in range(3):
-        for j in range(3):
-            if i != j:
-                u[6 + k, 3 + i] = f[j]
-                u[12 + k, i] = w[j]
-                k += 1
-            u[18 + 3 * i + j, i] = f[j]
-    for i in range(3):
-        u[27, i] = w[i]
-        u[27, 3 + i] = f[i]
-    for i in range(6):
-        u[28 + i, i] = 1.0
-        u[34 + i, i] = warmth
-        u[40 + i, i] = speed
-        u[46 + i, i] = late
-
-
 @njit(cache=True, nogil=True)
 def intervals(
     epochs: Array, nominal: Nominal, imu: Imu, bias: Array, drifts: Array, sub: int, out: Pieces
@@ -77,12 +52,14 @@ def intervals(
     epochs (k,) into the stretch; nominal at the nodes; imu of the stretch; bias (6,) taken off the
     readings; drifts (n, 2) regressors; sub: samples per linear step
     """
-    columns = out.force.shape[1]
-    c, f, a = np.empty((3, 3)), np.empty((9, 9)), np.empty((9, 9))
-    d, f2, u = np.empty((9, 6)), np.empty((9, 9)), np.empty((columns, 6))
-    means = np.empty((3, 3)), np.empty((3, 3)), np.zeros((2, 3))
-    x, g, h = np.empty((9, 9)), np.empty((9, 6)), np.empty((columns, 9))
-    n = np.empty((6, 9, 9))
+    longest = 1
+    for i in range(epochs.size - 1):
+        longest = max(longest, (epochs[i + 1] - epochs[i] + sub - 1) // sub)
+    a, d = np.empty((longest, 9, 9)), np.empty((longest, 9, 6))
+    felt, along = np.empty((longest, 3, 3)), np.empty((longest, 8))
+    c, f, f2, mean_c, last = (
+        np.empty((3, 3)), np.empty((9, 9)), np.empty((9, 9)), np.empty((3, 3)), np.zeros((2, 3)),
+    )  # fmt: skip
     for i in range(epochs.size - 1):
         p, v, q = (
             nominal.position[i].copy(),
@@ -90,37 +67,99 @@ def intervals(
             nominal.quaternion[i].copy(),
         )
         attitude.fill_matrix(q, c)
-        e = epochs[i]
+        e, steps = epochs[i], 0
         while e < epochs[i + 1]:
             stop = min(e + sub, epochs[i + 1])
+            means = felt[steps], mean_c, last
             step, scale = _run_on(p, v, q, c, imu, bias, (e, stop), means)
-            felt, mean_c, _ = means
-            covariance.fill_dynamics(p, v, felt[2], f)
-            covariance.fill_transition(f, mean_c, step, a, d, f2)
-            speed = np.sqrt(v[0] ** 2 + v[1] ** 2)
-            _columns(felt[0], felt[1], drifts[e, 0], speed, drifts[e, 1], u)
-            if e == epochs[i]:
-                x[:, :], g[:, :], n[:, :, :] = a, d, 0.0
-                h[:, :] = u @ d.T
-            else:
-                x[:, :] = a @ x
-                g[:, :] = a @ g + d
-                h[:, :] = h @ a.T + u @ d.T
-                for ch in range(6):
-                    n[ch] = a @ n[ch] @ a.T
-            for r in range(3):
-                h[27, r] += v[r] * step
-            for ch in range(6):
-                for r in range(9):
-                    weight = d[r, ch] * scale / (step * step)
-                    for s in range(9):
-                        n[ch, r, s] += weight * d[s, ch]
-            e = stop
-        out.phi[i], out.gain[i], out.noise[i], out.force[i] = x, g, n, h
+            covariance.fill_dynamics(p, v, felt[steps, 2], f)
+            covariance.fill_transition(f, mean_c, step, a[steps], d[steps], f2)
+            now = along[steps]
+            now[:3], now[3], now[4] = v, step, scale / (step * step)
+            now[5], now[6], now[7] = drifts[e, 0], np.sqrt(v[0] ** 2 + v[1] ** 2), drifts[e, 1]
+            e, steps = stop, steps + 1
+        _carried(
+            (a, d, felt, along), steps, (out.phi[i], out.gain[i], out.noise[i], out.force[i]), f
+        )
         _error_to(
             q, p, v, nominal.position[i + 1], nominal.velocity[i + 1], nominal.quaternion[i + 1],
             out.jump[i],
         )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _carried(
+    made: tuple[Array, Array, Array, Array],
+    steps: int,
+    out: tuple[Array, Array, Array, Array],
+    room: Array,
+) -> None:
+    """What errors in the linear steps of an interval have become by its end, into out: phi (9, 9),
+    gain (9, 6), noise (6, 9, 9) and force (columns, 9). From the last step to the first, so that
+    what is carried on is one transition and not the many that are asked for.
+
+    made: transitions, gains, what was felt, and velocity, length s, factor of the noise and
+    regressors of each step; room (9, 9)
+    """
+    a, d, felt, along = made
+    phi, gain, noise, force = out
+    last = np.empty((9, 6))
+    gain[:, :], noise[:, :, :], force[:, :] = 0.0, 0.0, 0.0
+    for r in range(9):
+        for s in range(9):
+            phi[r, s] = 1.0 if r == s else 0.0
+    for k in range(steps - 1, -1, -1):
+        _product(phi, d[k], last)
+        for r in range(9):
+            for ch in range(6):
+                gain[r, ch] += last[r, ch]
+            for s in range(3):  # a clock that runs fast has come further
+                force[27, r] += phi[r, s] * along[k, s] * along[k, 3]
+        for ch in range(6):
+            for r in range(9):
+                weight = last[r, ch] * along[k, 4]
+                for s in range(9):
+                    noise[ch, r, s] += weight * last[s, ch]
+        _force(felt[k, 0], felt[k, 1], along[k, 5:], last, force)
+        room[:, :] = phi
+        _product(room, a[k], phi)
+
+
+@njit(cache=True, nogil=True)
+def _product(a: Array, b: Array, out: Array) -> None:
+    """a b into out."""
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            out[i, j] = 0.0
+        for k in range(a.shape[1]):
+            x = a[i, k]
+            for j in range(b.shape[1]):
+                out[i, j] += x * b[k, j]
+
+
+@njit(cache=True, nogil=True)
+def _force(w: Array, f: Array, follows: Array, gain: Array, force: Array) -> None:
+    """Add what each of columns.IMU does over a linear step to force (columns, 9): w rad/s and f
+    m/s^2 in the body, follows (3,) of temperature, speed and the step, gain (9, 6).
+    """
+    for r in range(9):
+        k = 0
+        for i in range(3):
+            g, a = gain[r, i], gain[r, 3 + i]
+            force[i, r] += f[i] * a
+            force[3 + i, r] += w[i] * g
+            force[27, r] += w[i] * g + f[i] * a
+            for j in range(3):
+                if i != j:
+                    force[6 + k, r] += f[j] * a
+                    force[12 + k, r] += w[j] * g
+                    k += 1
+                force[18 + 3 * i + j, r] += f[j] * g
+        for i in range(6):
+            g = gain[r, i]
+            force[28 + i, r] += g
+            for j in range(3):
+                force[34 + 6 * j + i, r] += follows[j] * g
 
 
 @njit(cache=True, nogil=True)

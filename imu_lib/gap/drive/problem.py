@@ -218,9 +218,9 @@ def turn_on_of(model: Model) -> tuple[float, float]:
 
 
 def for_search(model: Model) -> Model:
-    """The model with constants, and flicker noise as two Gauss-Markov processes, of 16 and 160 s,
-    and white noise for what is faster: between fixes and within a drive no more of it is seen, and
-    each state costs the search time.
+    """The model with its turn-on biases held, and flicker noise as two Gauss-Markov processes, of
+    16 and 160 s, and white noise for what is faster: between fixes and within a drive no more of it
+    is seen, and each state costs the search time.
     """
     channels = {}
     for c in CHANNELS:
@@ -239,14 +239,15 @@ def for_search(model: Model) -> Model:
 
 
 def with_constants(model: Model) -> Model:
-    """The model with a constant on every channel, so that the turn-on bias is one and is not
-    forgotten with the correlation time of another process.
+    """The model with what holds a turn-on bias on every channel, so that it is not forgotten with
+    the correlation time of another process: a walk, or else a constant. Both would be two states
+    whose sum alone is seen.
     """
-    return model.with_channels(
-        {
-            c: model[c]
-            if any(t.name == "constant" for t in model[c].terms)
-            else Sum((*model[c].terms, Constant(0.0)))
-            for c in CHANNELS
-        }
-    )
+    return model.with_channels({c: Sum(_held_once(model[c].terms)) for c in CHANNELS})
+
+
+def _held_once(terms: tuple[Process, ...]) -> tuple[Process, ...]:
+    """Processes of a channel with a walk or one constant among them."""
+    walks = any(t.name == "random_walk" for t in terms)
+    rest = tuple(t for t in terms if t.name != "constant")
+    return rest if walks else (*rest, Constant(0.0))
