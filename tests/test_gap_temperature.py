@@ -5,6 +5,7 @@ import pytest
 
 from imu_lib.gap.channel import analyse
 from imu_lib.processes import Sum, WhiteNoise
+from imu_lib.processes.temperature import behind_play
 
 FS, N = 20.0, 60_000
 WHITE = Sum((WhiteNoise(N=2e-4),))
@@ -42,13 +43,22 @@ def test_a_lag_and_a_curvature_are_found_with_the_slope_at_25_degrees(base):
     assert low < p["lag"] < high
 
 
+def test_another_way_down_than_up_is_a_temperature_with_play():
+    t = np.arange(N) / FS
+    oven = 30 + 12 * np.sin(2 * np.pi * t / 1100)
+    x = 2e-4 * np.sqrt(FS) * np.random.default_rng(5).standard_normal(N)
+    x += 2e-5 * behind_play(oven, 6.0)
+    (step,) = analyse("gyro_x", x, FS, None, temperature=oven).steps
+    assert step.effect == "temperature" and step.parameters["play"] == pytest.approx(6.0, rel=0.25)
+
+
 def test_a_straight_characteristic_stays_straight():
     rng = np.random.default_rng(2)
     room = warming()
     x = 2e-4 * np.sqrt(FS) * rng.standard_normal(N) + 2e-5 * (room - 25)
     (step,) = analyse("gyro_x", x, FS, WHITE, temperature=room).steps
     assert step.effect == "temperature"
-    assert "curvature" not in step.parameters and "lag" not in step.parameters
+    assert not {"curvature", "lag", "play"} & set(step.parameters)
 
 
 def test_a_transient_beside_a_straight_characteristic_is_no_curvature():

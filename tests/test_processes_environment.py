@@ -126,6 +126,15 @@ def test_a_temperature_with_lag_and_curvature():
     assert blocks[100:] == pytest.approx(2 * above[50::100][100:], abs=2e-3)
 
 
+def test_a_temperature_with_play_takes_another_way_down_than_up():
+    time = np.arange(401.0)
+    rise = 20.0 + np.r_[np.linspace(0, 10, 201), np.linspace(10, 0, 201)[1:]]
+    x = Temperature(slope=2.0, reference=20.0, play=4.0).mean(time, rise)
+    up, down = x[:201], x[200:]
+    assert up == pytest.approx(2.0 * np.maximum(rise[:201] - 22.0, 0.0))
+    assert down == pytest.approx(2.0 * np.minimum(8.0, rise[200:] - 18.0))
+
+
 def test_a_clock_that_is_off_moves_every_frequency():
     model = Model({"gyro_x": Sum((WhiteNoise(1e-6),))}, record=(
         Vibration(frequency=20.0, amplitude=(1.0,), channels=("gyro_x",)), RateError(1.05)))  # fmt: skip

@@ -36,8 +36,8 @@ def value(symbol: str, x: float | str | list[Any] | tuple[Any, ...] | None, chan
     if symbol == "curvature":  # as the slope, a degree more
         factor, unit = units.datasheet("slope", channel)
         return f"{x / factor:.4g} {unit}^2"
-    if symbol == "lag":
-        return f"{x:.4g} s"
+    if symbol in ("lag", "play"):
+        return f"{x:.4g} {'s' if symbol == 'lag' else 'degC'}"
     try:
         factor, unit = units.datasheet(symbol, channel)
         return f"{x / factor:.4g} {unit}".rstrip()

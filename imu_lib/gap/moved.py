@@ -13,6 +13,7 @@ from imu_lib.arrays import Array
 from imu_lib.faults.finding import seconds
 from imu_lib.faults.tilt import MEANS, angle_in_words, rotation
 from imu_lib.gap.effects.step import Step as Jump
+from imu_lib.gap.ramped import Ramp, ramp_of
 from imu_lib.gap.steps import Step
 
 if TYPE_CHECKING:
@@ -28,8 +29,9 @@ TURN, LEVEL = 2.0, 20.0
 #: Standard deviations of the gyros' noise from which on a turn would be seen, and by which it may
 #: be off.
 SEEN, OFF = 6.0, 4.0
-#: Confidence where the gyros show the turn, and where they are too noisy to show any.
-SHOWN, HIDDEN = 0.95, 0.8
+#: Confidence where the gyros show the turn, and where they are too noisy to show any; of a level of
+#: one axis that takes its time, which a tilt about another axis changes as well.
+SHOWN, HIDDEN, EITHER = 0.95, 0.8, 0.5
 
 
 def as_tilts(
@@ -40,52 +42,66 @@ def as_tilts(
     if any(c not in about.raw for c in accels):
         return results, []
     jumps = [
-        (c, s) for c in accels if c in results for s in results[c].steps if s.effect == Jump.name
+        (c, s, _ramp(s, about.raw[c], about.fs))
+        for c in accels
+        if c in results
+        for s in results[c].steps
+        if s.effect == Jump.name
     ]
     jumps.sort(key=lambda item: item[1].parameters["time"])
     force = np.array([np.nanmedian(about.raw[c]) for c in accels])
     out, moved, at = dict(results), [], about.ready.start
     while jumps:
-        group = [j for j in jumps if _together(j[1], jumps[0][1])]
+        group = _event(jumps)
         jumps = [j for j in jumps if j not in group]
-        change = _change(group, accels)
-        angles = None if change is None else _angles(change, force)
+        named = [(c, s) for c, s, _ in group]
+        change = np.zeros(3)
+        for c, s in named:
+            change[accels.index(c)] += s.parameters["amplitude"]
+        angles = _angles(change, force)
         if angles is None:
             continue
-        time = float(np.median([s.parameters["time"] for _, s in group]))
-        shown = _gyros_show(angles, time, about)
+        ramp = max(group, key=lambda j: abs(j[1].parameters["amplitude"]))[2]
+        shown = _gyros_show(angles, ramp, about)
         if shown is False:
             continue
-        if len(group) < 2:  # it may be the electronics of one axis as well
-            for c, s in group:
-                kept = [_or_tilt(other) if other is s else other for other in out[c].steps]
+        if len({c for c, _ in named}) < 2 and not shown:
+            # it may be the electronics of one axis as well
+            for c, s in named:
+                kept = [_or_tilt(other, ramp) if other is s else other for other in out[c].steps]
                 out[c] = replace(out[c], steps=kept)
             continue
-        step = _tilt(group, angles, at + time, shown)
-        moved.append(step)
-        for c, s in group:
+        moved.append(_tilt(named, angles, at, ramp, shown))
+        for c, s in named:
             kept = [other for other in out[c].steps if other is not s]
             out[c] = replace(out[c], steps=kept)
     return out, moved
 
 
-def _together(a: Step, b: Step) -> bool:
+def _ramp(step: Step, x: Array, fs: float) -> Ramp:
+    """From when to when the level changes."""
+    time, duration = step.parameters["time"], step.parameters.get("duration")
+    return Ramp(time, time + duration) if duration else ramp_of(x, fs, time)
+
+
+def _event(jumps: list[tuple[str, Step, Ramp]]) -> list[tuple[str, Step, Ramp]]:
+    """The jumps of the moment of the first; of one axis more than one only where a slow change is
+    told as several.
+    """
+    _, first, ramp = jumps[0]
+    near = [j for j in jumps if _together(first, ramp, j[1], j[2])]
+    if any(j[2].slow for j in near):
+        return near
+    channels = [c for c, _, _ in near]
+    return [j for k, j in enumerate(near) if j[0] not in channels[:k]]
+
+
+def _together(a: Step, of_a: Ramp, b: Step, of_b: Ramp) -> bool:
     reach = APART
     for s in (a, b):
         low, high = s.intervals.get("time", (0.0, 0.0))
         reach += 0.5 * (high - low)
-    return abs(a.parameters["time"] - b.parameters["time"]) < reach
-
-
-def _change(group: list[tuple[str, Step]], accels: list[str]) -> np.ndarray | None:
-    """Change of the specific force, m/s^2; None where one axis jumps twice."""
-    channels = [c for c, _ in group]
-    if len(channels) != len(set(channels)):
-        return None
-    change = np.zeros(3)
-    for c, s in group:
-        change[accels.index(c)] = s.parameters["amplitude"]
-    return change
+    return of_a.meets(of_b, reach)
 
 
 def _angles(change: Array, force: Array) -> np.ndarray | None:
@@ -96,23 +112,33 @@ def _angles(change: Array, force: Array) -> np.ndarray | None:
     return rotation(force, force + change - (change @ up) * up)
 
 
-def _or_tilt(step: Step) -> Step:
-    """A step that may be a tilt as well."""
-    return replace(step, indistinguishable=[*dict.fromkeys([*step.indistinguishable, "tilt"])])
+def _or_tilt(step: Step, ramp: Ramp) -> Step:
+    """A step that may be a tilt as well; no more than even where it takes its time, as no
+    electronics do.
+    """
+    other = replace(step, indistinguishable=[*dict.fromkeys([*step.indistinguishable, "tilt"])])
+    return other.capped(EITHER) if ramp.slow else other
 
 
-def _tilt(group: list[tuple[str, Step]], angles: Array, time: float, shown: bool | None) -> Step:
-    """The jumps of one moment as a tilt."""
-    channels = [c for c, _ in group]
+def _tilt(
+    group: list[tuple[str, Step]], angles: Array, begin: float, ramp: Ramp, shown: bool | None
+) -> Step:
+    """The jumps of one event as a tilt, `begin` s after the first sample the times count from."""
+    channels = list(dict.fromkeys(c for c, _ in group))
     size = angle_in_words(float(np.linalg.norm(angles)))
     seen = "the gyros turn with them" if shown else "by less than the gyros can show"
     sure = SHOWN if shown else HIDDEN
+    time = float(np.median([s.parameters["time"] for _, s in group]))
+    when = f"jump together at {seconds(begin + time)} s"
+    if ramp.slow:
+        time = 0.5 * (ramp.start + ramp.stop)
+        when = f"change together from {begin + ramp.start:.0f} to {begin + ramp.stop:.0f} s"
     return Step(
         "tilt",
-        {"time": time, "angles": [float(a) for a in angles]},
+        {"time": begin + time, "angles": [float(a) for a in angles]},
         {},
-        f"mean of the signal: {', '.join(channels)} jump together at {seconds(time)} s as "
-        f"gravity does in a tilt of {size}, {seen}",
+        f"mean of the signal: {', '.join(channels)} {when} as gravity does in a tilt of {size}, "
+        f"{seen}",
         min(sure, max(s.confidence for _, s in group)),
         {"effect": "step", "confidence": round(1.0 - sure, 4)},
         [] if shown else ["step"],
@@ -121,7 +147,7 @@ def _tilt(group: list[tuple[str, Step]], angles: Array, time: float, shown: bool
     )
 
 
-def _gyros_show(angles: Array, time: float, about: Prepared) -> bool | None:
+def _gyros_show(angles: Array, ramp: Ramp, about: Prepared) -> bool | None:
     """Whether the gyros turn by the angles; None where their noise is larger."""
     gyros = [f"gyro_{a}" for a in "xyz"]
     if any(c not in about.raw for c in gyros):
@@ -129,9 +155,11 @@ def _gyros_show(angles: Array, time: float, about: Prepared) -> bool | None:
     off, seen = [], []
     for c, angle in zip(gyros, angles):
         x, fs = about.raw[c], about.fs
-        k, turn, level = int(time * fs), int(TURN * fs) + 1, int(LEVEL * fs) + 1
-        sides = np.r_[x[max(0, k - turn - level) : k - turn], x[k + turn : k + turn + level]]
-        inside = x[max(0, k - turn) : k + turn]
+        turn, level = int(TURN * fs) + 1, int(LEVEL * fs) + 1
+        first, last = max(0, int(ramp.start * fs) - turn), int(ramp.stop * fs) + turn
+        level = max(level, 3 * (last - first))
+        sides = np.r_[x[max(0, first - level) : first], x[last : last + level]]
+        inside = x[first:last]
         if len(sides) < level or not len(inside):
             return None
         turned = np.nansum(inside - np.nanmedian(sides)) / fs

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from numba import njit
 from scipy.signal import lfilter
 
 from imu_lib.arrays import Array, ArrayLike
@@ -20,7 +21,8 @@ class Temperature(Deterministic):
     """slope (T - reference) + curvature (T - reference)^2: the bias follows the temperature.
 
     With a `lag` the sensor's own temperature follows that of the record through a first-order
-    delay, which it has behind it at the first sample.
+    delay, which it has behind it at the first sample. With `play` it takes another way down than up
+    (hysteresis): it stays where it is until the temperature has turned by so much.
 
     Parameters
     ----------
@@ -28,12 +30,14 @@ class Temperature(Deterministic):
     reference : float, degC
     curvature : float, optional, signal unit / degC^2
     lag : float, optional, s
+    play : float, optional, degC
     """
 
     slope: float = FREE
     reference: float = FREE
     curvature: float | None = None
     lag: float | None = None
+    play: float | None = None
     name: ClassVar[str] = "temperature"
     linear: ClassVar[str] = "slope"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -41,6 +45,7 @@ class Temperature(Deterministic):
         Parameter("reference", "other", "degC"),
         Parameter("curvature", "signed", "signal unit/degC^2", optional=True),
         Parameter("lag", "time", "of the sensor behind the thermometer, s", optional=True),
+        Parameter("play", "other", "between the ways up and down, degC", optional=True),
     )
 
     def with_(self, **parameters: Any) -> Self:
@@ -77,6 +82,8 @@ class Temperature(Deterministic):
             )
         if self.lag is not None:
             temperature = delayed(temperature, np.asarray(t, dtype=float), self.lag)
+        if self.play is not None:
+            temperature = behind_play(temperature, self.play)
         above = temperature - self.reference
         return self.slope * above + (self.curvature or 0.0) * above**2
 
@@ -93,3 +100,14 @@ def delayed(x: Array, t: Array, lag: float) -> Array:
     mean = -np.expm1(-h) / h  # of the decay over one step
     y, _ = lfilter([1.0 - mean, mean - p], [1.0, -p], x - x[0], zi=[0.0])
     return y + x[0]
+
+
+@njit(cache=True)
+def behind_play(x: Array, play: float) -> Array:
+    """`x`, shape (n,), behind a backlash of `play` in all, in whose middle it begins."""
+    out = np.empty_like(x)
+    at = x[0]
+    for k in range(len(x)):
+        at = min(max(at, x[k] - 0.5 * play), x[k] + 0.5 * play)
+        out[k] = at
+    return out

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import norm
 
+from imu_lib.arrays import Array
 from imu_lib.faults.clock import rate_change
 from imu_lib.processes import Jitter as Process
 from imu_lib.record import Record
@@ -21,8 +22,8 @@ class Jitter(Effect):
         if record.time is None:
             return None
         slots = record.slots().astype(float)
-        fit = np.polyfit(slots, record.time, 1)
-        late = record.time - np.polyval(fit, slots)
+        changed = rate_change(record.times())
+        late = _late(slots, record.time, None if changed is None else changed[0])
         sd = float(np.std(late))
         unit = np.diff(np.unique(np.round(np.diff(record.time[:20000]), 9)))
         grain = float(unit.min()) if len(unit) and unit.min() > 1e-9 else 0.0
@@ -38,7 +39,6 @@ class Jitter(Effect):
             f"timing: the stamps scatter by {1e3 * sd:.3g} ms around an even clock",
             {"sd": [sd * (1 - 1.96 / np.sqrt(2 * n)), sd * (1 + 1.96 / np.sqrt(2 * n))]},
         )
-        changed = rate_change(record.times())
         if changed is not None:
             found.doubt = (
                 f"timing: the clock changes its rate at {changed[0]:.1f} s, from {changed[1]:.5g} "
@@ -58,3 +58,17 @@ class Jitter(Effect):
                 "timing: the stamps wander or come in bursts; that is no independent normal jitter"
             )
         return found
+
+
+def _late(slots: Array, time: Array, changes: float | None) -> np.ndarray:
+    """Stamps against an even clock, or against two where the rate `changes` at a time, s."""
+    if changes is None:
+        return np.asarray(time - np.polyval(np.polyfit(slots, time, 1), slots))
+    late = np.zeros(len(time))
+    after = time - time[0] >= changes
+    for part in (p for p in (after, ~after) if p.sum() > 2):
+        t = time[part]
+        step = np.diff(t)
+        own = np.r_[0.0, np.cumsum(np.rint(step / np.median(step)))]
+        late[part] = t - np.polyval(np.polyfit(own, t, 1), own)
+    return late

@@ -1,4 +1,4 @@
-"""A bias that follows the temperature, perhaps bent and behind a lag."""
+"""A bias that follows the temperature, perhaps bent, behind a lag or another way down than up."""
 
 from __future__ import annotations
 
@@ -17,8 +17,11 @@ from imu_lib.processes import Temperature as Process
 
 from .drift import Drift
 
-#: Log odds against a curvature and against a lag.
-BENT = 6.0
+#: Log odds against a curvature and against a lag; against a play, one in ten of which has its width
+#: among those tried in the best third of an octave.
+BENT, LOOSE = 6.0, 4.0
+#: Shares of the range of the temperature that its play may have.
+PLAYS = (0.05, 0.7, 12)
 #: The usual reference of datasheets, degC, taken for a bent characteristic that reaches near it.
 USUAL, NEAR = 25.0, 10.0
 
@@ -47,7 +50,8 @@ class Temperature(Drift):
             return []
         out, data = super().candidates(state), state.cleaned
         for process in self.shapes(data):
-            for best, intervals, odds in self.bent(process, state.scan, data):
+            found = self.bent(process, state.scan, data)
+            for best, intervals, odds in [*found, self.hysteresis(process, state.scan, data)]:
                 gain = float(state.scan(self, [best])[0][0])
                 if gain > SCREEN:
                     column = self.columns([best], data)[:, 0]
@@ -109,6 +113,20 @@ class Temperature(Drift):
             found = self._referred(found.with_(slope=1.0), data)
             out.append((found, intervals, -BENT * (curved + lagged)))
         return out
+
+    def hysteresis(
+        self, process: Process, scan: Scan, data: Data
+    ) -> tuple[Process, dict[str, list[float]], float]:
+        """(process, 95 % interval, log odds against it) with the play that gains most."""
+        assert data.grid_temperature is not None, "what follows it is not looked for without it"
+        span = float(np.ptp(data.grid_temperature))
+        plays = span * np.geomspace(*PLAYS)
+        gain = scan(self, [process.with_(play=float(p)) for p in plays])[0]
+        near = plays[gain > gain.max() - 2.0]
+        step = float(plays[1] / plays[0])
+        interval = [float(near.min() / step), float(near.max() * step)]
+        best = process.with_(play=float(plays[np.argmax(gain)]))
+        return best, {"play": interval}, -LOOSE
 
     @staticmethod
     def _intervals(
