@@ -53,3 +53,20 @@ def test_the_interval_of_a_frequency_is_as_wide_as_its_scatter():
         off.append((found.process.frequency - f) / ((high - low) / 3.92))
     # 80 draws: a scatter of 8 %, three times that
     assert abs(np.std(off) - 1) < 0.24
+
+
+@pytest.mark.parametrize("walk", [0.0, 0.5])
+def test_a_slow_line_stands_out_beside_a_walk(walk):
+    """Just above the first ordinate that is searched, with half again the gain that a line needs:
+    before the mean of its surroundings was that of a power law, none of 40 was found beside a walk.
+    """
+    rng, n, found, cycles = np.random.default_rng(3), 36_000, 0, 33.4
+    fs, turn = 20.0, 2 * np.pi * cycles / n
+    density = 2 / fs * (1.0 + (walk / turn) ** 2)
+    amplitude = np.sqrt(2 * fs * density * 1.5 * LEAST_GAIN / n)
+    for _ in range(20):
+        x = rng.standard_normal(n) + walk * np.cumsum(rng.standard_normal(n))
+        x += amplitude * np.sin(turn * np.arange(n) + rng.uniform(0, 6))
+        lines, _ = Sinusoid().find(Data(x, fs))
+        found += any(abs(f.process.frequency * n / fs - cycles) < 2 for f, _ in lines)
+    assert found >= 12  # 20 draws of a share of 0.8

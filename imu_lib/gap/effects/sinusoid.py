@@ -48,6 +48,8 @@ def threshold(n: int) -> float:
 #: those to either side of a line over which means are taken.
 WIDTHS = {0: 15, 64: 41, 512: 151, 4096: 601}
 NEAR, FAR = 30, 400
+#: Exponents of the power laws that the spectrum around a line may follow: blue, white, red.
+SLOPES = np.linspace(-2.0, 4.0, 31)
 
 
 def _width(i: int) -> int:
@@ -213,13 +215,18 @@ def _density(data: Data, i: int, level: float) -> float:
 
 
 def _around(data: Data, i: int, level: float, reach: int) -> float:
-    """Mean density of the ordinates around a line: the line's own left out, other lines cut down
-    to 12 times the level.
+    """Density at a line of the power law that is likeliest for the ordinates around it, half to
+    twice its frequency at the most: beside a walk their mean is that of the slowest. The line's own
+    are left out, other lines cut down to 12 times the level.
     """
-    near = np.concatenate(
-        [np.arange(max(1, i - reach), i - 2), np.arange(i + 3, min(len(data.z), i + reach + 1))]
-    )
-    return float(np.mean(np.minimum(np.abs(data.z[near]) ** 2 / data.fs, 12.0 * level)))
+    low, high = max(i - reach, i // 2), min(i + reach + 1, 2 * i, len(data.z))
+    at = np.concatenate([np.arange(max(1, low), i - 2), np.arange(i + 3, high)])
+    octaves = np.log(at / i)
+    flat = np.exp(SLOPES[:, None] * octaves)
+    power = np.minimum(flat * np.abs(data.z[at]) ** 2 / data.fs, 12.0 * level)
+    density = power.mean(axis=1)
+    loglike = -np.log(density) + SLOPES * octaves.mean()
+    return float(density[int(np.argmax(loglike))])
 
 
 def _perhaps_mains(frequency: float, fs: float) -> str:
