@@ -1,14 +1,12 @@
 """What the table holds is in the verdict, whatever it is, and nothing denies it."""
 
-import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from imu_lib.faults import Finding
-from imu_lib.gap import effects, fault_steps, faulty, once
+from imu_lib.gap import effects, fault_steps, faulty
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.effects.wandering_level import behaviour, in_short
 from imu_lib.gap.found import ChannelReport, Report
@@ -134,34 +132,6 @@ def test_of_doubtful_names_the_likeliest_are_told_once():
     assert "In doubt: spikes on gyro_x, step on gyro_x." in told and "stuck" not in told
     many = [step(e, 0.4) for e in ("spikes", "step", "stuck", "saturation", "telegraph")]
     assert "2 more in the table" in " ".join(said(many))
-
-
-def test_a_process_whose_power_is_one_slow_change_is_doubted_and_a_walk_is_not():
-    rng, t = np.random.default_rng(7), np.arange(N) / FS
-    tilted = np.interp(t, [260.0, 380.0], [0.0, -0.05]) + 0.01 * rng.standard_normal(N)
-    walk = 3e-4 * np.cumsum(rng.standard_normal(N)) + 0.01 * rng.standard_normal(N)
-    raw = {"accel_x": walk, "accel_y": tilted, "accel_z": np.full(N, 9.81)}
-    about = SimpleNamespace(raw=raw, fs=FS, ready=SimpleNamespace(start=0.0))
-    model, found = Sum(()), step("gauss_markov_2", 1.0)
-    results = {c: ChannelResult(c, model, model, [found], [], None) for c in ("accel_x", "accel_y")}
-    results = once.doubted(results, about)
-    assert results["accel_x"].steps == [found]
-    (doubted,) = results["accel_y"].steps
-    assert doubted.confidence == 0.5 and {"step", "tilt"} <= set(doubted.indistinguishable)
-    text = " ".join(said([doubted]))
-    assert "likely a Gauss-Markov process of second order on gyro_x" in text
-    size, start, stop, angle = map(
-        float,
-        re.search(
-            r"one slow change of the level by (\S+) m/s\^2 from (\d+) to (\d+) s, as a slow tilt "
-            r"by (\S+) mrad",
-            text,
-        ).groups(),
-    )
-    # to two of the means of 6 s, and the third digit that is printed
-    assert [start, stop] == pytest.approx([260.0, 380.0], abs=12.0)
-    assert size == pytest.approx(-0.05, rel=0.02) and angle == pytest.approx(5.1, rel=0.02)
-    assert "nobody touched" not in text
 
 
 def test_what_a_noise_level_does_is_said_as_it_is():

@@ -30,7 +30,7 @@ from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.state import MIN_EVIDENCE, State
-from imu_lib.gap.steps import Step, steps_of_findings, steps_of_items
+from imu_lib.gap.steps import Step, step_of, steps_of_items
 from imu_lib.gap.undone import Channel, OfRecord, Undone, undone
 from imu_lib.processes import Sum
 from imu_lib.samples.uneven import uneven
@@ -152,7 +152,7 @@ def _analyse(
     state, rivals, tests = _tested(left, state, rivals, wild)
     unexplained, small = _unexplained(left, state, tests)
     unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
-    steps = steps_of_findings(left.findings, channel.fs) + steps_of_items(state, rivals)
+    steps = [*map(step_of, left.findings), *steps_of_items(state, rivals)]
     plain = [f.process.name for f in left.findings if f.counted]
     steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record.shared)
     held, n_base = left.held_terms, len(start.base)

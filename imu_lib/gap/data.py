@@ -81,6 +81,18 @@ class Data:
         out.__dict__["z"] = self.z
         return out
 
+    def part(self, x: Array, rows: slice) -> Data:
+        """The samples `x` of some of the rows, with the electronics of the whole."""
+        warmth = None if self.temperature is None else self.temperature[rows]
+        out = Data(x, self.fs, white=self.white, temperature=warmth)
+        bands, own = out.layout.frequency, self.layout.frequency
+        if self._extra is not None:
+            out._extra = np.interp(bands, own, self.extra)
+        if self.blind is not None:
+            out.blind = np.interp(bands, own, self.blind.astype(float)) > 0
+            del out.__dict__["stats"]  # these were with the blind bands
+        return out
+
     # -- what it says ----------------------------------------------------------------------------
     @cached_property
     def stats(self) -> Statistics:

@@ -9,7 +9,7 @@ from typing import Any
 from imu_lib.faults import Finding
 from imu_lib.faults.finding import named, seconds
 from imu_lib.faults.standing import long_runs, stands
-from imu_lib.gap.steps import Step
+from imu_lib.gap.steps import Step, detected
 from imu_lib.record import Record
 
 #: Findings of each kind in the records of benchmarks/fault_score.py, and those of them that were
@@ -56,20 +56,9 @@ def _step(finding: Finding) -> Step | None:
         parameters = {k: v for k, v in parameters.items() if v is not None}
     found, right = DETECTED[finding.kind]
     sure = (right + 1) / (found + 2)  # Laplace's rule of succession
-    return Step(
-        finding.kind,
-        parameters,
-        {},
-        finding.sentence,
-        sure,
-        {"effect": "none", "confidence": round(1 - sure, 4)},
-        [],
-        gain=None,
-        cause=finding.means,
-        detected=True,
-        evidence=", ".join(
-            f"{k.replace('_', ' ')} {_figure(v)}" for k, v in finding.evidence.items()
-        ),
+    evidence = ", ".join(f"{k.replace('_', ' ')} {_figure(v)}" for k, v in finding.evidence.items())
+    return detected(
+        finding.kind, parameters, finding.sentence, sure, cause=finding.means, evidence=evidence
     )
 
 

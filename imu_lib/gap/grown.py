@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from imu_lib.gap.data import Data
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.state import State
 from imu_lib.likelihood.evidence import Maximum
@@ -94,22 +93,7 @@ def refits(
     added = [f.process for f in every if f.process is not None]
     if any(p.onset > LATE * n / data.fs for p in added):
         return []
-    x = data.x
-    first = Data(
-        x[:n],
-        data.fs,
-        white=data.white,
-        temperature=None if data.temperature is None else data.temperature[:n],
-    )
-    if data.blind is not None:
-        first = Data(
-            first.x,
-            data.fs,
-            white=data.white,
-            temperature=first.temperature,
-            blind=np.interp(first.layout.frequency, data.layout.frequency, data.blind.astype(float))
-            > 0,
-        )
+    first = data.part(data.x[:n], slice(n))
     items = []
     for item in state.items:
         if item.column is not None:

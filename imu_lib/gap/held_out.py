@@ -47,14 +47,7 @@ def _halves(state: State) -> tuple[Data, Data]:
     """The first and the last part of the record, without what happens at a time of its own."""
     data, x = state.data, state.data.x - state.deterministic
     cut = int(FITTED * data.n)
-    return _part(data, x[:cut]), _part(data, x[cut:])
-
-
-def _part(data: Data, x: Array) -> Data:
-    bare = Data(x, data.fs, white=data.white)
-    f, of = bare.layout.frequency, data.layout.frequency
-    blind = None if data.blind is None else np.interp(f, of, data.blind.astype(float)) > 0
-    return Data(x, data.fs, white=data.white, extra=np.interp(f, of, data.extra), blind=blind)
+    return data.part(x[:cut], slice(cut)), data.part(x[cut:], slice(cut, None))
 
 
 def _foretold(state: State, rest: Data) -> float:

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from imu_lib.ensembles import ensemble
-from imu_lib.gap import axes, gauge, knocked, left_beside, once
+from imu_lib.gap import axes, gauge, knocked, left_beside
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.found import ChannelReport, Report
 from imu_lib.gap.moved import as_tilts
@@ -69,7 +69,7 @@ def close(
     results = _named(about, seed, jobs, told)
     base, grown = _models(about, results)
     results = left_beside.on_record(axes.agreed(results), about.left)
-    results = knocked.told(once.doubted(results, about), about)
+    results = knocked.told(results, about)
     results, moved = as_tilts(results, about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap.steps import Step
+from imu_lib.gap.steps import Step, detected
 from imu_lib.likelihood.tapered import taper
 from imu_lib.model import Model
 from imu_lib.processes import Sinusoid, Vibration
@@ -185,18 +185,15 @@ def _of_mains(record: Record) -> list[tuple[float, float, int]]:
 
 
 def _step(ratio: float, resolution: float, count: int, of: str) -> Step:
-    return Step(
+    return detected(
         "rate_error",
         {"ratio": ratio},
-        {"ratio": [ratio - 2 * resolution, ratio + 2 * resolution]},
         f"power spectral density: {count} lines {of} at {1 / ratio:.5g} of the frequency that they "
         "should have; the rate is corrected in what follows",
         SURE,
-        {"effect": "vibration", "confidence": round(1 - SURE, 4)},
-        [],
-        gain=None,
+        intervals={"ratio": [ratio - 2 * resolution, ratio + 2 * resolution]},
+        rival="vibration",
         cause="The sampling clock is not what the file says: an oscillator off its nominal, a "
         "rate taken from the data sheet.",
-        detected=True,
         evidence=f"{count} lines {of}",
     )

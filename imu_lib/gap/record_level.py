@@ -8,9 +8,10 @@ from typing import Any
 
 from imu_lib.gap import measured
 from imu_lib.gap.effects.common_mode import CommonMode
+from imu_lib.gap.effects.competitor import process_parameters
 from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.time_gaps import TimeGaps
-from imu_lib.gap.steps import Step
+from imu_lib.gap.steps import Step, step_of
 from imu_lib.model import Model
 from imu_lib.processes import CommonMode as Shared
 from imu_lib.record import Record
@@ -21,25 +22,9 @@ def timing(record: Record, model: Model | None) -> tuple[list[Step], str | None]
     held = {p.name for p in model.record} if model is not None else set()
     steps = []
     for effect in (TimeGaps(), Jitter()):
-        if effect.name in held:
-            continue
-        found = effect.detect(record)
+        found = None if effect.name in held else effect.detect(record)
         if found is not None:
-            steps.append(
-                Step(
-                    effect.name,
-                    {k: v for k, v in found.process.to_json().items() if k != "process"},
-                    found.intervals,
-                    found.where,
-                    0.5 if found.doubt else measured.share(effect.name),
-                    {"effect": "none", "confidence": 0.0},
-                    [],
-                    gain=None,
-                    cause=effect.cause,
-                    detected=True,
-                    evidence=found.where,
-                )
-            )
+            steps.append(step_of(found))
             if found.doubt:
                 return steps, found.doubt
     return steps, None
@@ -48,8 +33,7 @@ def timing(record: Record, model: Model | None) -> tuple[list[Step], str | None]
 def common_step(process: Shared, note: dict[str, Any]) -> Step:
     """Noise in common as a step of the record."""
     names = ", ".join(process.channels)
-    parameters = {name: v for name, v in process.to_json().items() if name != "process"}
-    parameters["share"] = note["share"]
+    parameters = {**process_parameters(process), "share": note["share"]}
     return Step(
         "common_mode",
         parameters,

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.gap import measured
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.resolution import grid_of, ladder
 from imu_lib.gap.effects.vibration import VIBRATION
-from imu_lib.gap.steps import Step
+from imu_lib.gap.steps import Step, step_of
 from imu_lib.model import Model
 from imu_lib.record import Record
 
@@ -60,23 +59,10 @@ def parted(found: list[Finding]) -> tuple[list[Finding], dict[str, str]]:
 
 def vibration_step(found: Finding) -> Step:
     """A vibration as a step of the record."""
-    parameters = {k: v for k, v in found.process.to_json().items() if k != "process"}
-    assert found.gain is not None, "it is found by its gain"
-    sure = measured.odds(found.gain, found.places)
-    if len(found.process.channels) == 1 and found.process.start is not None:
-        sure = min(sure, ALONE)
-    return Step(
-        "vibration",
-        parameters,
-        found.intervals,
-        found.where + (f", {found.evidence}" if found.evidence else ""),
-        sure,
-        {"effect": "sinusoid", "confidence": 0.0},
-        [],
-        gain=found.gain,
-        cause=VIBRATION.cause,
-        evidence=found.evidence,
-    )
+    step, alone = step_of(found), len(found.process.channels) == 1
+    if found.evidence:
+        step = replace(step, where=f"{found.where}, {found.evidence}")
+    return step.capped(ALONE) if alone and found.process.start is not None else step
 
 
 def on_levels(raw: dict[str, Array]) -> dict[str, Array]:

@@ -9,8 +9,8 @@ import numpy as np
 
 from imu_lib.gap import measured, rounds
 from imu_lib.gap.effects.base import Finding
+from imu_lib.gap.effects.competitor import process_parameters
 from imu_lib.gap.state import State
-from imu_lib.processes import Process
 
 #: The effect of which a report says what has changed.
 CHANGE = "parameter_change"
@@ -88,37 +88,47 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _parameters(process: Process) -> dict[str, Any]:
-    out = process.to_json()
-    out.pop("process")
-    return out
+def detected(
+    effect: str,
+    parameters: dict[str, Any],
+    where: str,
+    sure: float,
+    *,
+    intervals: dict[str, Any] | None = None,
+    rival: str = "none",
+    cause: str = "",
+    evidence: str = "",
+) -> Step:
+    """A step without a likelihood, as `sure` as such findings were right; its `evidence` is where
+    it shows if nothing else is given.
+    """
+    other = {"effect": rival, "confidence": round(1 - sure, 4)}
+    return Step(
+        effect,
+        parameters,
+        intervals or {},
+        where,
+        sure,
+        other,
+        [],
+        gain=None,
+        cause=cause,
+        detected=True,
+        evidence=evidence or where,
+    )
 
 
-def steps_of_findings(findings: list[Finding], fs: float) -> list[Step]:
-    """Electronics, noise level and lines."""
-    out = []
-    for f in findings:
-        # where there is no likelihood: as often as such a finding was right
-        gain = None if f.gain is None or not np.isfinite(f.gain) else float(f.gain)
-        detected = gain is None
-        sure = measured.share(f.effect.name) if gain is None else measured.odds(gain, f.places)
-        rival = {"effect": "none", "confidence": float(1 - sure)}
-        out.append(
-            Step(
-                f.process.name,
-                _parameters(f.process),
-                f.intervals,
-                f.where,
-                0.5 if f.doubt else float(sure),
-                rival,
-                [],
-                gain=gain,
-                cause=f.effect.cause,
-                detected=detected,
-                evidence=f.evidence or (f.where if detected else ""),
-            )
-        )
-    return out
+def step_of(f: Finding) -> Step:
+    """A finding as a step; in doubt it is at even odds."""
+    name, parameters = f.process.name, process_parameters(f.process)
+    gain = None if f.gain is None or not np.isfinite(f.gain) else float(f.gain)
+    sure = measured.share(f.effect.name) if gain is None else measured.odds(gain, f.places)
+    step = detected(
+        name, parameters, f.where, float(sure), intervals=f.intervals, cause=f.effect.cause
+    )
+    if gain is not None:
+        step = replace(step, gain=gain, detected=False, evidence="")
+    return replace(step.capped(0.5 if f.doubt else 1.0), evidence=f.evidence or step.evidence)
 
 
 def steps_of_items(state: State, rivals: list[dict[str, float]]) -> list[Step]:

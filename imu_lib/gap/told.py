@@ -71,7 +71,7 @@ def _effect(effect: str, found: list[tuple[str, Step]], settled: bool) -> str:
     seen = [_seen(where, s) for where, s in found[:SHOWN]]
     if len(found) > SHOWN:
         seen.append(f"on {len(found) - SHOWN} more of the kind")
-    rivals = [n.replace("_", " ") for _, s in found for n in s.indistinguishable if not s.evidence]
+    rivals = [n.replace("_", " ") for _, s in found for n in s.indistinguishable]
     text = f"{'' if settled else 'likely '}{name} {', '.join(seen)}"
     if not settled and rivals:
         text += f", or {' or '.join(dict.fromkeys(rivals))}"
@@ -79,8 +79,7 @@ def _effect(effect: str, found: list[tuple[str, Step]], settled: bool) -> str:
 
 
 def _seen(where: str, s: Step) -> str:
-    """Place and parameters, and what else one change may be."""
+    """Place and parameters."""
     parameters = " ".join(describe(s, where).split()).removeprefix(s.effect).strip()
     place = "" if where == "record" else f"on {where} "
-    other = f", or {s.evidence}" if s.evidence and not s.detected else ""
-    return f"{place}({parameters}{other})"
+    return f"{place}({parameters})"
