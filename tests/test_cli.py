@@ -122,6 +122,28 @@ def test_simulate_refuses(model, tmp_path, capsys, extra, says, monkeypatch):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["model.json"]
 
 
+def test_simulate_says_what_the_record_cannot_show(tmp_path, capsys):
+    """A line above half the rate is folded, and a step after the end is not there: both with a
+    word."""
+    effects = [
+        {"process": "white_noise", "N": 1e-6},
+        {"process": "sinusoid", "amplitude": 0.01, "frequency": 70.0},
+        {"process": "step", "amplitude": 0.1, "time": 500.0},
+        {"process": "step", "amplitude": 0.1, "time": 100.0},
+    ]
+    model, out = tmp_path / "model.json", tmp_path / "record.npz"
+    model.write_text(json.dumps({"gyro_x": effects}))
+    options = ("--hours", 0.1, "--rate", 100, "--seed", 1, "--out", out)
+    assert run("simulate", model, *options) == 0
+    notes = capsys.readouterr().out.splitlines()[1:]
+    assert len(notes) == 2 and "30 Hz" in notes[0] and "500 s" in notes[1]
+    x = np.load(out)["gyro_x"]
+    power = np.abs(np.fft.rfft((x - x.mean())[:36_000])) ** 2
+    power[:500] = 0.0  # the step's own, below 1.4 Hz
+    assert power.argmax() / 360.0 == pytest.approx(30.0, abs=0.01)
+    assert x[-1000:].mean() - x[:1000].mean() == pytest.approx(0.1, abs=1e-3)
+
+
 def test_simulate_refuses_what_is_no_model(tmp_path, capsys):
     for text, says in (
         ("{", "line 1"),

@@ -51,6 +51,7 @@ def run(args):
 
     from imu_lib import drawing
     from imu_lib.model import Model
+    from imu_lib.model.reach import out_of_reach
     from imu_lib.stream import LONG
     from imu_lib.writers import write_record
 
@@ -97,10 +98,13 @@ def run(args):
         "channels": list(sd),
         "out": args.out,
         "sd": sd,
+        "notes": out_of_reach(model, rate, n / rate),
     }
     common.write_json(summary, args.json)
     if args.json != "-":
         print(f"{args.out}: {size:,} samples at {rate:g} Hz ({duration:.6g} s) of {', '.join(sd)}")
+        for note in summary["notes"]:
+            print(f"  - {note}")
 
 
 def _check_room(args, n, rate, model):

@@ -4,6 +4,7 @@ sampling folds onto it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -16,9 +17,10 @@ from .low_pass import LowPass
 MOST_KEPT = 200_000
 
 
-def images(low_pass: LowPass, f: Array, fs: float) -> tuple[tuple[Array, Array], ...]:
+def images(low_pass: LowPass, f: Array, fs: float) -> Iterable[tuple[Array, Array]]:
     """(frequency at the filter's rate, power gain there) of every image of the frequencies `f` Hz
-    that the sampling at `fs` Hz folds onto them, the first being `f` itself.
+    that the sampling at `fs` Hz folds onto them, the first being `f` itself; one at a time where
+    they are many: block means of a long record have as many images as a block has samples.
     """
     if f.ndim == 1 and f.size * low_pass.ratio(fs) <= MOST_KEPT:
         return _kept(low_pass, f.tobytes(), fs)
@@ -27,19 +29,17 @@ def images(low_pass: LowPass, f: Array, fs: float) -> tuple[tuple[Array, Array],
 
 @lru_cache(maxsize=16)
 def _kept(low_pass: LowPass, f: bytes, fs: float) -> tuple[tuple[Array, Array], ...]:
-    found = _images(low_pass, np.frombuffer(f), fs)
+    found = tuple(_images(low_pass, np.frombuffer(f), fs))
     for pair in found:
         for values in pair:
             values.setflags(write=False)
     return found
 
 
-def _images(low_pass: LowPass, f: Array, fs: float) -> tuple[tuple[Array, Array], ...]:
+def _images(low_pass: LowPass, f: Array, fs: float) -> Iterator[tuple[Array, Array]]:
     ratio = low_pass.ratio(fs)
     rate = ratio * fs
-    out = []
     for k in range(ratio):
         image = np.mod(f + k * fs, rate)
         image = np.minimum(image, rate - image)
-        out.append((image, low_pass.gain(image, fs)))
-    return tuple(out)
+        yield image, low_pass.gain(image, fs)
