@@ -327,17 +327,3 @@ def test_record_processes():
     assert np.std(stamps - np.arange(1000) / FS) == pytest.approx(1e-3, rel=0.1)
     shared = CommonMode(0.5, ["gyro_x", "gyro_y"])
     assert from_json(shared.to_json(), on_record=True) == shared
-
-
-@pytest.mark.parametrize(
-    "low_pass", [LowPass(taps=8), LowPass(order=3, cutoff=20.0), LowPass(smoothing=1, cutoff=9.0)]
-)
-def test_phase_and_gain_of_a_filter_are_those_of_its_response_to_an_impulse(low_pass):
-    _, before = low_pass.grid(FS)
-    x = np.zeros(4096 + before)
-    x[before] = 1.0
-    h = np.fft.rfft(low_pass.run(x, FS, 4096))
-    f = np.fft.rfftfreq(4096, 1 / FS)
-    on = (f > 0) & (f < 0.49 * FS) & (np.abs(h) > 1e-3)
-    assert np.max(np.abs(np.angle(h[on] * np.exp(-1j * low_pass.phase(f[on], FS))))) < 1e-3
-    assert np.allclose(np.abs(h[on]) ** 2, low_pass.gain(f[on], FS), atol=1e-6)

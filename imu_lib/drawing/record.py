@@ -23,7 +23,7 @@ from imu_lib.processes import (
     folded,
 )
 from imu_lib.processes.on_record import clock
-from imu_lib.processes.realisation import ON_NOISE
+from imu_lib.processes.realisation import ON_NOISE, moves_within_steps
 from imu_lib.processes.stages import Resolution, Saturation, Spikes, Stuck
 from imu_lib.record import CHANNELS
 from imu_lib.stream import CHUNK, Scratch, bounds
@@ -132,7 +132,8 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
         x = sum_.simulate(n, fs, rng, temperature=temperature, common=whole)
         return (x[low:high] for low, high in bounds(n, size))
     low_pass = sum_.low_pass
-    steps, before = (1, 0) if low_pass is None else low_pass.grid(fs)
+    fine = moves_within_steps(sum_, fs)
+    steps, before = (1, 0) if low_pass is None else low_pass.grid(fs, fine)
     total, rate = n * steps + before, fs * steps
     start = -before / rate
     if temperature is not None and (steps, before) != (1, 0):
@@ -192,7 +193,10 @@ def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
 
     slow, quick = read(False), read(True)
     if sum_.low_pass is not None:
-        slow, quick = (_filtered(sum_.low_pass, x, fs, n, size) for x in (slow, quick))
+        slow, quick = (
+            _filtered(sum_.low_pass, x, fs, n, size, moves_within_steps(sum_, fs))
+            for x in (slow, quick)
+        )
     if TAILED in parts:
         quick = _added(quick, parts[TAILED])
     levels = [
@@ -232,9 +236,9 @@ def _joined(levels, slow, quick, fs, common):
         yield x
 
 
-def _filtered(low_pass, pieces, fs, n, size):
+def _filtered(low_pass, pieces, fs, n, size, fine):
     """`LowPass.run` by pieces, put together again to `size` samples each."""
-    steps, before = low_pass.grid(fs)
+    steps, before = low_pass.grid(fs, fine)
     state, first, at, given = None, None, 0, 0
     waiting = []
     for x in pieces:

@@ -160,22 +160,25 @@ class LowPass(Stage):
         self._check(rate)
         return butter(self.order, self.cutoff, fs=rate, output="sos")
 
-    def grid(self, fs: float) -> tuple[int, int]:
+    def grid(self, fs: float, fine: bool = False) -> tuple[int, int]:
         """(steps per sample, steps before the first sample) of the grid a simulation runs on.
 
-        A moving average over whole sub-intervals is exact on the coarsest grid that holds both
-        the sampling and the window (15 taps at 1 kHz, read at 100 Hz: 2 steps, 3 taps).
+        The moving average of white noise, and of what hardly moves in a step, is exact on the
+        coarsest grid that holds both the sampling and the window (15 taps at 1 kHz, read at 100
+        Hz: 2 steps, 3 taps). What moves faster needs the grid of the filter itself: `fine`.
         """
         ratio = self.ratio(fs)
-        if self.taps is not None:
+        if self.taps is not None and not fine:
             coarse = np.gcd(ratio, self.taps)
             return ratio // coarse, self.taps // coarse - 1
+        if self.taps is not None:
+            return ratio, self.taps - 1
         rate = ratio * fs
         return ratio, int(np.ceil(3.0 * (self.order or 1) * rate / self.cutoff))
 
-    def run(self, x: Array, fs: float, n: int) -> Array:
-        """Filter `x` on the grid of `grid(fs)` and read out n samples."""
-        steps, before = self.grid(fs)
+    def run(self, x: Array, fs: float, n: int, fine: bool = False) -> Array:
+        """Filter `x` on the grid of `grid(fs, fine)` and read out n samples."""
+        steps, before = self.grid(fs, fine)
         if self.taps is not None:
             width = before + 1
             y = lfilter(np.full(width, 1.0 / width), [1.0], x)

@@ -9,6 +9,8 @@ import numpy as np
 from imu_lib.arrays import Array
 
 from . import folded
+from .autoregressive import Autoregressive
+from .deterministic import Sinusoid
 from .heavy_tails import HeavyTails
 from .low_pass import LowPass
 from .stages import NoiseLevelChange, Resolution
@@ -22,6 +24,35 @@ if TYPE_CHECKING:
 ON_NOISE = (LowPass, NoiseLevelChange, HeavyTails, WanderingLevel)
 
 
+#: Share of the white noise at half the sampling rate up to which noise with a memory counts for
+#: nothing there.
+MAX_SHARE_OF_WHITE = 0.01
+
+
+def moves_within_steps(model: Sum, fs: float) -> bool:
+    """Whether something in front of a moving average moves within the steps of its coarse grid so
+    that it shows: a line, or noise with a memory that does not drown in the white noise there.
+    """
+    low_pass = model.low_pass
+    if low_pass is None or low_pass.taps is None:
+        return False
+    rate = fs * low_pass.grid(fs)[0]
+    white = memory = 0.0
+    for term in model.terms:
+        if term is model.rounding or term.behind_filter:
+            continue
+        if isinstance(term, Autoregressive):
+            if abs(term.rate / rate - 1.0) > 1e-6:
+                return True  # it runs on a grid of its own
+        elif isinstance(term, WhiteNoise):
+            white += float(term.psd(fs / 2, rate))
+        elif isinstance(term, Sinusoid):
+            return True
+        elif not term.deterministic:
+            memory += float(term.psd(fs / 2, rate))
+    return memory > MAX_SHARE_OF_WHITE * white
+
+
 def of(
     model: Sum,
     n: int,
@@ -33,7 +64,8 @@ def of(
 ) -> Array:
     """As `Sum.simulate`."""
     low_pass = model.low_pass
-    steps, before = (1, 0) if low_pass is None else low_pass.grid(fs)
+    fine = moves_within_steps(model, fs)
+    steps, before = (1, 0) if low_pass is None else low_pass.grid(fs, fine)
     size, rate = n * steps + before, fs * steps
     start = -before / rate
     if temperature is not None and (steps, before) != (1, 0):
@@ -53,7 +85,7 @@ def of(
         drawn = term.simulate(size, rate, rng, temperature=temperature, start=start)
         part += drawn if tails is None else drawn * tails.scales(size, rng)
     if low_pass is not None:
-        slow, quick = low_pass.run(slow, fs, n), low_pass.run(quick, fs, n)
+        slow, quick = (low_pass.run(x, fs, n, fine) for x in (slow, quick))
     return behind(model, slow, quick + of_record, fs, rng, common=common)
 
 
