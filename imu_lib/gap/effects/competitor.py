@@ -13,6 +13,7 @@ from imu_lib.gap.state import State
 from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH, TIME_WIDTH, Maximum
 from imu_lib.likelihood.slot import Slot
 from imu_lib.processes import Process
+from imu_lib.processes.base import SHORT
 
 from .base import Effect
 
@@ -26,6 +27,9 @@ Z95 = 1.959963984540054
 #: recorded signals, none of six such names was of what had been put in (Laplace's rule of
 #: succession).
 SLOPE_BESIDE_FILTER = (0 + 1) / (6 + 2)
+#: The same of a noise that forgets within `SHORT` s: of four beside a Chebyshev filter, which the
+#: catalogue does not have, none was there.
+QUICK_BESIDE_FILTER = (0 + 1) / (4 + 2)
 
 
 class Competitor(Effect):
@@ -153,6 +157,14 @@ def factor(value: float, sd: float) -> list[float]:
     """
     reach = np.exp(min(Z95 * sd, 60.0))
     return [value / reach, value * reach]
+
+
+def most_beside_filter(parameters: dict[str, Any], beside: list[Effect]) -> float:
+    """Confidence at the most in a noise with a correlation time beside the effects of its channel:
+    a quick one fills what is left where a filter has another shape than the catalogue's.
+    """
+    quick = parameters["correlation_time"] < SHORT
+    return QUICK_BESIDE_FILTER if quick and any(e.rolls_off for e in beside) else 1.0
 
 
 def near_record(state: State, candidate: Candidate) -> float:

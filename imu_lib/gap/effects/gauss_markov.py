@@ -12,7 +12,8 @@ from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.state import State
 from imu_lib.processes import GaussMarkov as Process
 
-from .competitor import Spectral, near_record
+from .base import Effect
+from .competitor import Spectral, most_beside_filter, near_record
 
 #: A dwell's squared signal-to-noise ratio below which two levels look like a Gauss-Markov process,
 #: in white noise and in a drift (tests/test_gap_telegraph.py).
@@ -56,6 +57,9 @@ class GaussMarkov(Spectral):
 
     def alike(self, state: State, candidate: Candidate) -> dict[str, float]:
         return {"telegraph": 0.5} if buried_telegraph(state, candidate) else {}
+
+    def most_sure(self, parameters: dict[str, Any], beside: list[Effect], shared: float) -> float:
+        return most_beside_filter(parameters, beside)
 
     def log_prior(self, state: State, candidate: Candidate) -> float:
         return near_record(state, candidate)

@@ -10,7 +10,8 @@ from imu_lib.gap.candidate import Candidate
 from imu_lib.gap.state import State
 from imu_lib.processes import GaussMarkov2 as Process
 
-from .competitor import Spectral, near_record
+from .base import Effect
+from .competitor import Spectral, most_beside_filter, near_record
 
 
 class GaussMarkov2(Spectral):
@@ -25,6 +26,9 @@ class GaussMarkov2(Spectral):
         return [
             Process(sigma=1.0, correlation_time=t) for t in np.geomspace(5 / fs, duration / 3, 18)
         ]
+
+    def most_sure(self, parameters: dict[str, Any], beside: list[Effect], shared: float) -> float:
+        return most_beside_filter(parameters, beside)
 
     def log_prior(self, state: State, candidate: Candidate) -> float:
         return near_record(state, candidate)
