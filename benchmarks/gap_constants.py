@@ -28,7 +28,7 @@ import gap_generator as generator  # noqa: E402
 import numpy as np  # noqa: E402
 from gap_score import RESULTS, wilson  # noqa: E402
 
-from imu_lib.gap import base_fit, measured, rounds  # noqa: E402
+from imu_lib.gap import base_fit, reliability, rounds  # noqa: E402
 from imu_lib.gap.channel import analyse  # noqa: E402
 from imu_lib.gap.data import SCREEN, Data  # noqa: E402
 from imu_lib.gap.state import TEMPER  # noqa: E402
@@ -102,7 +102,7 @@ def main(argv=None):
         "date": date.today().isoformat(),
         "screened": screened(args.cases, args.first),
         "price_of_a_noise": priced(args.records, args.first + 50_000),
-        "effective_temper": round(TEMPER / measured.SLOPE, 2),
+        "effective_temper": round(TEMPER / reliability.SLOPE, 2),
     }
     print(json.dumps(out, indent=1))
     (RESULTS / "gap_constants.json").write_text(json.dumps(out, indent=1) + "\n")

@@ -5,7 +5,7 @@
 Counts every finding of the stored tables gap_score, gap_score_free, gap_score_pairs and
 gap_injected: its confidence, and whether what it names had been hidden in that channel. Findings
 beside something that was left unexplained, slopes beside a filter, and names whose weight among
-their rivals was stored, are counted with the confidence that `gap/measured.py` gives them now. The
+their rivals was stored, are counted with the confidence that `gap/reliability.py` gives them now. The
 table goes to benchmarks/results/gap_reliability.json.
 """
 
@@ -23,7 +23,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "benchmarks")]
 import numpy as np  # noqa: E402
 from gap_score import RESULTS, matches, same_spectrum, wilson  # noqa: E402
 
-from imu_lib.gap import left_beside, measured  # noqa: E402
+from imu_lib.gap import left_beside, reliability  # noqa: E402
 from imu_lib.gap.effects import COMPETITORS  # noqa: E402
 from imu_lib.gap.effects.competitor import SLOPE_BESIDE_FILTER  # noqa: E402
 
@@ -66,7 +66,7 @@ def findings(strict=True):
                 left = _kinds(s, told, case["steps"]) if told else ()
                 sure = s["confidence"]
                 if s["effect"] in RIVALS and not s.get("calibrated"):
-                    sure = measured.calibrated(sure)
+                    sure = reliability.calibrated(sure)
                 if s["effect"] in SLOPED and s["confidence"] == FORMER:  # beside a filter
                     sure = min(sure, SLOPE_BESIDE_FILTER)
                 yield s["effect"], sure, right, left, name

@@ -13,7 +13,7 @@ from conftest import ROOT
 from imu_lib import allan, calibration, datasets, gap, likelihood, published, timing, units, wavelet
 from imu_lib.fleet.spread import of_units
 from imu_lib.gap.effects.noise_level_change import unsteady
-from imu_lib.gap.verdict import distribution
+from imu_lib.gap.residual_tests import distribution
 from imu_lib.processes import RandomWalk, Sinusoid, WhiteNoise
 
 

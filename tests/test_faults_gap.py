@@ -9,8 +9,8 @@ from imu_lib import faults
 from imu_lib.cli.main import main
 from imu_lib.errors import InputError
 from imu_lib.gap import close
+from imu_lib.gap.fault_masking import ready
 from imu_lib.gap.fault_steps import DETECTED
-from imu_lib.gap.faulty import ready
 from imu_lib.model import Model
 from imu_lib.processes import from_json
 from imu_lib.record import CHANNELS, Record

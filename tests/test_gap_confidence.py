@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from imu_lib.gap import left_beside, measured, rounds, steps
+from imu_lib.gap import left_beside, reliability, rounds, steps
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.state import State
 from imu_lib.gap.steps import Step
@@ -27,13 +27,13 @@ def test_shares_of_right_names_are_those_of_the_stored_scores():
     for name in ("gap_score", "gap_score_free", "gap_score_pairs"):
         for case in json.loads((RESULTS / f"{name}.json").read_text())["cases"]:
             for step in case["steps"]:
-                if step["effect"] in measured.DETECTED and step["confidence"] > 0.5:
+                if step["effect"] in reliability.DETECTED and step["confidence"] > 0.5:
                     found[step["effect"]] += 1
                     right[step["effect"]] += any(
                         (t["effect"], t["channel"]) == (step["effect"], step["channel"])
                         for t in case["truths"]
                     )
-    assert {e: (found[e], right[e]) for e in measured.DETECTED} == measured.DETECTED
+    assert {e: (found[e], right[e]) for e in reliability.DETECTED} == reliability.DETECTED
 
 
 def test_odds_are_those_of_the_largest_gain_among_places():
@@ -42,7 +42,7 @@ def test_odds_are_those_of_the_largest_gain_among_places():
     chance = rng.exponential(size=(4000, 1000)).max(axis=1)
     for gain in (8.0, 10.0, 12.0):
         exceeded = np.mean(chance > gain)
-        assert measured.odds(gain, 1000) == pytest.approx(1 / (1 + exceeded), abs=0.06)
+        assert reliability.odds(gain, 1000) == pytest.approx(1 / (1 + exceeded), abs=0.06)
 
 
 def test_what_has_no_likelihood_is_detected_with_its_evidence():
@@ -58,8 +58,8 @@ def test_what_has_no_likelihood_is_detected_with_its_evidence():
         and entry["gain"] is None
         and "end of the range" in entry["evidence"]
     )
-    assert entry["confidence"] == pytest.approx(measured.share("saturation"), abs=1e-4)
-    assert measured.share("unheard of") == 0.5
+    assert entry["confidence"] == pytest.approx(reliability.share("saturation"), abs=1e-4)
+    assert reliability.share("unheard of") == 0.5
 
 
 def test_names_are_as_sure_as_the_stored_scores_were_right():
@@ -81,9 +81,9 @@ def test_names_are_as_sure_as_the_stored_scores_were_right():
 def test_the_weights_of_a_winner_and_its_rivals_are_shares():
     """A weight of nine in ten was right nine times in ten; order and bounds are kept."""
     weights = [0.0, 0.05, 0.3, 0.6, 0.9, 0.99, 1.0]
-    sure = [measured.calibrated(w) for w in weights]
+    sure = [reliability.calibrated(w) for w in weights]
     assert sure == sorted(sure) and 0 <= sure[0] and sure[-1] <= 1
-    assert abs(measured.calibrated(0.9) - 0.9) < 0.02
+    assert abs(reliability.calibrated(0.9) - 0.9) < 0.02
 
 
 def test_a_change_that_is_as_likely_is_told_with_its_parameter():

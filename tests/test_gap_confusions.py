@@ -9,8 +9,8 @@ from scipy.signal import butter, lfilter, sosfilt
 from imu_lib.gap import close
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects.saturation import Saturation
+from imu_lib.gap.residual_tests import stationarity
 from imu_lib.gap.shared_noise import shared_noise
-from imu_lib.gap.verdict import stationarity
 from imu_lib.model import Model
 from imu_lib.processes import (
     Autoregressive,

@@ -11,12 +11,13 @@ from scipy import signal
 
 from imu_lib import faults
 from imu_lib.faults import Finding
-from imu_lib.gap import knocked, swallowed, wrong
+from imu_lib.gap import knock_jumps
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.effects.jitter import Jitter
 from imu_lib.gap.effects.step import sharpen
 from imu_lib.gap.effects.vibration import VIBRATION
-from imu_lib.gap.faulty import ready
+from imu_lib.gap.fault_masking import ready
+from imu_lib.gap.sentences import absorbed, data_faults
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
 from imu_lib.processes import Sum, WhiteNoise
@@ -53,9 +54,13 @@ def test_the_interval_of_a_jump_holds_it_beside_a_mask_and_its_cause_is_told(siz
     assert low <= 31.0 <= high
     knock = Finding("disturbance", ("gyro_z",), 30.95, 31.5, {}, {}, "")
     about = SimpleNamespace(ready=SimpleNamespace(findings=(knock,), start=0.0))
-    (step,) = [s for s in knocked.told({"gyro_z": result}, about)["gyro_z"].steps if s is not step]
+    (step,) = [
+        s
+        for s in knock_jumps.with_causes({"gyro_z": result}, about)["gyro_z"].steps
+        if s is not step
+    ]
     assert step.where.endswith("with the knock at 30.95 s") and "knock" in step.cause
-    assert "with the knock there" in wrong.sentence(
+    assert "with the knock there" in data_faults.sentence(
         [("gyro_z", replace(step, confidence=1.0))], 0.9
     )
 
@@ -71,7 +76,7 @@ def test_few_flips_between_two_levels_may_be_as_many_steps():
     assert step.effect == "telegraph" and "step" in step.indistinguishable
     # four flips come back three times: 4/5, as often right as such weights were
     assert 0.7 < step.confidence < 0.9 and step.where.endswith(", at 40, 80, 120 and 160 s")
-    told = wrong.sentence([("gyro_x", step)], 0.9)
+    told = data_faults.sentence([("gyro_x", step)], 0.9)
     assert "or so many steps, at 40, 80, 120 and 160 s" in told
 
 
@@ -134,27 +139,27 @@ def test_a_noise_that_grows_all_the_time_is_told_with_all_of_it():
 
 
 def test_what_a_fitted_base_may_hide_is_said_once():
-    absorbed = ["white_noise", "ramp", "warm_up", "parameter_change"]
+    hidden = ["white_noise", "ramp", "warm_up", "parameter_change"]
     results = {
         c: ChannelResult(c, Sum(()), Sum(()), [], names, None)
-        for c, names in (("gyro_x", absorbed), ("gyro_y", absorbed), ("accel_z", ["white_noise"]))
+        for c, names in (("gyro_x", hidden), ("gyro_y", hidden), ("accel_z", ["white_noise"]))
     }
     found = SimpleNamespace(channels={c: SimpleNamespace(result=r) for c, r in results.items()})
-    text = swallowed.sentence(found)
+    text = absorbed.sentence(found)
     assert "a ramp (the mean drifts) and a warm-up on gyro_x and gyro_y: none is" in text
     assert "white" not in text and "--model" in text
     found.channels = {"accel_z": found.channels["accel_z"]}
-    assert swallowed.sentence(found) == ""
+    assert absorbed.sentence(found) == ""
 
 
 def test_single_moments_are_told_with_their_times():
     x = noise(8)
     x[[4000, 9000, 15_000]] += 15 * SD
     (step,) = [s for s in analyse("accel_x", x, FS, None).steps if s.effect == "spikes"]
-    told = wrong.sentence([("accel_x", replace(step, confidence=1.0))], 0.9)
+    told = data_faults.sentence([("accel_x", replace(step, confidence=1.0))], 0.9)
     assert "at 40.0, 90.0 and 150.0 s" in told
     stuck = Step("stuck", {"fraction": 0.01}, {}, "runs of equal values, at 3.0 s", 1.0, {}, [])
-    assert "frozen on gyro_x, at 3.0 s" in wrong.sentence([("gyro_x", stuck)], 0.9)
+    assert "frozen on gyro_x, at 3.0 s" in data_faults.sentence([("gyro_x", stuck)], 0.9)
 
 
 def shaken(size, at, decay=0.06):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from imu_lib import gap
-from imu_lib.gap.summary import sentences
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.model import Model
 from imu_lib.record import Record
 

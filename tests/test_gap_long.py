@@ -8,8 +8,8 @@ import pytest
 from imu_lib import gap, long_record
 from imu_lib.gap import long
 from imu_lib.gap.long import looked_at
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.steps import Step
-from imu_lib.gap.summary import sentences
 from imu_lib.model import Model
 from imu_lib.record import Record
 from imu_lib.writers import write_record

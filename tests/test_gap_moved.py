@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from imu_lib.gap import wrong
 from imu_lib.gap.channel import ChannelResult
-from imu_lib.gap.moved import as_tilts
+from imu_lib.gap.sentences import data_faults
 from imu_lib.gap.steps import Step
+from imu_lib.gap.tilt_jumps import as_tilts
 from imu_lib.processes import Sum
 
 FS, N, G = 50.0, 20_000, 9.80665
@@ -50,7 +50,7 @@ def test_two_small_tilts_are_two_tilts_and_no_steps(gyro_noise, sure):
     assert [s.parameters["time"] for s in tilts] == pytest.approx([140.3, 280.3])
     assert tilts[0].parameters["angles"] == pytest.approx([2e-4, 1.5e-4, 0.0], abs=1e-5)
     assert all(s.confidence == pytest.approx(sure) for s in tilts)
-    assert "moved at 140, 280 s" in wrong.sentence([("record", s) for s in tilts], 0.9)
+    assert "moved at 140, 280 s" in data_faults.sentence([("record", s) for s in tilts], 0.9)
 
 
 @pytest.mark.parametrize("gyro_noise, sure", [(2e-2, 0.8), (2e-5, 0.95)])
@@ -83,6 +83,6 @@ def test_jumps_are_told_and_not_denied():
         ("accel_x", replace(step("step", amplitude=0.01, time=70.0), indistinguishable=["tilt"])),
         ("gyro_y", step("telegraph", amplitude=1e-3, rate=0.05)),
     ]
-    text = wrong.sentence(steps, 0.9)
+    text = data_faults.sentence(steps, 0.9)
     assert "jumped on accel_x at 70 s (or it was tilted by 1 mrad)" in text
     assert "between two values on gyro_y, 3 times a minute" in text and "nobody" not in text

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from imu_lib import gap
-from imu_lib.gap.clocked import at_rate
-from imu_lib.gap.pace import WHY, paced
+from imu_lib.gap.clock_rate import WHY, paced
+from imu_lib.gap.model_rate import at_rate
 from imu_lib.model import Model
 from imu_lib.record import Record
 

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from imu_lib.gap import side_by_side
+from imu_lib.gap import parallel
 
 MADE = {}
 
@@ -19,13 +19,13 @@ def failing(x):
 
 
 def test_copies_have_what_was_made_before_them(monkeypatch):
-    monkeypatch.setattr(side_by_side, "_may_fork", lambda: True)
+    monkeypatch.setattr(parallel, "_may_fork", lambda: True)
     monkeypatch.setitem(MADE, "layout", 1)
-    found = list(side_by_side.each(square, [(i,) for i in range(5)], 2))
+    found = list(parallel.each(square, [(i,) for i in range(5)], 2))
     assert sorted(f[0] for f in found) == [0, 1, 4, 9, 16]
     assert all(f[1] != os.getpid() and f[2] == {"layout": 1} for f in found)
     with pytest.raises(ValueError, match="no 3"):
-        list(side_by_side.each(failing, [(3,), (3,)], 2))
+        list(parallel.each(failing, [(3,), (3,)], 2))
 
 
 def test_a_process_with_threads_is_not_copied():
@@ -33,7 +33,7 @@ def test_a_process_with_threads_is_not_copied():
     other = threading.Thread(target=done.wait)
     other.start()
     try:
-        assert not side_by_side._may_fork()
+        assert not parallel._may_fork()
     finally:
         done.set()
         other.join()

@@ -5,11 +5,11 @@ import pytest
 from scipy.stats import norm
 
 from imu_lib import gap
-from imu_lib.gap import evenness, verdict
+from imu_lib.gap import normality, residual_tests
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.check import Check
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.shared_noise import shared_noise
-from imu_lib.gap.summary import sentences
 from imu_lib.gap.table import table
 from imu_lib.model import Model
 from imu_lib.processes import Sum, WhiteNoise
@@ -36,7 +36,7 @@ def test_the_error_of_the_tail_is_that_of_the_quantile(freedom):
     u /= np.std(u)
     true = np.quantile(u, norm.cdf(3.0)) / 3.0 - 1.0
     # Cornish and Fisher's first order lies above by a part in ten; counted to 0.3 %
-    assert true - 0.005 < evenness.tail_error(u) < 1.3 * true + 0.005
+    assert true - 0.005 < normality.tail_error(u) < 1.3 * true + 0.005
 
 
 def test_a_small_skewness_is_said_and_is_no_doubt():
@@ -60,7 +60,7 @@ def test_a_skewness_that_moves_the_limits_is_left_without_a_name():
 @pytest.mark.parametrize("named, small", [((), True), (("spikes",), False), (("ramp",), True)])
 def test_beside_an_effect_on_single_samples_every_departure_counts(named, small):
     tests = [Check("distribution", -9.0, "shape", 0.4), Check("psd", -1.0, "level")]
-    worst, said = verdict.weighed(tests, named)
+    worst, said = residual_tests.weighed(tests, named)
     assert (worst.where, said) == (("level", ["shape"]) if small else ("shape", []))
 
 
@@ -78,10 +78,10 @@ def test_a_slow_wave_in_a_short_record_is_no_noise(minutes, period):
 
 def test_a_skewness_says_whether_few_samples_make_it_or_all_of_them():
     rng = np.random.default_rng(8)
-    leaning = evenness.distribution(gamma(rng, 0.2, 60_000))[0].where
+    leaning = normality.distribution(gamma(rng, 0.2, 60_000))[0].where
     x = rng.standard_normal(60_000)
     x[::600] += 5.0
-    single = evenness.distribution(x)[0].where
+    single = normality.distribution(x)[0].where
     assert "all of the distribution leans" in leaning and "single deviations" in single
     counts = f"{np.count_nonzero(x - x.mean() > 4 * x.std())} samples beyond +4"
     assert counts in single

@@ -5,8 +5,8 @@ import re
 import numpy as np
 
 from imu_lib import gap
-from imu_lib.gap.summary import sentences
-from imu_lib.gap.surroundings import coupled
+from imu_lib.gap.sentences.environment import coupled
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.table import table
 from imu_lib.processes import Vibration
 from imu_lib.record import Record

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from imu_lib.gap import verdict
+from imu_lib.gap import residual_tests
 from imu_lib.gap.data import Data
 from imu_lib.gap.state import State
 from imu_lib.processes import RandomWalk, WhiteNoise
@@ -24,7 +24,7 @@ def test_autocorrelation_of_what_is_left_of_a_short_record_is_that_of_chance(sec
     for _ in range(RECORDS):
         x = walk(int(seconds * fs), fs, rng, 30.0 / seconds)
         state = State(Data(x, fs), [WhiteNoise(1.0), RandomWalk(30.0 / seconds)])
-        log_p.append(verdict.residual_autocorrelation(state, x).log_p)
+        log_p.append(residual_tests.residual_autocorrelation(state, x).log_p)
     log_p = np.array(log_p)
     # corrected for the lags it looked at (neighbouring ones are nearly independent): a share p of
     # the records lies below p, to three standard deviations of a count
@@ -37,5 +37,5 @@ def test_an_echo_is_seen_in_the_autocorrelation_at_its_lag():
     n, lag = 60_000, 130
     x = 10.0 * rng.standard_normal(n + lag)
     x = x[lag:] + 0.08 * x[:-lag]
-    check = verdict.residual_autocorrelation(State(Data(x, 100.0), [WhiteNoise(1.0)]), x)
+    check = residual_tests.residual_autocorrelation(State(Data(x, 100.0), [WhiteNoise(1.0)]), x)
     assert check.log_p < -20 and "lag of 1.3 s: +0.0" in check.where

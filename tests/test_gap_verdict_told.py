@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from imu_lib.faults import Finding
-from imu_lib.gap import effects, fault_steps, faulty
+from imu_lib.gap import effects, fault_masking, fault_steps
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.effects.wandering_level import behaviour, in_short
 from imu_lib.gap.found import ChannelReport, Report
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.steps import Step
-from imu_lib.gap.summary import sentences
 from imu_lib.model import Model
 from imu_lib.processes import Spikes, Sum, WhiteNoise
 from imu_lib.record import Record
@@ -115,7 +115,7 @@ def test_a_knock_that_is_the_pulse_of_a_tilt_is_told_once():
     pulse = event("disturbance", 99.5, 100.05, {})
     handling = event("disturbance", 199.0, 203.0, {})
     tilts = [event("tilt", t, t + 0.5, {}) for t in (99.8, 200.0)]
-    told = faulty.without_turns([knock, pulse, handling, *tilts])
+    told = fault_masking.without_turns([knock, pulse, handling, *tilts])
     assert told == [knock, handling, *tilts]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from imu_lib.gap import shaken
+from imu_lib.gap import record_vibrations
 from imu_lib.gap.effects.vibration import VIBRATION
 from imu_lib.processes import Vibration
 from imu_lib.vibrations.band_removal import quietened
@@ -142,14 +142,16 @@ def test_the_skirt_of_a_strong_line_is_no_second_vibration():
     line = Vibration(frequency=23.4, amplitude=sizes, bandwidth=0.07, channels=names)
     on = line.on(n, fs, rng)
     raw = {c: rng.standard_normal(n) + on[c] for c in names}
-    (found,), _ = shaken.vibrations(None, raw, fs, None, None)
+    (found,), _ = record_vibrations.vibrations(None, raw, fs, None, None)
     assert found.process.frequency == pytest.approx(23.4, abs=0.07)
     ((low, high),) = found.bands
     assert low < 23.3 and high > 23.5
     # a band of its own stays beside a line
     band = Vibration(frequency=23.8, amplitude=(1.0, 1.5, 2.0), bandwidth=3.0, channels=names)
     more = band.on(n, fs, rng)
-    found, _ = shaken.vibrations(None, {c: raw[c] + more[c] for c in names}, fs, None, None)
+    found, _ = record_vibrations.vibrations(
+        None, {c: raw[c] + more[c] for c in names}, fs, None, None
+    )
     assert any(f.process.bandwidth > 1.0 for f in found)
 
 
@@ -159,7 +161,7 @@ def test_a_tone_that_fades_on_one_channel_has_no_name_and_is_taken_out():
     t = np.arange(n) / fs
     raw = still(n, rng)
     raw["gyro_y"] = raw["gyro_y"] + 2e-3 * np.exp(-t / 150) * np.sin(2 * np.pi * 8.3 * t)
-    named, left = shaken.parted(found_in(raw, fs))
+    named, left = record_vibrations.parted(found_in(raw, fs))
     assert named == [] and list(left) == ["gyro_y"]
     assert "tone at 8.3 Hz" in left["gyro_y"] and "rises and falls" in left["gyro_y"]
 

@@ -144,7 +144,7 @@ def test_a_clipped_channel_is_told_in_its_unit():
 
 def test_too_few_samples_are_said_and_no_channel_is_called_stuck():
     from imu_lib.errors import InputError
-    from imu_lib.gap.faulty import ready
+    from imu_lib.gap.fault_masking import ready
 
     record = Record({c: x[:3] for c, x in sound().channels.items()}, 100.0)
     assert any("at least 100 are needed" in s for s in health.of_record(record).findings)
@@ -153,7 +153,7 @@ def test_too_few_samples_are_said_and_no_channel_is_called_stuck():
 
 
 def test_a_copy_with_the_sign_reversed_is_said_so():
-    from imu_lib.gap.faulty import ready
+    from imu_lib.gap.fault_masking import ready
 
     x = dict(sound().channels)
     x["accel_y"] = -x["accel_x"] + 0.1

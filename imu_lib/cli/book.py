@@ -104,7 +104,7 @@ def _drive(args):
 
 def _of_record(args, record, folder):
     from imu_lib.book import own
-    from imu_lib.gap.faulty import LEAST
+    from imu_lib.gap.fault_masking import LEAST
     from imu_lib.writers import arrays
 
     path = Path(folder) / f"{own.safe_name(record.name)}.npz"

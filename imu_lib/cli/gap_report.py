@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from imu_lib import report
-from imu_lib.gap import swallowed
-from imu_lib.gap.summary import sentences
+from imu_lib.gap.sentences import absorbed
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.table import describe, on_channel
 from imu_lib.plots import gap as plots
 
@@ -38,7 +38,7 @@ def write(found, path) -> None:
             parts.append(report.paragraph(f"Unexplained: {found.record_unexplained}."))
     for name in names:
         parts += _channel(found, name)
-    if said := swallowed.sentence(found):
+    if said := absorbed.sentence(found):
         parts.append(report.paragraph(said))
     clean = [n for n in names if on_channel(found, n).startswith("nothing")]
     if clean:

@@ -8,9 +8,9 @@ go on.
 
 The order of the work: what the electronics did to single samples, changes of the noise level,
 lines; then all noises and drifts of the catalogue compete on one likelihood (`likelihood`), one is
-added at a time (`rounds`), and what is left is tested (`verdict`). `gauge` measures the gap before
-and after. What shakes a record is found in a room of its own (`vibrations`), so are single samples
-(`samples`) and simulations (`ensembles`).
+added at a time (`rounds`), and what is left is tested (`residual_tests`). `gauge` measures the gap
+before and after. What shakes a record is found in a room of its own (`vibrations`), so are single
+samples (`samples`) and simulations (`ensembles`).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import expit, logit
 
-from imu_lib.gap import effects, measured
+from imu_lib.gap import effects, reliability
 from imu_lib.gap.steps import Step
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def agreed(results: dict[str, ChannelResult]) -> dict[str, ChannelResult]:
         for group in _groups(named):
             for c, s in group:
                 one = replace(s, confidence=_sure([o for _, o in group], s))
-                if one.confidence >= measured.PLAIN:
+                if one.confidence >= reliability.PLAIN:
                     one = replace(one, indistinguishable=[])
                 out[c] = replace(out[c], steps=[one if o is s else o for o in out[c].steps])
     return out
@@ -74,6 +74,6 @@ def _sure(group: list[Step], step: Step) -> float:
     """Confidence of one of the steps of a group."""
     if step.detected:
         return max(s.confidence for s in group)
-    weights = [measured.weight(s.confidence) for s in group if not s.detected]
+    weights = [reliability.weight(s.confidence) for s in group if not s.detected]
     together = float(expit(np.sum(logit(np.clip(weights, 1e-9, 1.0 - 1e-9)))))
-    return max(step.confidence, measured.calibrated(together))
+    return max(step.confidence, reliability.calibrated(together))

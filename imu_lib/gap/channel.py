@@ -13,13 +13,13 @@ from imu_lib.arrays import Array, ArrayLike
 from imu_lib.gap import (
     effects,
     electronics,
-    evenness,
     held_out,
     left_beside,
     noise_level,
+    normality,
+    residual_tests,
     rounds,
-    steadiness,
-    verdict,
+    stationarity,
 )
 from imu_lib.gap.absorbed import absorbed
 from imu_lib.gap.base_fit import alternatives, free_base
@@ -29,9 +29,9 @@ from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.grown import between, grown, likely, refits
+from imu_lib.gap.preprocess import Channel, OfRecord, Preprocessed, preprocessed
 from imu_lib.gap.state import MIN_EVIDENCE, State
 from imu_lib.gap.steps import Step, step_of, steps_of_items
-from imu_lib.gap.undone import Channel, OfRecord, Undone, undone
 from imu_lib.processes import Sum
 from imu_lib.samples.uneven import uneven
 
@@ -42,7 +42,7 @@ MOST_AMONG_MANY = 0.8
 #: log10 p of the stationarity tests below which only one round is run for the noises.
 VETO = -9.0
 #: Domains of which the doubts about a finding say more than the test does.
-SAID_BETTER = ("stationarity", "distribution", evenness.SKEW)
+SAID_BETTER = ("stationarity", "distribution", normality.SKEW)
 NO_DRIFT = tuple(e.name for e in effects.COMPETITORS if e not in effects.DRIFTS)
 
 
@@ -141,7 +141,7 @@ def _analyse(
 ) -> ChannelResult:
     """The channel with its grid read one way."""
     rng = np.random.default_rng([seed, sum(map(ord, channel.name))])
-    left = undone(channel, given, rng, integral=integral)
+    left = preprocessed(channel, given, rng, integral=integral)
     bare = left.given
     if bare is None:
         start, families = free_base(left.data, left.terms)
@@ -179,11 +179,11 @@ def _analyse(
     )
 
 
-def _wild(left: Undone) -> bool:
+def _wild(left: Preprocessed) -> bool:
     """Whether the spectrum does not stand still: it has no stationary name then, and one round at
     the most is run.
     """
-    checks = steadiness.stationarity(
+    checks = stationarity.stationarity(
         left.quiet, left.channel.fs, left.clean.smooth, coarse_steps=left.coarse_steps
     )
     return min((c.log_p for c in checks), default=0.0) < VETO
@@ -206,13 +206,13 @@ def _named(state: State, wild: bool) -> tuple[State, list[Any]]:
 
 
 def _tested(
-    left: Undone, state: State, rivals: list[Any], wild: bool
+    left: Preprocessed, state: State, rivals: list[Any], wild: bool
 ) -> tuple[State, list[Any], list[Check]]:
     """The state, its rivals and the checks of what it leaves; before it is left without a name, two
     effects far behind one alone are tried.
     """
     tests = _checks(left, state)
-    if min(c.log_p for c in tests) < verdict.LIMIT and state.items and not wild:
+    if min(c.log_p for c in tests) < residual_tests.LIMIT and state.items and not wild:
         other, _ = rounds.swap(state, passes=1, reach=np.inf)
         if other.evidence > state.evidence + MIN_EVIDENCE:
             state, rivals = rounds.swap(rounds.prune(other), passes=1)
@@ -221,17 +221,19 @@ def _tested(
     return state, rivals, tests
 
 
-def _checks(left: Undone, state: State) -> list[Check]:
+def _checks(left: Preprocessed, state: State) -> list[Check]:
     rest, y, smooth = left.bared(state)
     for f in left.of_noise:
         effect: Any = f.effect
         y = effect.normal(y, f)
-    return verdict.checks(
+    return residual_tests.checks(
         state, rest, y, smooth, coarse_steps=left.coarse_steps, as_noise=left.as_noise
     )
 
 
-def _unexplained(left: Undone, state: State, tests: list[Check]) -> tuple[str | None, list[str]]:
+def _unexplained(
+    left: Preprocessed, state: State, tests: list[Check]
+) -> tuple[str | None, list[str]]:
     """What is left without a name, in a sentence, and what is left that is too small to matter."""
     doubts = left.doubts
     if doubts and np.ptp(state.deterministic) > 0:
@@ -241,8 +243,8 @@ def _unexplained(left: Undone, state: State, tests: list[Check]) -> tuple[str | 
     doubts = [*(f.doubt for f in left.findings if f.doubt), *doubts]
     known = () if left.given is None else (*left.given.terms, *left.given.stages)
     named = [f.effect.name for f in left.findings] + [t.name for t in known]
-    worst, small = verdict.weighed(tests, named)
-    if worst.log_p < verdict.LIMIT and not (doubts and worst.domain in SAID_BETTER):
+    worst, small = residual_tests.weighed(tests, named)
+    if worst.log_p < residual_tests.LIMIT and not (doubts and worst.domain in SAID_BETTER):
         return worst.where, small
     # what was seen of the level and of the sizes says more than that they are not the model's
     return (doubts[0] if doubts else None), small

@@ -20,8 +20,8 @@ from imu_lib.gap.effects.quantization import Quantization
 from imu_lib.gap.effects.resolution import Resolution, grid_of
 from imu_lib.gap.effects.saturation import Saturation
 from imu_lib.gap.effects.stuck import Stuck
-from imu_lib.gap.loud import loud
-from imu_lib.gap.thrown_off import Hidden, thrown_off
+from imu_lib.gap.gross_signals import gross_signals
+from imu_lib.gap.spike_removal import Hidden, without_spikes
 from imu_lib.processes import Quantization as OfIntegral
 from imu_lib.processes import Resolution as Grid
 from imu_lib.processes import Saturation as Range
@@ -98,7 +98,7 @@ def undo(
     clipped, side = _clipped(raw, missing, levels, held.get("saturation"))
     x = first_fill(raw, missing)
     known = np.zeros(len(x)) if known is None else known
-    coarse = known + loud(x - known, fs)
+    coarse = known + gross_signals(x - known, fs)
     smooth = Smooth(x - coarse, fs)
     twin = None
     if levels.grid is not None:
@@ -116,7 +116,7 @@ def undo(
         stuck = replace(stuck, where=f"{stuck.where}, at {longest:.1f} s")
     bad = missing if stuck is None else missing | stuck.mask
     hidden = Hidden.of(raw, x - coarse, coarse, bad, side, levels.grid)
-    spikes, spiked, clean, smooth = thrown_off(hidden, smooth, held.get("spikes"), rng)
+    spikes, spiked, clean, smooth = without_spikes(hidden, smooth, held.get("spikes"), rng)
     white, extra, swing = _rounded(clean + coarse, smooth, levels, integral, rng)
     drawn = hidden.mask | spiked
     return Clean(

@@ -7,8 +7,8 @@ from typing import Any
 
 from imu_lib.ensembles import ensemble
 from imu_lib.gap.channel import ChannelResult
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.steps import Step
-from imu_lib.gap.summary import sentences
 from imu_lib.long_record.record import LongRecord
 from imu_lib.model import Model
 from imu_lib.record import Record

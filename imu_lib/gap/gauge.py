@@ -17,8 +17,8 @@ from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.effects.resolution import printed
 from imu_lib.gap.found import ChannelReport
 from imu_lib.gap.grown import FITTED
+from imu_lib.gap.parallel import each
 from imu_lib.gap.prepared import Prepared
-from imu_lib.gap.side_by_side import each
 from imu_lib.processes import Sum
 
 #: Gap index after the last step beyond which something is left that has no name; that of a right

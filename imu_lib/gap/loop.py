@@ -9,14 +9,14 @@ import time
 from collections.abc import Callable, Sequence
 
 from imu_lib.ensembles import ensemble
-from imu_lib.gap import axes, gauge, knocked, left_beside
+from imu_lib.gap import axes, gauge, knock_jumps, left_beside
 from imu_lib.gap.channel import ChannelResult, analyse
 from imu_lib.gap.found import ChannelReport, Report
-from imu_lib.gap.moved import as_tilts
+from imu_lib.gap.parallel import each
 from imu_lib.gap.prepared import Prepared, prepared
-from imu_lib.gap.side_by_side import each
+from imu_lib.gap.preprocess import OfRecord
 from imu_lib.gap.steps import Step
-from imu_lib.gap.undone import OfRecord
+from imu_lib.gap.tilt_jumps import as_tilts
 from imu_lib.model import Model
 from imu_lib.record import Record
 
@@ -69,7 +69,7 @@ def close(
     results = _named(about, seed, jobs, told)
     base, grown = _models(about, results)
     results = left_beside.on_record(axes.agreed(results), about.left)
-    results = knocked.told(results, about)
+    results = knock_jumps.with_causes(results, about)
     results, moved = as_tilts(results, about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:

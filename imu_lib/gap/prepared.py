@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from imu_lib.ensembles import ensemble
-from imu_lib.gap import faulty, record_level, shaken
-from imu_lib.gap.clocked import at_rate
+from imu_lib.gap import fault_masking, record_level, record_vibrations
+from imu_lib.gap.clock_rate import Pace, paced
 from imu_lib.gap.effects.base import Finding
-from imu_lib.gap.pace import Pace, paced
+from imu_lib.gap.model_rate import at_rate
 from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
@@ -28,7 +28,7 @@ class Prepared:
 
     Attributes
     ----------
-    ready : faulty.Ready; None in what a process is sent
+    ready : fault_masking.Ready; None in what a process is sent
         The record without its faults, and the steps that name these.
     model : Model or None
         What was given.
@@ -118,7 +118,7 @@ class Prepared:
     def steps(self) -> list[Step]:
         """What was found on the record."""
         clock = [] if self.pace.step is None else [self.pace.step]
-        out = [*clock, *self.ready.steps, *map(shaken.vibration_step, self.new)]
+        out = [*clock, *self.ready.steps, *map(record_vibrations.vibration_step, self.new)]
         if self.shared is not None:
             out.append(record_level.common_step(self.shared, self.note))
         return out
@@ -149,9 +149,13 @@ def prepared(record: Record, model: Model | None, channels: Sequence[str] | None
     names = _asked(record, channels)
     pace = paced(record, model)
     record, model = pace.record, at_rate(model, pace.record.rate)
-    ready = faulty.ready(replace(record, channels={c: record.channels[c] for c in names}), model)
+    ready = fault_masking.ready(
+        replace(record, channels={c: record.channels[c] for c in names}), model
+    )
     even = ready.record.uniform()
-    raw = shaken.on_levels({c: np.asarray(even.channels[c]) for c in ready.record.channel_names})
+    raw = record_vibrations.on_levels(
+        {c: np.asarray(even.channels[c]) for c in ready.record.channel_names}
+    )
     temperature = None if even.temperature is None else np.array(even.temperature)
     if temperature is not None and np.isnan(temperature).any():
         temperature = ensemble.filled(temperature)
@@ -160,10 +164,10 @@ def prepared(record: Record, model: Model | None, channels: Sequence[str] | None
 
 def _in_common(about: Prepared) -> Prepared:
     """With what shakes the record, then with noise that channels share."""
-    found, known = shaken.vibrations(
+    found, known = record_vibrations.vibrations(
         about.ready.record, about.raw, about.fs, about.temperature, about.model
     )
-    shaking, nameless = shaken.parted(found)
+    shaking, nameless = record_vibrations.parted(found)
     calm = {name: x - known.get(name, 0.0) for name, x in about.raw.items()}
     bases = None if about.model is None else about.model.channels
     shared, note, left = shared_noise(calm, about.fs, about.held, bases)

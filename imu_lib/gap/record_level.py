@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from imu_lib.gap import measured
+from imu_lib.gap import reliability
 from imu_lib.gap.effects.common_mode import CommonMode
 from imu_lib.gap.effects.competitor import process_parameters
 from imu_lib.gap.effects.jitter import Jitter
@@ -40,7 +40,7 @@ def common_step(process: Shared, note: dict[str, Any]) -> Step:
         {"N": note["interval"]},
         f"coherence between {names}: {note['coherence']:.2g} where independent channels have none, "
         f"{100 * note['share']:.2g} % of their noise power",
-        measured.odds(note["gain"], note["sets"]),
+        reliability.odds(note["gain"], note["sets"]),
         {"effect": "none", "confidence": 0.0},
         [],
         gain=note["gain"],

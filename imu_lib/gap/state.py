@@ -29,8 +29,8 @@ from imu_lib.samples.blocks import statistics
 MIN_EVIDENCE, MIN_LIKELIHOOD = 3.0, 9.0
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record
 #: exactly of its model. How sure a name is hangs on it where there are several rivals; beside one,
-#: the calibration behind it (`measured.calibrated`, benchmarks/gap_reliability.py) makes up for it:
-#: together they divide by 2.5.
+#: the calibration behind it (`reliability.calibrated`, benchmarks/gap_reliability.py) makes up for
+#: it: together they divide by 2.5.
 TEMPER = 1.5
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from imu_lib.gap import measured, rounds
+from imu_lib.gap import reliability, rounds
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.effects.competitor import process_parameters
 from imu_lib.gap.state import State
@@ -122,7 +122,7 @@ def step_of(f: Finding) -> Step:
     """A finding as a step; in doubt it is at even odds."""
     name, parameters = f.process.name, process_parameters(f.process)
     gain = None if f.gain is None or not np.isfinite(f.gain) else float(f.gain)
-    sure = measured.share(f.effect.name) if gain is None else measured.odds(gain, f.places)
+    sure = reliability.share(f.effect.name) if gain is None else reliability.odds(gain, f.places)
     step = detected(
         name, parameters, f.where, float(sure), intervals=f.intervals, cause=f.effect.cause
     )
@@ -147,7 +147,7 @@ def steps_of_items(state: State, rivals: list[dict[str, float]]) -> list[Step]:
         for name, share in item.effect.alike(state, item).items():
             by_name[name] = max(by_name.get(name, 0.0), share)
             sure *= 1.0 - share
-        weight, sure = sure, measured.calibrated(sure)
+        weight, sure = sure, reliability.calibrated(sure)
         rest = (1.0 - sure) / max(1.0 - weight, 1e-12)  # what is left is the rivals'
         by_name = {n: min(w * rest, 1.0 - sure) for n, w in by_name.items()}
         second = max(by_name, key=by_name.__getitem__) if by_name else "none"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from textwrap import wrap
 
-from imu_lib.gap import swallowed
-from imu_lib.gap.described import describe
 from imu_lib.gap.found import Report
+from imu_lib.gap.sentences import absorbed
+from imu_lib.gap.sentences.parameters import describe
+from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.steps import Step
-from imu_lib.gap.summary import sentences
 
 #: Columns of a terminal, or of a page of the book.
 WIDTH = 110
@@ -49,7 +49,7 @@ def table(found: Report) -> str:
         lines += _steps(found.record_steps, "record")
         if found.record_unexplained:
             lines += _folded(11, f"UNEXPLAINED: {found.record_unexplained}")
-    lines += wrap(swallowed.sentence(found), WIDTH)
+    lines += wrap(absorbed.sentence(found), WIDTH)
     lines.append(
         f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from "
         "simulations as they do among themselves."

@@ -28,7 +28,7 @@ from imu_lib.vibrations.transforms import Transforms
 from .base import Effect, Finding
 
 if TYPE_CHECKING:
-    from imu_lib.gap.shaken import RecordView
+    from imu_lib.gap.record_vibrations import RecordView
 
 #: Seconds that a vibration lasts at the least: shorter is a knock.
 SHORTEST = 5.0

@@ -23,7 +23,7 @@ CAUSE = (
 )
 
 
-def told(results: dict[str, ChannelResult], about: Prepared) -> dict[str, ChannelResult]:
+def with_causes(results: dict[str, ChannelResult], about: Prepared) -> dict[str, ChannelResult]:
     """Results by channel in which a jump that came with a knock says so."""
     knocks = [f for f in about.ready.findings if f.kind == "disturbance"]
     out = dict(results)

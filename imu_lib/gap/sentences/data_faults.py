@@ -10,8 +10,8 @@ import numpy as np
 
 from imu_lib.faults.rhythm import PASSED, WALKED
 from imu_lib.faults.tilt import angle_in_words
-from imu_lib.gap.faulty import BURSTS
-from imu_lib.gap.knocked import WITH
+from imu_lib.gap.fault_masking import BURSTS
+from imu_lib.gap.knock_jumps import WITH
 
 if TYPE_CHECKING:
     from imu_lib.gap.steps import Step

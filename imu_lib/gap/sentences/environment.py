@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from imu_lib import words
-from imu_lib.gap import told
 from imu_lib.gap.effects.wandering_level import in_short
+from imu_lib.gap.sentences import signals
 from imu_lib.vibrations.entries import FOREST
 from imu_lib.vibrations.mains import hint, of_mains
 
@@ -51,7 +51,7 @@ def environment(found: Report, seen: list[tuple[str, Step]], more: str) -> str:
         louder.setdefault(_louder(step), []).append(where)
     parts += [f"{text} on {words.channels(on)}" for text, on in louder.items()]
     if not parts:
-        if told.relevant(found.steps):
+        if signals.relevant(found.steps):
             return ""
         return f"Of the environment it shows nothing{more}."
     return f"Of the environment: {'; '.join(parts)}."

@@ -10,12 +10,12 @@ import numpy as np
 
 from imu_lib import words
 from imu_lib.faults import travelling
-from imu_lib.gap import known_before, surroundings, told
-from imu_lib.gap.evenness import TAIL
-from imu_lib.gap.faulty import BURSTS
-from imu_lib.gap.sensor import REACHED, of_sensor, sensor
-from imu_lib.gap.surroundings import SURE
-from imu_lib.gap.wrong import LOST, sentence
+from imu_lib.gap.fault_masking import BURSTS
+from imu_lib.gap.normality import TAIL
+from imu_lib.gap.sentences import environment, given_model, signals
+from imu_lib.gap.sentences.data_faults import LOST, sentence
+from imu_lib.gap.sentences.environment import SURE
+from imu_lib.gap.sentences.sensor import REACHED, of_sensor, sensor
 
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report
@@ -31,25 +31,25 @@ FEW = 2.5
 
 def sentences(found: Report) -> list[str]:
     """Three to six sentences about a `gap.Report`."""
-    gone = known_before.absent(found)
+    gone = given_model.absent(found)
     steps = [(w, s) for w, s in found.steps if not any(s is t for _, t in gone)]
-    held = known_before.sentence(found, gone)
+    held = given_model.sentence(found, gone)
     out = [
         _good_for(found),
         sentence(
             steps,
             SURE,
             [*_moved(found), *_left_out(found)],
-            named=bool(told.relevant(found.steps)),
+            named=bool(signals.relevant(found.steps)),
         ),
         sensor(found),
         " ".join(
             filter(
                 None,
                 (
-                    told.sentence(steps, SURE, of_sensor(found)),
+                    signals.sentence(steps, SURE, of_sensor(found)),
                     held,
-                    surroundings.environment(found, steps, " more" if held else ""),
+                    environment.environment(found, steps, " more" if held else ""),
                 ),
             )
         ),
@@ -120,7 +120,7 @@ def _without_name(found: Report) -> str:
         beyond = found.record_unexplained
         if beyond:
             return f"Left without a name: {beyond}."
-        if told.relevant(found.steps):
+        if signals.relevant(found.steps):
             if all(c.before is None for c in found.channels.values()):
                 return "Beside what is named nothing was found; no gap index was asked for."
             return "Beside what is named, simulation and measurement agree."
@@ -138,9 +138,9 @@ def _next(found: Report) -> str:
     if {"disturbance", "tilt"} & names:
         advice.append("record where nobody touches the sensor")
     shook = [s.parameters for _, s in found.steps if s.effect == "vibration"]
-    if shook and all(surroundings.hums(p) for p in shook):
+    if shook and all(environment.hums(p) for p in shook):
         advice.append("keep cables and supply away from the mains")
-    elif shook and all(surroundings.coupled(p) for p in shook):
+    elif shook and all(environment.coupled(p) for p in shook):
         advice.append("keep cables and supply away from what couples into the electronics")
     elif shook:
         advice.append("record again away from what shakes it, on a heavy base")

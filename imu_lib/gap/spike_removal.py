@@ -88,7 +88,7 @@ class Hidden:
         return (mask, limit - float(np.median(self.coarse[mask]))) if mask.any() else None
 
 
-def thrown_off(
+def without_spikes(
     hidden: Hidden, smooth: Smooth, held: Thrown | None, rng: np.random.Generator
 ) -> tuple[Finding | None, Array, Array, Smooth]:
     """(finding or None, mask of the samples, clean rest, its spectrum); `held` are the spikes of

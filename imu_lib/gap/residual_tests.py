@@ -15,9 +15,9 @@ from scipy.stats import chi2, kurtosistest
 from imu_lib.arrays import Array
 from imu_lib.gap.check import Check
 from imu_lib.gap.data import Data
-from imu_lib.gap.evenness import SKEW, distribution, log10_normal
+from imu_lib.gap.normality import SKEW, distribution, log10_normal
 from imu_lib.gap.state import State
-from imu_lib.gap.steadiness import resonances, stationarity
+from imu_lib.gap.stationarity import resonances, stationarity
 from imu_lib.likelihood import tapered
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.processes import Quantization, Sum

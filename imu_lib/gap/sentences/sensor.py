@@ -8,7 +8,7 @@ import numpy as np
 
 from imu_lib import units, words
 from imu_lib.errors import UndefinedFormError
-from imu_lib.gap import told
+from imu_lib.gap.sentences import signals
 from imu_lib.processes import (
     GaussMarkov,
     NoiseLevelChange,
@@ -81,7 +81,7 @@ def sensor(found: Report) -> str:
         out.append(text)
     if not out:
         return ""
-    taken = {s.effect: None for _, s in told.relevant(found.steps) if s.effect in NO_NOISE}
+    taken = {s.effect: None for _, s in signals.relevant(found.steps) if s.effect in NO_NOISE}
     without = [NO_NOISE[effect] for effect in taken]
     return words.sentence(out) + (f" ({words.listed(without)} taken out)" if without else "") + "."
 

@@ -10,7 +10,7 @@ from imu_lib.gap.effects.sinusoid import Sinusoid
 from imu_lib.gap.effects.step import sharpen
 
 
-def loud(x: Array, fs: float) -> np.ndarray:
+def gross_signals(x: Array, fs: float) -> np.ndarray:
     """Gross jumps and lines of a channel, shape (n,)."""
     out = gross_jumps(x, fs)
     lines, _ = Sinusoid().find(Data(x - out, fs))

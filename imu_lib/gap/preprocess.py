@@ -1,5 +1,5 @@
-"""A channel with what is no affair of its model undone: electronics, drifts that the model has,
-changes of the noise level, lines.
+"""A channel made ready for the competition: its electronics undone, without the drifts that the
+model has, the changes of its noise level and its lines.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from imu_lib.gap import effects, electronics, held_out, noise_level
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.base import ChannelView, Finding
-from imu_lib.gap.in_phase import in_phase
+from imu_lib.gap.line_phases import in_phase
 from imu_lib.gap.state import State
 from imu_lib.processes import CommonMode, Constant, NoiseLevelChange, Process, Sum
 from imu_lib.samples.innovations import Smooth, whitened
@@ -66,7 +66,7 @@ class Channel:
 
 
 @dataclass
-class Undone:
+class Preprocessed:
     """What is left of a channel for the noises and drifts to compete for.
 
     `terms` are the noises of the given model and, `held_terms` of them, what stands for more than
@@ -121,9 +121,9 @@ class Undone:
         return rest, whitened(rest, smooth) / self.clean.swing, smooth
 
 
-def undone(
+def preprocessed(
     channel: Channel, given: Sum | None, rng: np.random.Generator, *, integral: bool
-) -> Undone:
+) -> Preprocessed:
     """The channel without its electronics, the changes of its noise level and its lines."""
     given = in_phase(given, channel.raw, channel.fs)
     clean = electronics.undo(
@@ -147,7 +147,7 @@ def undone(
         lines += [item for item, _ in found if not effect.foreseen(item, given, data)]
     quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else view.y
     findings = [*clean.findings, *of_noise, *lines]
-    left = Undone(
+    left = Preprocessed(
         channel,
         given,
         terms,
@@ -163,7 +163,7 @@ def undone(
     return left if given is None else _without_paths(left, given)
 
 
-def _without_paths(left: Undone, given: Sum) -> Undone:
+def _without_paths(left: Preprocessed, given: Sum) -> Preprocessed:
     """Without what terms of the given model are seen to do in the samples."""
     for term in given.terms:
         state = State(left.data, left.terms, low_pass=given.low_pass)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from imu_lib.gap.described import describe
-from imu_lib.gap.wrong import FAULTS, JUMPS, TOUCHED
+from imu_lib.gap.sentences.data_faults import FAULTS, JUMPS, TOUCHED
+from imu_lib.gap.sentences.parameters import describe
 
 if TYPE_CHECKING:
     from imu_lib.gap.steps import Step

@@ -19,8 +19,8 @@ from imu_lib.faults.finding import seconds
 from imu_lib.faults.soundness import Sound
 from imu_lib.faults.standing import stands
 from imu_lib.gap import fault_steps, record_level
-from imu_lib.gap.silent import MOST_LOST, says_nothing
 from imu_lib.gap.steps import Step
+from imu_lib.gap.uninformative import MOST_LOST, says_nothing
 from imu_lib.model import Model
 from imu_lib.processes import Process, from_json
 from imu_lib.record import Record

@@ -7,8 +7,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from imu_lib import words
-from imu_lib.gap import told
 from imu_lib.gap.effects import DRIFTS
+from imu_lib.gap.sentences import signals
 
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report
@@ -44,4 +44,4 @@ def sentence(found: Report) -> str:
 
 
 def _named(effect: str) -> str:
-    return NAMES.get(effect) or told.MEANING.get(effect) or effect.replace("_", " ")
+    return NAMES.get(effect) or signals.MEANING.get(effect) or effect.replace("_", " ")
