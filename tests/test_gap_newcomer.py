@@ -99,11 +99,21 @@ assert again == found.model
 other = again.simulate(36000, 40.0, np.random.default_rng(6))
 nothing = analyse("gyro_x", other, 40.0, again)
 assert not nothing.steps and nothing.unexplained is None, nothing
+rng, f = np.random.default_rng(1), np.fft.rfftfreq(12_000, 0.01)
+blue = np.fft.irfft(np.sqrt(f) * np.fft.rfft(rng.standard_normal(12_000)), 12_000)
+x = 1e-3 * rng.standard_normal(12_000) + 2e-4 * blue  # 2 (2e-5)^2 f unit^2/Hz
+found = analyse("gyro_x", x, 100.0, Model.from_json({"gyro_x": [{"process": "white_noise", "N": 1e-4}]})["gyro_x"])
+(step,) = found.steps
+assert step.effect == "blue_noise" and found.unexplained is None, found
+assert step.intervals["A"][0] < 2e-5 < step.intervals["A"][1], step
 """
 
 
 def test_one_file_is_an_effect(tmp_path):
     (tmp_path / "duty_cycle.py").write_text(EFFECT, encoding="utf-8")
+    page = (ROOT / "book/contributing.md").read_text(encoding="utf-8")
+    example = page.split("The whole of an effect", 1)[1].split("```python\n", 1)[1].split("```")[0]
+    (tmp_path / "blue_noise.py").write_text(example, encoding="utf-8")
     env = {**os.environ, "IMU_LIB_EFFECTS": str(tmp_path), "PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, "-c", RUN], env=env, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-3000:]

@@ -11,8 +11,8 @@ from typing import Any
 from imu_lib.errors import InputError
 
 from .autoregressive import Autoregressive
-from .base import NAMED, POSITIVE_KINDS, Parameter, Process, StateSpace
-from .deterministic import Constant, Ramp, Sinusoid, Step, WarmUp
+from .base import FREE, NAMED, POSITIVE_KINDS, Parameter, Process, StateSpace
+from .deterministic import Constant, Deterministic, Ramp, Sinusoid, Step, WarmUp
 from .faults import Disturbance, Dropout, Tilt
 from .flicker import FLAT, Flicker
 from .gauss_markov import GaussMarkov, GaussMarkov2
@@ -125,13 +125,14 @@ def _of_an_effect(name: str) -> type[Process] | None:
 
 
 __all__ = [
-    "Tilt",
-    "Dropout",
-    "Disturbance",
     "Autoregressive",
     "CommonMode",
     "Constant",
+    "Deterministic",
+    "Disturbance",
+    "Dropout",
     "FLAT",
+    "FREE",
     "Flicker",
     "GaussMarkov",
     "GaussMarkov2",
@@ -146,8 +147,8 @@ __all__ = [
     "Process",
     "Quantization",
     "Ramp",
-    "RateError",
     "RandomWalk",
+    "RateError",
     "Resolution",
     "Saturation",
     "Sinusoid",
@@ -159,6 +160,7 @@ __all__ = [
     "Sum",
     "Telegraph",
     "Temperature",
+    "Tilt",
     "TimeGaps",
     "Vibration",
     "WanderingLevel",
