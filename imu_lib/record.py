@@ -49,6 +49,8 @@ class Record:
     rate: samples per second, Hz. time: ndarray (n,), s from the first sample, rising; None means
     evenly sampled at `rate`.
     temperature: ndarray (n,), degC, or None. notes: sentences on what reading or cutting did.
+    seams: samples before which the logger began anew, after a pause of unknown length that the
+    stamps bridge: no gaps, but nothing goes on across them.
     Raises ValueError naming the argument.
     """
 
@@ -59,6 +61,7 @@ class Record:
     name: str = ""
     source: str = ""
     notes: tuple[str, ...] = field(default=())
+    seams: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         unknown = [c for c in self.channels if c not in CHANNELS]
@@ -110,6 +113,7 @@ class Record:
             self.name,
             self.source,
             self.notes,
+            self.seams,
         )
 
     def __repr__(self) -> str:
@@ -171,7 +175,13 @@ class Record:
             time=None if time is None else time - time[:1],
             temperature=None if self.temperature is None else self.temperature[index],
             notes=self.notes + notes,
+            seams=self._seams_of(np.arange(self.n)[index]) if self.seams else (),
         )
+
+    def _seams_of(self, kept: Array) -> tuple[int, ...]:
+        """The seams by the numbers that samples have among those `kept`."""
+        at = np.searchsorted(kept, self.seams)
+        return tuple(sorted({int(k) for k in at if 0 < k < len(kept)}))
 
     def slice(self, start: float | None = None, stop: float | None = None) -> Record:
         """The part from `start` to before `stop`, seconds from the first sample. ValueError where
@@ -197,9 +207,11 @@ class Record:
 
     def gaps(self) -> tuple[timing.Gap, ...]:
         """Every gap in the time stamps: where it begins (s), how long it is (s), how many samples
-        are missing.
+        are missing. A pause of unknown length (`seams`) is none.
         """
-        return timing.gaps(self.times(), self.slots(), self.rate)
+        found = timing.gaps(self.times(), self.slots(), self.rate)
+        anew = {float(self.times()[k - 1]) for k in self.seams}
+        return tuple(g for g in found if g.start not in anew)
 
     def missing(self) -> np.ndarray:
         """Samples in which at least one channel is NaN, shape (n,), bool."""
@@ -248,6 +260,7 @@ class Record:
             temperature=None
             if self.temperature is None
             else timing.fill(spread(self.temperature), n)[0],
+            seams=tuple(int(slots[k]) for k in self.seams),
             notes=self.notes + (f"{n - self.n:,} missing samples put in as NaN on an even grid.",),
         )
 

@@ -83,7 +83,29 @@ def test_a_missing_hour_is_a_gap_and_a_restart_is_said(folder):
     write(folder / "log_11.csv", 3, start=N / FS)
     record = open_folder(folder)
     assert len(record.steps) == 1
-    assert any("begin anew (log_10.csv)" in n for n in record.notes)
+    assert any("begins anew (log_10.csv)" in n for n in record.notes)
+
+
+def test_rows_written_again_at_the_head_of_the_next_log_are_used_once(folder):
+    for k in (1, 2):
+        before = (folder / f"log_{k + 7}.csv").read_text().splitlines()[-50:]
+        head, rows = (folder / f"log_{k + 8}.csv").read_text().split("\n", 1)
+        (folder / f"log_{k + 8}.csv").write_text("\n".join([head, *before, rows]))
+    record = open_folder(folder)
+    assert (record.rows, len(record.steps), record.seams) == (4 * N, 0, ())
+    np.testing.assert_allclose(record.in_memory()["gyro_x"], SIGNALS["gyro_x"][: 4 * N], rtol=1e-9)
+    assert "50, 50 rows of log_9.csv, log_10.csv" in record.notes[-1]
+
+
+@pytest.mark.parametrize("zero", [0.0, 1.7e9])
+def test_logs_whose_names_are_in_another_order_go_by_their_stamps(zero, folder):
+    for k in range(4):
+        write(folder / f"log_{k + 8}.csv", k, start=zero + k * N / FS)
+    (folder / "log_8.csv").rename(folder / "log_12.csv")
+    record = open_folder(folder)
+    assert (record.rows, len(record.steps), record.seams) == (4 * N, 0, ())
+    np.testing.assert_allclose(record.in_memory()["gyro_x"], SIGNALS["gyro_x"][: 4 * N], rtol=1e-9)
+    assert "order of their stamps" in record.notes[-1] and "log_12.csv, log_9" in record.notes[-1]
 
 
 def cut(folder):
@@ -115,3 +137,4 @@ def test_one_sentence(says, folder):
     with pytest.raises(InputError, match=says) as error:
         open_folder(folder)
     assert "log_" in str(error.value)
+    assert "give --rate" not in str(error.value)  # their stamps tell it

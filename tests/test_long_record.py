@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from imu_lib import InputError, characterise, long_record, readers
+from imu_lib import InputError, characterise, faults, long_record, readers
 from imu_lib.characterise import still
 from imu_lib.faults import standing
 from imu_lib.model import Model
@@ -214,10 +214,13 @@ def test_a_folder_of_logs_is_one_record(signals, tmp_path):
     got = np.concatenate(list(record.pieces("gyro_x", record.runs[:1])))
     np.testing.assert_allclose(got, x[: 2 * n], rtol=1e-8)
     gaps = [g[2] for g in record.time_gaps()]
-    assert gaps[0] == 60 * FS and len(gaps) == 2
-    assert "log3.csv" in record.notes[-1] and "begin anew" in record.notes[-1]
+    assert gaps == [60 * FS] and record.seams == (3 * n,)  # how long a pause is not known
+    assert "log3.csv" in record.notes[-1] and "begins anew" in record.notes[-1]
     whole = record.in_memory()
     assert [g.missing for g in whole.gaps()] == gaps and whole.n == 4 * n
+    assert whole.slice(whole.times()[n]).seams == (2 * n,) and not whole.take(slice(n)).seams
+    later = whole.slice(whole.times()[2 * n])  # of two logs neither stretch reaches into the other
+    assert faults.sound(later).record.n == n
 
 
 def test_logs_that_do_not_belong_together(signals, tmp_path):

@@ -30,7 +30,7 @@ def find(record: Record) -> list[Finding]:
     time = record.times()
     regular = timing.bursts(time)
     found = [] if regular is None else [_burst(regular, time)]
-    found += _gaps(record, regular)
+    found += _gaps(record, regular) + _begun_anew(record, time)
     grain = grain_of(time)
     interval = 1.0 / record.rate
     if grain is not None and grain > GRAIN * interval:
@@ -100,6 +100,23 @@ def _gaps(record: Record, regular) -> list[Finding]:
     return found
 
 
+def _begun_anew(record: Record, time) -> list[Finding]:
+    return [
+        Finding(
+            "gap",
+            (),
+            float(time[k - 1]),
+            float(time[k]),
+            {"begun_anew": True},
+            {},
+            f"The logger began anew at {seconds(float(time[k]))} s of what was read; how long it "
+            "paused before is not known.",
+            "A stretch ends there: what drifted or turned in the pause is not known.",
+        )
+        for k in record.seams
+    ]
+
+
 def long_hole(duration: float, missing: int) -> bool:
     """Whether a hole of `duration` s and `missing` samples ends a sound stretch."""
     return duration > LONG_HOLE and missing > LONG_SAMPLES
@@ -109,9 +126,11 @@ def holes(record: Record) -> list[tuple[float, float]]:
     """Start and stop of every hole that ends a sound stretch, s."""
     if record.time is None:
         return []
-    return [
-        (g.start, g.start + g.duration) for g in record.gaps() if long_hole(g.duration, g.missing)
-    ]
+    time = record.times()
+    return sorted(
+        [(g.start, g.start + g.duration) for g in record.gaps() if long_hole(g.duration, g.missing)]
+        + [(float(time[k - 1]), float(time[k])) for k in record.seams]
+    )
 
 
 def grain_of(time: np.ndarray) -> float | None:

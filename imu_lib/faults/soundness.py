@@ -20,7 +20,10 @@ def breaks(findings) -> list[tuple[float, float]]:
     """Spans (s) in which no sound stretch may lie."""
     out = []
     for f in findings:
-        if f.kind == "gap" and not clock.long_hole(f.stop - f.start, f.parameters["missing"]):
+        anew = f.parameters.get("begun_anew", False)
+        if f.kind == "gap" and not (
+            anew or clock.long_hole(f.stop - f.start, f.parameters["missing"])
+        ):
             continue
         # the ends of a turn are known to some tenths of a second
         margin = ASIDE if f.kind == "restart" or f.kind == "tilt" and len(f.rows) else 0.0

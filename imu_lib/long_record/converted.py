@@ -25,7 +25,7 @@ from imu_lib.readers.streams import slow_kind
 from imu_lib.stream import LONG
 
 #: Changes when what earlier versions have converted no longer serves.
-VERSION = 1
+VERSION = 2
 UNITS = {"gyro": "rad/s", "accel": "m/s^2"}
 
 

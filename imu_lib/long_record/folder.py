@@ -19,6 +19,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.long_record.log import Log, record_of
+from imu_lib.long_record.order import by_stamps
 from imu_lib.readers import bags, zarr_store
 from imu_lib.readers.assemble import assemble
 from imu_lib.readers.opening import pair, read_raw
@@ -64,26 +65,49 @@ def open_folder(path, *, rate=None, progress=None, **options):
     files, beside = _logs(path)
     if not files:
         return None
+    found, spans = _read(path, files, rate, progress, options)
+    ordered = by_stamps(files, spans, found.rate)
+    if ordered is not None:
+        found, _ = _read(path, ordered, rate, progress, options)
+        note = (
+            f"The logs were put in the order of their stamps, not of their names: "
+            f"{', '.join(f.name for f in ordered[:4])}{' ...' * (len(ordered) > 4)}."
+        )
+        found = replace(found, notes=(*found.notes, note))
+    if beside:
+        note = (
+            f"Beside the logs stand {', '.join(beside[:3])}{' ...' * (len(beside) > 3)}, which "
+            "were left out."
+        )
+        found = replace(found, notes=(*found.notes, note))
+    return found
+
+
+def _read(path, files, rate, progress, options):
+    """(the LongRecord of files in this order, first and last stamp of each or None)."""
     scratch = Path(tempfile.mkdtemp(prefix="imu-lib-"))
     atexit.register(shutil.rmtree, scratch, ignore_errors=True)
     sink = Appended(str(scratch))
     log = Log(path, sink)
     reading = {"columns": options.get("columns"), "topic": options.get("topic")}
     units = {k: options.get(k) for k in ("gyro_unit", "accel_unit", "time_unit")}
+    spans = []
     for file in files:
-        raw = read_raw(file, **reading)
-        record = assemble(raw, rate=rate, trust=options.get("trust_units", False), **units)
+        try:
+            raw = read_raw(file, **reading)
+            record = assemble(raw, rate=rate, trust=options.get("trust_units", False), **units)
+        except InputError as error:
+            if len(files) > 2 and log.rows:  # what is asked of the first is asked of all
+                said = str(error).rstrip(".")
+                raise InputError(
+                    f"{said}; or move it away: the other logs of {path} are read without it."
+                ) from None
+            raise
         log.append(file, record, raw.start)
+        spans.append(None if raw.start is None else (raw.start, log.clock))
         if progress is not None:
             progress(file.name)
-    found = record_of(log.state(), path, lambda name: (sink, name))
-    if not beside:
-        return found
-    note = (
-        f"Beside the logs stand {', '.join(beside[:3])}{' ...' * (len(beside) > 3)}, which "
-        "were left out."
-    )
-    return replace(found, notes=(*found.notes, note))
+    return record_of(log.state(), path, lambda name: (sink, name)), spans
 
 
 def _logs(path):

@@ -33,6 +33,8 @@ class Log:
         self.steps, self.bad, self.notes = [], [], {}
         self.span, self.warm, self.began, self.begin, self.tick = {}, None, None, None, 0.0
         self.waiting, self.last, self.swapped = None, -1, 0
+        self.seams: list[int] = []
+        self.start, self.twice = None, []
 
     def append(self, file, record, start, tick=0.0):
         """The next record; `start` is its first stamp, s, or None; `tick`, s, is how well the
@@ -50,7 +52,8 @@ class Log:
         if abs(record.rate / self.rate - 1) > 0.01:
             raise InputError(
                 f"{file} has {record.rate:.6g} Hz, {self.first} {self.rate:.6g} Hz; logs of one "
-                "record have one rate: give --rate, or move the file away."
+                f"record have one rate: {'give --rate, or ' if start is None else ''}move the file "
+                "away."
             )
         begin = start, *(float(x[k]) for x in record.channels.values() for k in (0, -1))
         if begin == self.begin and not np.isnan(begin[1:]).any():
@@ -59,6 +62,8 @@ class Log:
                 "value; remove one of the two."
             )
         self.begin = begin
+        record, start = self._without_repeated(file, record, start)
+        self.start = start
         self.tick = max(self.tick, tick)
         slots = record.slots()
         slots = slots + self.slots + self._between(file, start, tick, slots)
@@ -78,6 +83,22 @@ class Log:
         if self.clock is not None:
             self.clock += 1.0 / record.rate
         self.slots = int(slots[-1]) + 1
+
+    def _without_repeated(self, file, record, start):
+        """(record, its first stamp) without rows at its head that are the last ones of the log
+        before it, written twice.
+        """
+        if not self.of_files or None in (start, self.start, self.clock) or start <= self.start:
+            return record, start
+        k = round((self.clock - start) * self.rate)
+        if not 0 < k < record.n or record.slots()[k] != k or k > self.rows:
+            return record, start
+        for name, x in record.channels.items():
+            before = np.concatenate(list(self.sink.pieces(name, self.rows - k, self.rows)))
+            if not np.array_equal(before, x[:k], equal_nan=True):
+                return record, start
+        self.twice.append((k, getattr(file, "name", str(file))))
+        return record.take(slice(k, None)), start + k / record.rate
 
     def _take(self, columns, slots):
         """Write the next rows but for the last few, which wait for rows of the next part that
@@ -129,6 +150,7 @@ class Log:
                 return -back
         if start is None or self.clock is None or start < self.clock - 0.5 / self.rate - slack:
             self.restarts.append(getattr(file, "name", str(file)))
+            self.seams.append(self.rows + (0 if self.waiting is None else len(self.waiting[1])))
             return FILL + 1
         apart = start - self.clock
         return max(round(apart * self.rate), 0) if apart > slack else 0
@@ -145,16 +167,25 @@ class Log:
         for note, files in self.notes.items():
             where = f"{', '.join(files[:3])}{' ...' * (len(files) > 3)}: " if self.of_files else ""
             notes.append(where + note)
+        if self.twice:
+            notes.append(
+                f"The first {', '.join(f'{k:,}' for k, _ in self.twice[:3])} rows of "
+                f"{', '.join(name for _, name in self.twice[:3])}"
+                f"{' ...' * (len(self.twice) > 3)} are the last ones of the log before, written "
+                "twice; they were used once."
+            )
         if self.swapped:
             notes.append(
                 f"Rows were out of order at {self.swapped} of the places where the file was read "
                 "in parts, and put back by their stamps."
             )
         if self.restarts:
+            one = len(self.restarts) == 1
             notes.append(
-                f"{len(self.restarts)} of the {parts} begin anew ({', '.join(self.restarts[:3])}"
-                f"{' ...' * (len(self.restarts) > 3)}): how long the logger paused before them is "
-                "not known, and nothing is carried over."
+                f"{len(self.restarts)} of the {parts} begin{'s' * one} anew "
+                f"({', '.join(self.restarts[:3])}{' ...' * (len(self.restarts) > 3)}): how long "
+                f"the logger paused before {'it' if one else 'them'} is not known, and nothing is "
+                "carried over."
             )
         return tuple(notes)
 
@@ -183,6 +214,7 @@ class Log:
             "flat": [n for n in self.names if not self.span[n][1] > self.span[n][0]],
             "warm": bool(self.warm),
             "notes": list(self.told()),
+            "seams": self.seams,
             "steps": np.array(self.steps, np.int64).reshape(-1, 2),
             "bad": np.unique(bad).astype(np.int64),
         }
@@ -210,4 +242,5 @@ def record_of(state: dict, path, column) -> LongRecord:
         state["rows"],
         state["steps"],
         temperature=Column(*column("temperature"), 1.0, 0.0) if state["warm"] else None,
+        seams=tuple(state["seams"]),
     )

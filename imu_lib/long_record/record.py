@@ -59,6 +59,8 @@ class LongRecord:
         Where the temperature lies, degC.
     begin : int
         The first row; others than 0 where the record was cut.
+    seams : tuple of int
+        Rows before which the logger began anew, after a pause of unknown length.
     """
 
     columns: dict[str, Column] = field(repr=False)
@@ -73,6 +75,7 @@ class LongRecord:
     described: tuple[Any, ...] = ()
     temperature: Column | None = None
     begin: int = 0
+    seams: tuple[int, ...] = ()
 
     def __contains__(self, channel: object) -> bool:
         return channel in self.columns
@@ -96,11 +99,13 @@ class LongRecord:
         return float(self.slot(row) - self.slot(self.begin)) / self.rate
 
     def time_gaps(self) -> tuple[tuple[float, float, int], ...]:
-        """(start s, duration s, missing samples) of each gap in the stamps."""
+        """(start s, duration s, missing samples) of each gap in the stamps; a pause of unknown
+        length is none.
+        """
         return tuple(
             (self.second(int(row) - 1), float(m + 1) / self.rate, int(m))
             for row, m in self.steps
-            if self.begin < row < self.rows
+            if self.begin < row < self.rows and row not in self.seams
         )
 
     def part(self, low: int, high: int) -> Record:
@@ -111,7 +116,8 @@ class LongRecord:
         slots = self.slot(np.arange(low, high))
         even = slots[-1] - slots[0] == high - low - 1
         time = None if even else (slots - slots[0]) / self.rate
-        return Record(channels, self.rate, time, temperature, self.name, self.source)
+        seams = tuple(row - low for row in self.seams if low < row < high)
+        return Record(channels, self.rate, time, temperature, self.name, self.source, (), seams)
 
     def in_memory(self) -> Record:
         """All of it as a record in memory."""
