@@ -168,6 +168,10 @@ def _judged(power, rest, peak, rare, length, offset) -> list[Hit]:
         weak = ranks.with_others(power, stands, ~mask)
         member |= weak
         mask |= weak.any(axis=0)
+        if length > 1:
+            weak = ranks.faint(power, ~mask)
+            member |= weak
+            mask |= weak.any(axis=0)
     return [
         Hit(
             offset + int(j) * length,

@@ -22,6 +22,8 @@ GAIN, EACH = 60.0, 12.0
 FULL, EDGE = 0.9, 0.04
 #: Scatter of the level in the rest of the record over that of a steady one, in variances.
 STEADY = 3.0
+#: Noise levels at which samples are cut down.
+LARGE = 4.5
 #: Bins of the spectrum, and how many hold half of what is louder: fewer are a line.
 BINS, WIDE = 64, 4
 
@@ -83,7 +85,8 @@ def _energy(ready: Prepared, out: np.ndarray, size: int, k: int) -> tuple[np.nda
     good = ~(ready.bad | out)[: k * size].reshape(k, size)
     # the level of the record, not of the surroundings: these have it in them
     y = ready.fast * ready.sigma
-    square = y[: k * size].reshape(k, size) ** 2
+    # single large samples are not what passes
+    square = np.minimum(y[: k * size].reshape(k, size) ** 2, LARGE**2 * np.median(ready.sigma) ** 2)
     count = good.sum(axis=1)
     e = np.where(good, square, 0.0).sum(axis=1) / np.maximum(count, 1)
     usual = np.median(e[count > 0]) if (count > 0).any() else 1.0

@@ -10,6 +10,8 @@ import numpy as np
 
 #: Chance alarms allowed in a record, on several channels together.
 TOGETHER = 1e-4
+#: The same where none of them stands out, in each of some ten searches, and channels at the least.
+FAINT, LEAST = 1e-6, 3
 #: Correlation of the energies of two channels over the record from which on one is no witness of
 #: what the other shows.
 ALIKE = 0.2
@@ -59,6 +61,36 @@ def with_others(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.
         if p[best] * len(at) < TOGETHER:
             out[:, window] = stands[:, window] | (u[:, j] <= order[best + 1])
     return out
+
+
+def faint(power: np.ndarray, quiet: np.ndarray) -> np.ndarray:
+    """Channels, by windows, that share a knock of which none stands out: so many of them, that tell
+    nothing of one another otherwise, are among their own loudest, shape (k, windows).
+    """
+    k, count = power.shape
+    out = np.zeros((k, count), bool)
+    own = _apart(power[:, quiet])
+    if len(own) < LEAST or not quiet.any():
+        return out
+    at = np.flatnonzero(quiet)
+    u = _ranks(power, at, quiet)
+    order = np.sort(u[own], axis=0)
+    sizes = range(LEAST, len(own) + 1)
+    p = np.array([comb(len(own), m) * order[m - 1] ** m for m in sizes])
+    found = p.min(axis=0) * count < FAINT
+    most = order[np.argmin(p, axis=0) + LEAST - 1, np.arange(len(at))]
+    out[:, at] = found & (u <= most)
+    return out
+
+
+def _apart(power: np.ndarray) -> list[int]:
+    """Channels whose energies have nothing to do with one another."""
+    alike = np.corrcoef(np.log(np.maximum(power, 1e-12))) > ALIKE
+    own: list[int] = []
+    for c in range(len(power)):
+        if not alike[c, own].any():
+            own.append(c)
+    return own
 
 
 def _ranks(power: np.ndarray, at: np.ndarray, quiet: np.ndarray) -> np.ndarray:

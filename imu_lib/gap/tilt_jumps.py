@@ -164,9 +164,17 @@ def _gyros_show(angles: Array, ramp: Ramp, about: Prepared) -> bool | None:
             return None
         turned = np.nansum(inside - np.nanmedian(sides)) / fs
         blocks = sides[: len(sides) // len(inside) * len(inside)].reshape(-1, len(inside))
-        sd = max(float(np.nanstd(np.nansum(blocks - np.nanmedian(sides), axis=1))) / fs, 1e-12)
+        sd = float(np.nanstd(np.nansum(blocks - np.nanmedian(sides), axis=1))) / fs
+        # a step of the converter for one sample is no turn
+        sd = max(sd, _step(sides) / fs, 1e-12)
         off.append(abs(turned - angle) / sd)
         seen.append(abs(angle) / sd)
     if max(seen) < SEEN:
         return None
     return bool(max(off) < OFF or max(off) < 0.3 * max(seen))
+
+
+def _step(x: Array) -> float:
+    """Least distance of two samples that differ."""
+    levels = np.unique(x[np.isfinite(x)])
+    return float(np.min(np.diff(levels))) if len(levels) > 1 else 0.0

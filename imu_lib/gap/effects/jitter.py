@@ -12,6 +12,9 @@ from imu_lib.record import Record
 
 from .base import Effect, Finding
 
+#: Share of a sampling interval below which the scatter of the stamps is none.
+LEAST = 2e-4
+
 
 class Jitter(Effect):
     name = "jitter"
@@ -28,13 +31,13 @@ class Jitter(Effect):
         unit = np.diff(np.unique(np.round(np.diff(record.time[:20000]), 9)))
         grain = float(unit.min()) if len(unit) and unit.min() > 1e-9 else 0.0
         # stamps printed with few digits are off by up to half a digit, which is no jitter
-        if sd < 2e-4 / record.rate or sd < 0.5 * grain:
+        if changed is None and (sd < LEAST / record.rate or sd < 0.5 * grain):
             return None
         n = len(late)
         low = 1.4826 * float(np.median(np.abs(late - np.median(late))))
         found = Finding(
             self,
-            Process(sd=sd),
+            Process(sd=max(sd, 1e-9)),
             None,
             f"timing: the stamps scatter by {1e3 * sd:.3g} ms around an even clock",
             {"sd": [sd * (1 - 1.96 / np.sqrt(2 * n)), sd * (1 + 1.96 / np.sqrt(2 * n))]},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.stats import chi2
@@ -10,7 +11,7 @@ from scipy.stats import chi2
 from imu_lib.arrays import Array
 from imu_lib.processes import NoiseLevelChange as Stage
 
-from .base import ChannelEffect, ChannelView, Finding
+from .base import ChannelEffect, ChannelView, Effect, Finding
 
 #: Gain in log-likelihood of a change of level. Twice its largest value over all instants exceeds u
 #: with a probability of about ln(n^2) sqrt(u / 2 pi) exp(-u / 2) (Csorgo and Horvath 1997, Theorem
@@ -19,6 +20,8 @@ MIN_GAIN = 13.0
 #: Seconds, and share of the record, before and after a change at the least: a louder second at the
 #: end is somebody who stops the logger, and no level that stays.
 STAYS = (3.0, 0.02)
+#: Logarithm of a ratio below which a name is no more than even.
+SMALL, SMALL_SURE = 0.04, 0.5
 #: Block lengths over which the noise has to keep its level, s, and parts of a record that is too
 #: short for the first of these; blocks at the least, and samples in one.
 SCALES, PARTS = (5.0, 20.0, 60.0, 300.0), (40, 12)
@@ -138,6 +141,10 @@ class NoiseLevelChange(ChannelEffect):
             found = self.anchored(found, view.y, view.fs, view.model_level, independent)
         found.scale = found.process.factor(len(view.y), view.fs)
         return [found]
+
+    def most_sure(self, parameters: dict[str, Any], beside: list[Effect], shared: float) -> float:
+        # levels of recorded signals wander by as much through what surrounds the sensor
+        return SMALL_SURE if abs(np.log(parameters["ratio"])) < SMALL else 1.0
 
     def detect(self, y: Array, fs: float, independent: float = 1.0) -> Finding | None:
         """`y` is the whitened fast noise, a share of whose samples is `independent`."""
