@@ -149,6 +149,12 @@ class Drive:
                     changes[key] = getattr(self, key)[part]
         return replace(self, **changes)
 
+    def with_fixes(self, kept) -> Drive:
+        """The drive with some of its fixes, kept (m,) bool."""
+        names = [k for k, clock in _SHAPES.items() if clock == "gnss_time"]
+        given = {k: getattr(self, k) for k in ("gnss_time", *names)}
+        return replace(self, **{k: v[kept] for k, v in given.items() if v is not None})
+
     def with_(self, **changes) -> Drive:
         return replace(self, **changes)
 
@@ -212,6 +218,10 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
         position = clock.replace("_time", "_position")
         if position in partners:
             good &= np.isfinite(values[position]).all(axis=-1)
+            nowhere = (values[position][..., :2] == 0.0).all(axis=-1)
+            if nowhere.any() and not nowhere.all():
+                good &= ~nowhere
+                notes += (f"{position}: {int(nowhere.sum())} rows at 0, 0 are no fixes.",)
         order = np.flatnonzero(good)[np.argsort(t[good], kind="stable")]
         order = order[np.r_[True, np.diff(t[order]) > 0]] if order.size else order
         if len(order) < len(t) or (np.diff(order) < 0).any():

@@ -12,7 +12,17 @@ from scipy.spatial.transform import Rotation
 from imu_lib import preset
 from imu_lib.cli.main import main
 from imu_lib.drive_effects import DriveEffect
-from imu_lib.navigation import earth, models, reference, simulation, trajectory, turin
+from imu_lib.errors import InputError
+from imu_lib.navigation import (
+    earth,
+    fix_faults,
+    models,
+    reference,
+    simulation,
+    trajectory,
+    turin,
+    unfit,
+)
 from imu_lib.navigation.statistics import paired
 from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
@@ -129,6 +139,38 @@ def test_velocities_in_other_axes_or_units_are_not_ranked_upon(tmp_path, drive, 
         assert said in error and "--no-velocity" in error
     alone = run(tmp_path, bad, "--as-stated", "--no-velocity")
     assert alone["models"]["18AV"]["ranked"] and not any("velocities" in n for n in alone["notes"])
+
+
+def test_fixes_as_files_get_them_wrong_are_told(drive):
+    position, v = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
+    speed, course = np.hypot(v[:, 0], v[:, 1]), np.arctan2(v[:, 1], v[:, 0]) % (2.0 * np.pi)
+    whole = np.floor(position[:, :2] / DEG)
+    minutes = (whole + 0.6 * (position[:, :2] / DEG - whole)) * DEG
+    for said, changes in (
+        ("course, in deg", {"gnss_velocity": np.column_stack([speed, course / DEG, v[:, 2]])}),
+        ("course, in rad", {"gnss_velocity": np.column_stack([speed, course, v[:, 2]])}),
+        ("sign of the longitudes", {"gnss_position": position * [1.0, -1.0, 1.0]}),
+        ("divide the minutes by 60", {"gnss_position": np.column_stack([minutes, position[:, 2]])}),
+    ):  # fmt: skip
+        assert said in fix_faults.unusable(drive.with_(**changes))
+    assert fix_faults.unusable(drive) is None and fix_faults.height_ratio(drive) == 1.0
+    feet = drive.with_(gnss_position=position * [1.0, 1.0, 3.2808])
+    assert 2.9 < fix_faults.height_ratio(feet) < 3.7  # where `check` names the unit
+    with pytest.raises(InputError, match="positions are mirrored"):
+        unfit.refuse(drive.with_(gnss_position=position[:, [1, 0, 2]], gnss_velocity=None))
+    with pytest.raises(InputError, match="gravity was taken out"):
+        unfit.refuse(drive.with_(accel=drive.accel + [0.0, 0.0, 9.8]))
+
+
+def test_a_log_that_repeats_its_fixes_at_the_rate_of_the_imu_counts_each_once(drive):
+    time = drive.time[(drive.time >= drive.gnss_time[0]) & (drive.time <= drive.gnss_time[-1])]
+    rows = np.searchsorted(drive.gnss_time, time, side="right") - 1
+    position, velocity = drive.gnss_position[rows], drive.gnss_velocity[rows]
+    repeated = drive.with_(
+        gnss_time=np.array(time), gnss_position=position, gnss_velocity=velocity,
+        gnss_position_sd=None, gnss_velocity_sd=None, gnss_fix=None,
+    )  # fmt: skip
+    assert (~fix_faults.held(repeated)).sum() == len(drive.gnss_time)
 
 
 def test_ten_samples_a_second_are_not_refused(tmp_path, drive):

@@ -10,6 +10,7 @@ from imu_lib.errors import InputError
 NAME = "outages"
 #: Names of the files in --out DIR.
 WRITES = ("result.json", "*.png")
+WITHOUT = "--no-velocity leaves the velocities out."
 HELP = (
     "GPS outages of a drive: GNSS is withheld over windows and the horizontal error of each error "
     "model is followed. Models: 15AV, 18AV, 18AVWD, 15AR, 27AR of the 2013 paper, made from "
@@ -213,13 +214,17 @@ def _frames(drive, models, velocity):
     from scipy.spatial.transform import Rotation
 
     from imu_lib.health.driven import frames
-    from imu_lib.navigation import fix_faults
+    from imu_lib.navigation import fix_faults, unfit
 
     if not velocity:
         drive = drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
-    if wrong := fix_faults.unusable(drive) or fix_faults.other_unit(drive):
-        alone = "" if fix_faults.positions_swapped(drive) else " Or --no-velocity leaves them out."
-        raise InputError(f"{drive.source or drive.name}: {wrong}{alone}")
+    if unit := fix_faults.other_unit(drive):
+        raise InputError(f"{drive.source or drive.name}: {unit} {WITHOUT}")
+    try:
+        unfit.refuse(drive)
+    except InputError as error:
+        told = fix_faults.unusable(drive) or ""
+        raise InputError(f"{error} {WITHOUT}" if "velocities" in told else str(error)) from None
     held = next(iter(models.values())).held
     held_drive = held.drive(drive)
     offset = held.value("gnss_time_offset", "offset", 0.0)

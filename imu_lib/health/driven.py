@@ -6,16 +6,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import Drive
-from imu_lib.navigation import axes, earth, fix_faults, fix_motion, lateness
+from imu_lib.health import fixes
+from imu_lib.navigation import axes, earth, fix_faults, fix_motion, lateness, turns
 from imu_lib.units import DEG
 
 LATE = 0.25  # s
-STEADY = 0.5  # s by which two halves of a drive may be late apart
+STEADY = 0.3  # s by which two halves of a drive may be late apart
 HEAVY = 0.015  # of gravity: three standard deviations of a bias at switch-on
 JUMP = 10.0  # m
 TURNED = 20.0 * DEG  # a case that leans, or stands askew, by less is an ordinary one
 FAR = 10.0  # m of a reference from the fixes
-RATIO = 3.0  # of the fixes' scatter to what is stated
 
 
 def disagreements(drive: Drive) -> list[str]:
@@ -28,7 +28,7 @@ def disagreements(drive: Drive) -> list[str]:
         return out
     clocks, late = _clocks(right), lateness.late(right)
     out += clocks or _time(right, late)
-    return out + _turns(right, late[0]) + _weight(right) + _reference(drive) + _fixes(right)
+    return out + _turns(right, late[0]) + _weight(right) + _reference(drive) + fixes.scatter(right)
 
 
 def frames(drive: Drive) -> tuple[list[str], Drive | None]:
@@ -40,29 +40,29 @@ def frames(drive: Drive) -> tuple[list[str], Drive | None]:
 
 
 def _put_right(drive):
-    out = []
-    if said := fix_faults.unusable(drive):
-        out.append(said[0].upper() + said[1:])
-        if fix_faults.positions_swapped(drive):
+    out, drive = fixes.velocities(drive)
+    if fix_faults.positions_swapped(drive):
+        return [fixes.sentence(fix_faults.unusable(drive))], None
+    held = fix_faults.held(drive)
+    out += fixes.jumps(drive) + fixes.held(drive, held) + fixes.heights(drive)
+    drive = drive.with_fixes(~held)
+    seen = turns.in_time(drive)
+    if sensor := axes.reversed_sensor(seen):
+        out.append(fixes.sentence(axes.REVERSED[sensor]))
+        if sensor in ("either", "positions"):
             return out, None
-        drive = drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
-    out += _speeds(drive) + _jumps(drive) + _held(drive)
-    if sensor := axes.reversed_sensor(drive):
-        out.append(axes.REVERSED[sensor].replace("the", "The", 1))
-        if sensor == "either":
-            return out, None
-        drive = drive.with_(**{sensor: -getattr(drive, sensor)})
-    permutation, _, _, gain, _ = axes.of(drive)
+        drive, seen = (d.with_(**{sensor: -getattr(d, sensor)}) for d in (drive, seen))
+    permutation, _, _, gain, _ = axes.of(seen)
     if permutation != axes.IDENTITY:
         c = axes.to_body(permutation)
-        drive = drive.with_(gyro=drive.gyro @ c.T, accel=drive.accel @ c.T)
+        drive, seen = (d.with_(gyro=d.gyro @ c.T, accel=d.accel @ c.T) for d in (drive, seen))
         out.append(
             "The axes are not forward, right, down: the fixes' accelerations and turns fit when x, "
             f"y, z of the file point along the body's {', '.join(permutation)} ({gain:.0f} nats); "
             "`imu-lib gap` on this drive with --out DIR writes a model file that holds it, for "
             "--model."
         )
-    return out + _turned(drive), drive
+    return out + _turned(seen), drive
 
 
 def _turned(drive):
@@ -87,44 +87,6 @@ def _clocks(drive):
         f"The fixes are {_late(halves[0])} in the first half of the drive and {_late(halves[1])} "
         "in the second: one of the clocks jumps or "
         "drifts; cut the drive where it does (--start, --stop)."
-    ]
-
-
-def _speeds(drive):
-    said = fix_faults.other_unit(drive)
-    if said is None and (ratio := fix_faults.speed_ratio(drive)) != 1.0:
-        said = (
-            f"the fixes' velocities are {ratio:.3g} times those at which their positions move: one "
-            "of the two is in another unit or of another solution."
-        )
-    return [said[0].upper() + said[1:]] if said else []
-
-
-def _jumps(drive):
-    time, size = fix_faults.jumps(drive)
-    if not time.size:
-        return []
-    k = int(np.argmax(np.linalg.norm(size, axis=1)))
-    down, aside = size[k, 2], float(np.hypot(*size[k, :2]))
-    what = f"heights by {-down:+.0f} m" if abs(down) > aside else f"positions by {aside:.0f} m"
-    often = "once" if time.size == 1 else f"{time.size} times"
-    return [
-        f"The fixes jump {often} and stay there, their {what} at {time[k]:.1f} s, where the fixes "
-        "about it do not move: another datum (geoid or "
-        "ellipsoid), base station or solution from then on; bring them to one, or cut the drive "
-        "there (--start, --stop)."
-    ]
-
-
-def _held(drive):
-    held = fix_faults.held(drive)
-    if not held.any():
-        return []
-    first = float(np.asarray(drive.gnss_time)[held][0])
-    return [
-        f"{held.sum()} of {held.size} fixes repeat the position of the one before while the drive "
-        f"goes on, the first at {first:.1f} s: the receiver "
-        "holds its last solution; `outages` and `gap` do not use them."
     ]
 
 
@@ -221,46 +183,4 @@ def _reference(drive):
                 f"The reference lies {apart:.0f} m from the fixes in the median: one of the two "
                 "is in another frame, or late."
             )
-    return out
-
-
-def _fixes(drive):
-    """Positions against their own velocities, over one interval between fixes."""
-    if drive.gnss_velocity is None:
-        return []
-    time = np.asarray(drive.gnss_time)
-    position, velocity = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
-    step = np.diff(time)
-    good = (
-        np.isfinite(position).all(axis=1)
-        & np.isfinite(velocity).all(axis=1)
-        & np.append(step < 1.5 * np.median(step), False)
-    )
-    k = np.flatnonzero(good[:-1] & good[1:])
-    if k.size < 50:
-        return []
-    moved = earth.meters(position[k + 1], position[k])
-    went = 0.5 * (velocity[k] + velocity[k + 1]) * step[k, None]
-    out = []
-    if drive.gnss_position_sd is None:
-        return out
-    scatter = 1.48 * np.median(np.abs(moved - went)[:, :2])
-    sd = np.asarray(drive.gnss_position_sd)
-    stated = np.sqrt(2.0) * np.nanmedian(sd[:, :2])
-    extra = step.mean() * np.nanmedian(
-        0.1 if drive.gnss_velocity_sd is None else np.asarray(drive.gnss_velocity_sd)[:, :2]
-    )
-    if scatter > RATIO * np.hypot(stated, extra):
-        out.append(
-            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where "
-            f"{stated / np.sqrt(2):.2g} m is stated: "
-            "their standard deviations are too small; `imu-lib gap` says by how much (gnss_noise)."
-        )
-    elif scatter < stated / (3.0 * RATIO):
-        out.append(
-            f"The positions scatter by {scatter / np.sqrt(2):.2g} m from one to the next where "
-            f"{stated / np.sqrt(2):.2g} m is stated: "
-            "their errors last (gnss_correlated) or the standard deviations are too large; "
-            "`imu-lib gap` says which."
-        )
     return out

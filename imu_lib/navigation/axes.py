@@ -31,7 +31,13 @@ REVERSED = {
     "either": "the gyros or the accelerometers have all signs turned, in a case that is turned so "
     "that the drive does not show which: an axis that points up reads +9.8 m/s^2 at rest; "
     "multiply `accel` by -1 where it reads -9.8, and `gyro` by -1 where it reads right.",
+    "positions": "the fixes' positions are mirrored: their course turns right where the drive "
+    "turned left; latitude and longitude are exchanged, or one has its sign turned (west of "
+    "Greenwich and south of the equator they are negative).",
 }
+#: A mirrored course is that of accelerometers with their signs turned, in a case half turned about
+#: its y.
+_MIRROR = ("-x", "+y", "-z")
 
 Names = tuple[str, ...]
 #: Permutation, how sure, runner-up, gain in nats, those that cannot be told apart from it.
@@ -67,21 +73,27 @@ def of(drive: Drive) -> Found:
 def reversed_sensor(drive: Drive) -> str:
     """The sensor, "accel" or "gyro", that with all its signs turned fits the fixes and the other
     one clearly better than both do under any order and sign of the axes; "either" where the
-    two do so alike; "" where neither does.
+    two do so alike; "" where neither does. "positions" where mirrored ones alone would do the same
+    to a case that is not turned.
     """
     m = motion(drive)
     if m is None or m.moving.sum() < 50:
         return ""
     rigid = [p for p in everything() if not mirrored(p)]
-    there = {}
+    there: dict[str, float] = {}
+    axes_then: dict[str, Names] = {}
     for sensor, signs in (("gyro", [-1.0, 1.0]), ("accel", [1.0, -1.0])):
         turned = replace(m, readings=m.readings * np.repeat(signs, 3))
-        there[sensor] = min(_costs(turned, rigid, LEANING).values())
+        costs = _costs(turned, rigid, LEANING)
+        axes_then[sensor] = min(costs, key=costs.__getitem__)
+        there[sensor] = costs[axes_then[sensor]]
     best = min(there, key=lambda sensor: there[sensor])
     here = min(_costs(m, everything(), LEANING).values())
     temper = _temper(m, there[best])
     if (here - there[best]) / temper < CLEAR:
         return ""
+    if axes_then["accel"] == _MIRROR:
+        return "positions"
     return best if abs(there["gyro"] - there["accel"]) / temper > CLEAR else "either"
 
 

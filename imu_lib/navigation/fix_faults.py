@@ -8,12 +8,14 @@ from scipy.signal import detrend
 
 from imu_lib import timing
 from imu_lib.drive import Drive
+from imu_lib.units import DEG
 
 from . import earth
 
 FAR_OFF = 12.0  # times the median distance of a fix from the middle of its neighbours
 JUMP, STAYS, BESIDE = 10.0, 0.7, 5  # m; share of a jump that stays; fixes on either side
 CREEPING = 1.0  # m/s: what repeats its position and creeps on the mean stands
+REPEATED = 0.3  # share of the rows
 #: Speeds over those in m/s, by unit.
 UNITS = {"km/h": 3.6, "knots": 1.9438, "mph": 2.2369, "ft/s": 3.2808, "cm/s": 100.0, "mm/s": 1000.0}
 ROLLING, OPPOSED = 1.0, -0.7  # m of heights that tell, and a correlation that no road has
@@ -41,27 +43,47 @@ def wild(drive: Drive) -> tuple[float, float] | None:
     return share, float(np.sqrt(np.mean(apart[peak] ** 2) / 3.0))
 
 
-def upside_down(drive: Drive) -> bool:
-    """Whether the fixes' heights rise where their velocities fall."""
+def _sunk(drive):
+    """How far the positions have sunk and how far the velocities have gone down, m, (k,) each,
+    without their trends; None where there is too little.
+    """
     if drive.gnss_velocity is None:
-        return False
+        return None
     time = np.asarray(drive.gnss_time)
     height, down = np.asarray(drive.gnss_position)[:, 2], np.asarray(drive.gnss_velocity)[:, 2]
     good = np.isfinite(height) & np.isfinite(down)
     time, height, down = time[good], height[good], down[good]
     if time.size < 50:
-        return False
-    sunk = detrend(-height)
-    gone = detrend(np.append(0.0, np.cumsum(0.5 * (down[1:] + down[:-1]) * np.diff(time))))
-    return np.std(gone) > ROLLING and np.corrcoef(sunk, gone)[0, 1] < OPPOSED
+        return None
+    gone = np.append(0.0, np.cumsum(0.5 * (down[1:] + down[:-1]) * np.diff(time)))
+    return detrend(-height), detrend(gone)
 
 
-def _motion(drive):
+def upside_down(drive: Drive) -> bool:
+    """Whether the fixes' heights rise where their velocities fall."""
+    both = _sunk(drive)
+    return both is not None and np.std(both[1]) > ROLLING and np.corrcoef(*both)[0, 1] < OPPOSED
+
+
+def height_ratio(drive: Drive) -> float:
+    """How many times as far the heights move as the velocities say; 1 where both agree, or too
+    little is known.
+    """
+    both = _sunk(drive)
+    if both is None or np.std(both[1]) < ROLLING or np.corrcoef(*both)[0, 1] < -OPPOSED:
+        return 1.0
+    sunk, gone = both
+    ratio = float(sunk @ gone / (gone @ gone))
+    return ratio if not 0.6 < ratio < 1.6 else 1.0
+
+
+def _motion(drive, velocity=None):
     """Horizontal velocities (k, 2) at which positions move over about 2 s, and those that the
-    fixes state, where they are quick.
+    fixes state (velocity : (m, 3) in their place), where they are quick.
     """
     time = np.asarray(drive.gnss_time)
-    position, velocity = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
+    position = np.asarray(drive.gnss_position)
+    velocity = np.asarray(drive.gnss_velocity if velocity is None else velocity)
     later = np.searchsorted(time, time + 2.0)
     k = np.flatnonzero(later < time.size)
     later = later[k]
@@ -76,17 +98,62 @@ def _apart(moved, went):
     return float(np.median(np.linalg.norm(moved - went, axis=1)))
 
 
-def velocities_swapped(drive: Drive) -> bool:
-    """Whether the fixes' velocities fit their own positions as east, north and not as north,
-    east.
+def _by_course(velocity, unit):
+    """North, east, down of velocities that stand as speed, course and down."""
+    speed, course = velocity[:, 0], velocity[:, 1] * unit
+    return np.column_stack([speed * np.cos(course), speed * np.sin(course), velocity[:, 2]])
+
+
+#: What velocities may be in the place of north, east, down, how they become that, and the remedy.
+FRAMES = (
+    (
+        "are east, north, up",
+        lambda v: v[:, [1, 0, 2]] * [1.0, 1.0, -1.0],
+        "swap the first two columns of gnss_velocity and turn the third's sign",
+    ),
+    (
+        "go west where the positions go east",
+        lambda v: v * [1.0, -1.0, 1.0],
+        "turn the sign of the longitudes (west of Greenwich they are negative), or of the second "
+        "column of gnss_velocity",
+    ),
+    (
+        "go south where the positions go north",
+        lambda v: v * [-1.0, 1.0, 1.0],
+        "turn the sign of the latitudes (south of the equator they are negative), or of the first "
+        "column of gnss_velocity",
+    ),
+    (
+        "are speed and course, in deg",
+        lambda v: _by_course(v, DEG),
+        "write speed times cosine and sine of the course into its first two columns",
+    ),
+    (
+        "are speed and course, in rad",
+        lambda v: _by_course(v, 1.0),
+        "write speed times cosine and sine of the course into its first two columns",
+    ),
+)
+
+
+def other_frame(drive: Drive) -> str | None:
+    """Velocities that fit their own positions in another frame only, said with the remedy, or
+    None.
     """
     if drive.gnss_velocity is None:
-        return False
+        return None
     moved, went = _motion(drive)
     if len(moved) < 50:
-        return False
-    straight, swapped = _apart(moved, went), _apart(moved, went[:, ::-1])
-    return swapped < 0.5 * straight and straight > 2.0 and not positions_swapped(drive)
+        return None
+    straight, found = _apart(moved, went), []
+    for what, turned, remedy in FRAMES:
+        fits = _motion(drive, turned(np.asarray(drive.gnss_velocity, float)))
+        if len(fits[0]) >= 50 and _apart(*fits) < 0.5 * straight:
+            found.append((_apart(*fits), what, remedy))
+    if straight < 2.0 or not found:
+        return None
+    _, what, remedy = min(found)
+    return f"the fixes' velocities {what}; a drive holds north, east, down: {remedy}."
 
 
 def positions_swapped(drive: Drive) -> bool:
@@ -144,11 +211,13 @@ def unusable(drive: Drive) -> str | None:
             "the fixes' positions are longitude, latitude; a drive holds latitude, longitude: "
             "swap the first two columns of gnss_position."
         )
-    if velocities_swapped(drive):
+    if 0.95 < 0.6 * (ratio := speed_ratio(drive)) < 1.05:
         return (
-            "the fixes' velocities are east, north, up; a drive holds north, east, down: swap the "
-            "first two columns of gnss_velocity and turn the third's sign."
+            f"the fixes' positions move {1.0 / ratio:.2g} times as far as their velocities say, as "
+            "where degrees and minutes (ddmm.mmmm) were read as degrees: divide the minutes by 60."
         )
+    if said := other_frame(drive):
+        return said
     if upside_down(drive):
         return (
             "the heights rise where the fixes' velocities fall: a drive holds north, east, down; "
@@ -167,13 +236,16 @@ def held(drive: Drive):
     same = (position[1:] == position[:-1]).all(axis=1)
     if not same.any():
         return out
+    standing = np.zeros_like(out)
     for first, last in zip(*timing.runs(same), strict=True):  # rows first to last are alike
+        standing[first + 1 : last + 1] = True
         if last + 1 >= len(position):
             continue
         moved = float(earth.horizontal(position[last + 1 : last + 2], position[first])[0])
         if moved > CREEPING * (time[last + 1] - time[first]) and moved > 2.0:
             out[first + 1 : last + 1] = True
-    return out
+    # what repeats most of its rows on the way does so where it stands, too
+    return out | standing if out.mean() > REPEATED else out
 
 
 def jumps(drive: Drive):

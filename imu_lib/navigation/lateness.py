@@ -77,10 +77,9 @@ def of_halves(drive: Drive) -> tuple[float, ...] | None:
     out = []
     for before in (True, False):
         kept = (drive.gnss_time < middle) == before
-        names = ("time", "position", "velocity", "position_sd", "velocity_sd", "fix")
-        given = {f"gnss_{n}": getattr(drive, f"gnss_{n}") for n in names}
-        half = {k: None if v is None else np.asarray(v)[kept] for k, v in given.items()}
-        offset, likeness = late(drive.with_(**half))
+        if kept.sum() < 2:
+            return None
+        offset, likeness = late(drive.with_fixes(kept))
         if likeness < SURE_MATCH:
             return None
         out.append(offset)

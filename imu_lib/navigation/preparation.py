@@ -185,6 +185,17 @@ def _apart(fixes: Fixes, later):
     return replace(out, time=time, use=use).take(np.argsort(time, kind="stable"))
 
 
+def disagreement(drive: Drive) -> float:
+    """Median distance, m/s, of a drive's velocities from the motion of its positions over SPAN s;
+    0 where there is too little.
+    """
+    if drive.gnss_velocity is None:
+        return 0.0
+    good = np.isfinite(drive.gnss_position).all(axis=1) & np.isfinite(drive.gnss_velocity).all(1)
+    given = (drive.gnss_time, drive.gnss_position, drive.gnss_velocity)
+    return _disagreement(*(np.asarray(v)[good] for v in given))
+
+
 def _disagreement(time, position, velocity, later=0.0):
     """Median distance, m/s, between received velocities, taken `later` s than the positions, and
     the motion of those positions over SPAN s, which is long enough for the noise of a position not

@@ -4,45 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
-from imu_lib.navigation import axes, fix_faults, fix_motion, windows
-from imu_lib.readers.drive_units import ALIKE, turn_ratio
-from imu_lib.units import DEG
+from imu_lib.navigation import fix_faults, fix_motion, unfit
 
 SHORTEST = 60.0  # s
 FEWEST = 40  # fixes
 CONTRADICTED = 0.1  # share of velocities
-GRAVITY = (5.0, 16.0)  # m/s^2, what a moving car feels in the median
 
 
 def check(drive: Drive) -> None:
-    """InputError where a drive has too little to be searched, or its units are not those of SI."""
-    name = drive.source or drive.name or "the drive"
-    windows.overlapping(drive)
+    """InputError where a drive has too little to be searched, or no filter can use it."""
+    unfit.refuse(drive)
     inside = (drive.gnss_time >= drive.time[0]) & (drive.gnss_time <= drive.time[-1])
     fixes = int((np.isfinite(drive.gnss_position).all(axis=1) & inside).sum())
-    if wrong := fix_faults.unusable(drive):
-        raise InputError(f"{name}: {wrong}")
     if drive.duration < SHORTEST or fixes < FEWEST:
         raise InputError(
-            f"{name}: {drive.duration:.3g} s with {fixes} fixes are too few for a search; it "
-            f"needs {SHORTEST:.0f} s and {FEWEST} fixes."
-        )
-    felt = float(np.median(np.linalg.norm(drive.accel, axis=1)))
-    if not GRAVITY[0] < felt < GRAVITY[1]:
-        raise InputError(
-            f"{name}: the accelerometers read {felt:.3g} in the median, where a car feels 9.8 "
-            "m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`."
-        )
-    if sensor := axes.reversed_sensor(drive):
-        raise InputError(f"{name}: {axes.REVERSED[sensor]}")
-    ratio = turn_ratio(drive)
-    if ratio is not None and ratio < DEG * ALIKE:
-        raise InputError(
-            f"{name}: the gyros turn {1.0 / ratio:.3g} times as fast as the course of the fixes: "
-            "give their unit (--gyro-unit deg/s), or multiply `gyro` by pi/180."
+            f"{drive.source or drive.name or 'the drive'}: {drive.duration:.3g} s with {fixes} "
+            f"fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
         )
 
 
@@ -57,7 +36,7 @@ def _of_one_code(drive: Drive, notes: list[str]) -> Drive:
     for code in np.unique(codes[np.isfinite(codes)]):
         mine = codes == code
         if mine.sum() > max(FEWEST, 0.02 * codes.size):
-            shares[code] = float(np.mean(fix_motion.contradicted(_fixes(drive, mine))))
+            shares[code] = float(np.mean(fix_motion.contradicted(drive.with_fixes(mine))))
     good = [c for c, share in shares.items() if share < 0.3 * CONTRADICTED]
     rest = [c for c, share in shares.items() if share > CONTRADICTED]
     kept = np.isin(codes, good)
@@ -68,7 +47,7 @@ def _of_one_code(drive: Drive, notes: list[str]) -> Drive:
         "are not those at which its positions move: those of code "
         f"{', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
     )
-    return _fixes(drive, kept)
+    return drive.with_fixes(kept)
 
 
 def _stated(drive: Drive, notes: list[str]) -> Drive:
@@ -83,13 +62,6 @@ def _stated(drive: Drive, notes: list[str]) -> Drive:
             )
             drive = drive.with_(**{f"gnss_{part}_sd": None})
     return drive
-
-
-def _fixes(drive: Drive, kept: Array) -> Drive:
-    """The drive with some of its fixes."""
-    names = ("time", "position", "velocity", "position_sd", "velocity_sd", "fix")
-    values = {f"gnss_{n}": getattr(drive, f"gnss_{n}") for n in names}
-    return drive.with_(**{k: None if v is None else np.asarray(v)[kept] for k, v in values.items()})
 
 
 def one_solution(drive: Drive, notes: list[str]) -> Drive:

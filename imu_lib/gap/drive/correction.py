@@ -55,10 +55,10 @@ def judge(room: Room, random: Random, fixes: Fixes, fix: int, out: Out) -> None:
     out.doubt[fix] = np.abs(other - tame)
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
 def take(room: Room, random: Random, fixes: Fixes, fix: int, out: Out) -> None:
     """The numbers of a fix, one after the other: innovations, and the corrections."""
-    x, p, z, ph = room.x, room.p, room.z, room.ph
+    x, p, z, ph, gain = room.x, room.p, room.z, room.ph, room.gain
     n, tail, count = x.size, 9 + random.weight.size, z.shape[1]
     for i in range(6):
         if not fixes.use[fix, i]:
@@ -70,13 +70,16 @@ def take(room: Room, random: Random, fixes: Fixes, fix: int, out: Out) -> None:
         root = np.sqrt(var)
         residual = fixes.y[fix, i] - _along(x, arm, i, tail)
         out.e[fix, i], out.s[fix, i] = residual / root, var
-        if count:
-            _parameters(
-                z, ph, (fixes.columns[fix, i], fixes.of), arm, (i, tail), var, out.jac[fix, i]
-            )
         for a in range(n):
-            v = ph[a] / var
-            x[a] += v * residual
+            gain[a] = ph[a] / var
+            x[a] += gain[a] * residual
+        if count:
+            row = out.jac[fix, i]
+            _parameters(z, gain, (fixes.columns[fix, i], fixes.of), arm, (i, tail), row)
+            for j in range(count):
+                row[j] /= root
+        for a in range(n):
+            v = gain[a]
             for b in range(n):
                 p[a, b] -= v * ph[b]
 
@@ -84,14 +87,15 @@ def take(room: Room, random: Random, fixes: Fixes, fix: int, out: Out) -> None:
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _parameters(
     z: Array,
-    ph: Array,
+    gain: Array,
     column: tuple[Array, Array],
     arm: Array,
     place: tuple[int, int],
-    var: float,
     row: Array,
 ) -> None:
-    """What the parameters do to an innovation, into row (P,), and to the states after it."""
+    """What the parameters do to an innovation, into row (P,), and to the states after it, with the
+    filter's gain (n,).
+    """
     i, tail = place
     n, count = z.shape
     for j in range(count):
@@ -108,9 +112,6 @@ def _parameters(
             for j in range(count):
                 row[j] += z[tail + i, j]
     for a in range(n):
-        v = ph[a] / var
+        v = gain[a]
         for j in range(count):
             z[a, j] -= v * row[j]
-    root = np.sqrt(var)
-    for j in range(count):
-        row[j] /= root

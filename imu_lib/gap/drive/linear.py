@@ -3,7 +3,8 @@ what each parameter does to them.
 
 States are errors: 9 of navigation, then those of the sensors, then three Gauss-Markov errors of the
 positions where there are some. Each sensor state belongs to one channel, and the transition of the
-sensor states is nearly diagonal: products run over what is not zero.
+sensor states is nearly diagonal: products run over its blocks. The innermost loops run along the
+rows of arrays, which is what a processor does several at a time.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from .structures import Fixes, Out, Random, Room, Track
 __all__ = ["Fixes", "Out", "Random", "Track", "innovations"]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def innovations(track: Track, random: Random, fixes: Fixes, count: int) -> Out:
     """The filter over the nodes: `Out`. count: parameters to carry, 0 or all."""
     m = random.weight.size
@@ -34,7 +35,8 @@ def innovations(track: Track, random: Random, fixes: Fixes, count: int) -> Out:
     )
     room = Room(
         np.zeros(n), np.zeros((n, n)), np.zeros((n, count)), np.zeros((9, n)), np.zeros((6, n)),
-        np.zeros((6, count)), np.zeros((m, n)), np.zeros((n, count)), np.zeros(n),
+        np.zeros((6, count)), np.zeros((m, n)), np.zeros((n, count)), np.zeros(n), np.zeros(n),
+        np.zeros((9, 6)), np.zeros((15, 9)),
     )  # fmt: skip
     room.p[9 : 9 + m, 9 : 9 + m] = random.sensors
     for i in range(9 + m, n):
@@ -45,6 +47,8 @@ def innovations(track: Track, random: Random, fixes: Fixes, count: int) -> Out:
         else:
             _predict_covariance(room, track, random, node)
             _predict_states(room, track, random, node)
+            if count:
+                _predict_parameters(room, track, random, node)
         for fix in range(track.first[node], track.last[node]):
             if random.fraction > 0.0 and fixes.use[fix, 0]:
                 judge(room, random, fixes, fix, out)
@@ -63,7 +67,7 @@ def _restart(room: Room, start: Array) -> None:
         room.p[i, i] = start[i]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
 def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> None:
     k, m = node - 1, random.weight.size
     s, walk = random.powers[track.kind[k]], random.walks[track.kind[k]]
@@ -73,16 +77,15 @@ def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> 
     for a in range(m):
         for b in range(a + 1):
             v = walk[a, b]
-            for r in range(m):
-                if s[b, r] != 0.0:
-                    v += low[a, 9 + r] * s[b, r]
+            for r in range(random.first[b], random.last[b]):
+                v += low[a, 9 + r] * s[b, r]
             p[9 + a, 9 + b] = v
             p[9 + b, 9 + a] = v
     if p.shape[0] > 9 + m:
         _predict_fix_errors(room, m, random.decay[k], random.sigma)
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
 def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None:
     """The transition times the covariance: its rows of navigation in room.top, of sensors in
     room.low.
@@ -107,35 +110,50 @@ def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None
                 top[i, j] += v * es[c, j]
     low[:, :] = 0.0
     for a in range(m):  # low = S p, of the sensor states
-        for b in range(m):
+        for b in range(random.first[a], random.last[a]):
             v = s[a, b]
-            if v != 0.0:
-                for j in range(n):
-                    low[a, j] += v * p[9 + b, j]
+            for j in range(n):
+                low[a, j] += v * p[9 + b, j]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
 def _navigation(room: Room, track: Track, random: Random, node: int, s: Array) -> None:
     """Covariance of navigation, with itself and with the sensor states, from room.top."""
     k, m, p, top = node - 1, random.weight.size, room.p, room.top
-    phi, gain = track.phi[k], track.gain[k]
+    by_channel, both = room.by_channel, room.both
+    by_channel[:, :] = 0.0
+    for a in range(m):
+        c, w = random.channel[a], random.weight[a]
+        for i in range(9):
+            by_channel[i, c] += w * top[i, 9 + a]
+    for i in range(9):  # phi and gain, transposed
+        for r in range(9):
+            both[r, i] = track.phi[k, i, r]
+        for c in range(6):
+            both[9 + c, i] = track.gain[k, i, c]
     for i in range(9):
-        for j in range(i + 1):
-            v = 0.0
-            for r in range(9):
-                v += top[i, r] * phi[j, r]
-            for a in range(m):
-                v += top[i, 9 + a] * random.weight[a] * gain[j, random.channel[a]]
-            for c in range(6):
-                level = random.density[c] + random.per_speed[c] * track.speed[node] ** 2
-                v += level * track.noise[k, c, i, j]
-            p[i, j] = v
-            p[j, i] = v
+        row = p[i]
+        for j in range(9):
+            row[j] = 0.0
+        for r in range(9):
+            v = top[i, r]
+            for j in range(9):
+                row[j] += v * both[r, j]
+        for c in range(6):
+            v = by_channel[i, c]
+            for j in range(9):
+                row[j] += v * both[9 + c, j]
+        for c in range(6):
+            level = random.density[c] + random.per_speed[c] * track.speed[node] ** 2
+            noise = track.noise[k, c, i]
+            for j in range(9):
+                row[j] += level * noise[j]
+        for j in range(i):
+            row[j] = p[j, i]
         for a in range(m):
             v = 0.0
-            for b in range(m):
-                if s[a, b] != 0.0:
-                    v += s[a, b] * top[i, 9 + b]
+            for b in range(random.first[a], random.last[a]):
+                v += s[a, b] * top[i, 9 + b]
             p[i, 9 + a] = v
             p[9 + a, i] = v
 
@@ -158,46 +176,63 @@ def _predict_fix_errors(room: Room, m: int, decay: float, sigma: float) -> None:
         p[i, i] += sigma * sigma * (1.0 - decay * decay)
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
 def _predict_states(room: Room, track: Track, random: Random, node: int) -> None:
-    """States, and what the parameters do to them, over the interval that ends at a node."""
-    k, x, z, zs, zt = node - 1, room.x, room.z, room.zs, room.zt
-    n, m, count = x.size, random.weight.size, room.z.shape[1]
-    phi, gain, force = track.phi[k], track.gain[k], track.force[k]
+    """States over the interval that ends at a node."""
+    k, x, new = node - 1, room.x, room.ph
+    n, m = x.size, random.weight.size
+    phi, gain = track.phi[k], track.gain[k]
     s = random.powers[track.kind[k]]
-    imu = force.shape[0]
     error = -track.bias  # of the six channels
-    zs[:, :] = 0.0
     for a in range(m):
-        c, w = random.channel[a], random.weight[a]
-        error[c] += w * x[9 + a]
-        for j in range(count):
-            zs[c, j] += w * z[9 + a, j]
-    room.ph[:] = 0.0
-    zt[:, :] = 0.0
+        error[random.channel[a]] += random.weight[a] * x[9 + a]
     for i in range(9):
         v = -track.jump[k, i]
         for r in range(9):
             v += phi[i, r] * x[r]
-            for j in range(count):
-                zt[i, j] += phi[i, r] * z[r, j]
         for c in range(6):
             v += gain[i, c] * error[c]
-            for j in range(count):
-                zt[i, j] += gain[i, c] * zs[c, j]
-        for j in range(min(imu, count)):
-            zt[i, j] += force[j, i]
-        room.ph[i] = v
+        new[i] = v
     for a in range(m):
-        for b in range(m):
-            v = s[a, b]
-            if v != 0.0:
-                room.ph[9 + a] += v * x[9 + b]
-                for j in range(count):
-                    zt[9 + a, j] += v * z[9 + b, j]
+        v = 0.0
+        for b in range(random.first[a], random.last[a]):
+            v += s[a, b] * x[9 + b]
+        new[9 + a] = v
     for i in range(9 + m, n):
-        room.ph[i] = random.decay[k] * x[i]
+        new[i] = random.decay[k] * x[i]
+    x[:] = new
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _predict_parameters(room: Room, track: Track, random: Random, node: int) -> None:
+    """What the parameters do to the states, over the interval that ends at a node."""
+    k, z, zs, zt = node - 1, room.z, room.zs, room.zt
+    n, m, count = z.shape[0], random.weight.size, z.shape[1]
+    phi, gain, force = track.phi[k], track.gain[k], track.force[k]
+    s = random.powers[track.kind[k]]
+    zs[:, :] = 0.0
+    for a in range(m):
+        c, w = random.channel[a], random.weight[a]
+        for j in range(count):
+            zs[c, j] += w * z[9 + a, j]
+    zt[:, :] = 0.0
+    for i in range(9):
+        for r in range(9):
+            v = phi[i, r]
+            for j in range(count):
+                zt[i, j] += v * z[r, j]
+        for c in range(6):
+            v = gain[i, c]
+            for j in range(count):
+                zt[i, j] += v * zs[c, j]
+        for j in range(min(force.shape[0], count)):
+            zt[i, j] += force[j, i]
+    for a in range(m):
+        for b in range(random.first[a], random.last[a]):
+            v = s[a, b]
+            for j in range(count):
+                zt[9 + a, j] += v * z[9 + b, j]
+    for i in range(9 + m, n):
         for j in range(count):
             zt[i, j] = random.decay[k] * z[i, j]
-    x[:] = room.ph
     z[:, :] = zt

@@ -150,9 +150,10 @@ class Problem:
         random = linear.Random(
             START**2,
             sensors.initial,
-            *_powers(sensors, a["counts"]),
+            *(of_steps := _powers(sensors, a["counts"])),
             np.repeat(np.arange(6), np.diff(sensors.first[:7])),
             sensors.output,
+            *_blocks(of_steps[0]),
             density,
             np.asarray(noise.per_speed, float) ** 2,
             np.exp(-a["gap"] / max(noise.tau, 1e-3)),
@@ -204,6 +205,14 @@ def _powers(sensors: SensorStates, counts: Array) -> tuple[Array, Array]:
         powers.append(out_s)
         walks.append(out_q)
     return np.array(powers), np.array(walks)
+
+
+def _blocks(powers: Array) -> tuple[Array, Array]:
+    """First and last of the states that each follows from in transitions (u, m, m): from, to
+    before, (m,).
+    """
+    follows = (powers != 0.0).any(axis=0) | np.eye(powers.shape[1], dtype=bool)
+    return follows.argmax(axis=1), follows.shape[1] - follows[:, ::-1].argmax(axis=1)
 
 
 def turn_on_of(model: Model) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.model import Model
-from imu_lib.navigation import axes
+from imu_lib.navigation import axes, turns
 from imu_lib.navigation.windows import Window
 from imu_lib.units import DEG
 
@@ -47,7 +47,7 @@ def searched(
     """The drive searched, once more where its path shows other axes than its fixes alone did;
     random : for changes of what is random too.
     """
-    turn = axes.of(drive)
+    turn = axes.of(turns.in_time(drive))
     for _ in range(2):
         say(f"axes {' '.join(turn[0])}")
         right = correct.axes_put_right(drive, turn[0])

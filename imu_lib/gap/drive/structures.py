@@ -67,7 +67,8 @@ class Random(NamedTuple):
 
     start (9,), sensors (m, m): variance and covariance at the begin of a stretch; powers, walks (u,
     m, m): transition and noise of the sensor states over an interval; channel (m,) of each state,
-    and its weight (m,) there; density, per_speed (6,): white noise N^2 and its growth with speed^2;
+    its weight (m,) there, and first, last (m,) of the states that it follows from: from, to before;
+    density, per_speed (6,): white noise N^2 and its growth with speed^2;
     decay (k-1,), sigma m: of the positions' Gauss-Markov errors; fraction, scale m: of wild
     positions.
     """
@@ -78,6 +79,8 @@ class Random(NamedTuple):
     walks: np.ndarray
     channel: np.ndarray
     weight: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
     density: np.ndarray
     per_speed: np.ndarray
     decay: np.ndarray
@@ -115,7 +118,8 @@ class Out(NamedTuple):
 
 class Room(NamedTuple):
     """States x (n,), covariance p (n, n), what parameters do to them z (n, P); top (9, n), es (6,
-    n), zs (6, P), low (m, n), zt (n, P), ph (n,): room to work in.
+    n), zs (6, P), low (m, n), zt (n, P), ph, gain (n,), by_channel (9, 6), both (15, 9): room to
+    work in.
     """
 
     x: np.ndarray
@@ -127,3 +131,6 @@ class Room(NamedTuple):
     low: np.ndarray
     zt: np.ndarray
     ph: np.ndarray
+    gain: np.ndarray
+    by_channel: np.ndarray
+    both: np.ndarray
