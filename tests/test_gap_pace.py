@@ -74,3 +74,15 @@ def test_a_model_goes_with_a_record_that_another_clock_sampled(rate):
     assert here["gyro_y"].terms[0].rate == rate
     # half the rate is not the same rate by another clock
     assert at_rate(given, 41.3)["gyro_y"].terms[0].rate == 100.0
+
+
+@pytest.mark.parametrize(
+    "stated, told", [(100.0, False), (100.2, False), (101.6, True), (200.0, False)]
+)
+def test_stamps_and_a_model_of_another_rate_are_told_at_even_odds(stated, told):
+    given = Model.from_json({**model().to_json(), "rate": stated})
+    found = paced(record((), 100.0, 1.0), given)
+    assert (found.step is not None) == told and found.record.rate == 100.0
+    if told:
+        assert found.step.confidence == 0.5
+        assert found.step.parameters["ratio"] == pytest.approx(100.0 / 101.6)

@@ -98,3 +98,14 @@ def test_noise_in_common_is_told_from_two_per_cent_of_the_power_on(share, found)
     process, note, left = shared_noise(x, FS)
     assert left is None and (process is not None) is found
     assert not found or note["share"] == pytest.approx(share, rel=0.3)
+
+
+def test_noise_in_common_counts_by_its_share_of_the_quietest_channel():
+    """8 % of one channel and next to nothing of two louder ones: left out, the first has a change
+    of its own density."""
+    rng = np.random.default_rng(10)
+    common, own = 0.28 * rng.standard_normal(N), {"gyro_x": 0.96, "gyro_y": 3.0, "gyro_z": 4.0}
+    x = {c: sd * rng.standard_normal(N) + common for c, sd in own.items()}
+    process, _, left = shared_noise(x, FS)
+    assert left is None and "gyro_x" in process.channels
+    assert process.N == pytest.approx(0.28 / np.sqrt(FS), rel=0.25)

@@ -28,8 +28,14 @@ STANDS, SHARE = 25.0, 0.3
 #: Ordinates about the common ratio in which a line is looked for, and share of the lines foreseen
 #: that have to be there.
 NEAR, LINES = 2, 0.5
-#: Confidence in a rate on which several lines agree.
-SURE = 0.95
+#: Confidence in a rate on which several lines agree; share by which stamps and the rate of a given
+#: model differ from which on it is told, at even odds, where no line says which is right: with its
+#: temperature a sensor's own clock moves less.
+SURE, CLOCKS, EVEN = 0.95, 5e-3, 0.5
+CAUSE = (
+    "The sampling clock is not what the file says: an oscillator off its nominal, a rate taken "
+    "from the data sheet."
+)
 WHY = (
     f"neither lines of the given model nor {LEAST} multiples of the mains are in the record, which "
     "would tell"
@@ -54,7 +60,7 @@ def paced(record: Record, model: Model | None) -> Pace:
     if not off:
         off, of = _of_mains(record), "of the mains"
     if not off:
-        return Pace(record, None, WHY)
+        return Pace(record, _of_stamps(record, model), WHY)
     ratio, resolution = float(np.median([r for r, _, _ in off])), min(s for _, s, _ in off)
     if abs(ratio - 1) < max(3 * resolution, MAINS_OFF if of == "of the mains" else 0.0):
         return Pace(record, None, None)
@@ -66,6 +72,20 @@ def paced(record: Record, model: Model | None) -> Pace:
         )
         return Pace(record, None, one)
     return Pace(_at(record, ratio), _step(ratio, resolution, len(off), of), None)
+
+
+def _of_stamps(record: Record, model: Model | None) -> Step | None:
+    """A step at even odds where the stamps tell another rate than the given model was made at."""
+    if model is None or not model.rate or not CLOCKS < abs(record.rate / model.rate - 1) < MOST:
+        return None
+    return detected(
+        "rate_error",
+        {"ratio": record.rate / model.rate},
+        f"timing: the record is at {record.rate:.5g} Hz, the given model at {model.rate:.5g} Hz; "
+        "no line of known frequency tells which of the two clocks is right",
+        EVEN,
+        cause=CAUSE,
+    )
 
 
 def _of_model(record: Record, model: Model) -> list[tuple[float, float, int]]:
@@ -193,7 +213,6 @@ def _step(ratio: float, resolution: float, count: int, of: str) -> Step:
         SURE,
         intervals={"ratio": [ratio - 2 * resolution, ratio + 2 * resolution]},
         rival="vibration",
-        cause="The sampling clock is not what the file says: an oscillator off its nominal, a "
-        "rate taken from the data sheet.",
+        cause=CAUSE,
         evidence=f"{count} lines {of}",
     )

@@ -18,8 +18,8 @@ from imu_lib.samples.innovations import trend
 ORDINATES, MOST = 500, 192
 #: log10 p below which what is left of the coherence is reported.
 LEFT = -6.0
-#: Share of the noise power of its channels from which on noise in common is told: less moves the
-#: density of none by one per cent, the second figure of a datasheet.
+#: Share of the noise power of its quietest channel from which on noise in common is told: less
+#: moves the density of none by one per cent, the second figure of a datasheet.
 SMALLEST = 0.02
 
 

@@ -86,7 +86,7 @@ def shared_noise(
     names, share = [seen.names[i] for i in members], _share(best)
     inside = [i in members for i in range(len(seen.names))]
     fall = None if place is behind else np.sqrt(seen.level / before.level)
-    if share < coherence.SMALLEST:
+    if _largest_share(best) < coherence.SMALLEST:
         bare = coherence.without(seen.matrix, density, inside, fall)
         return None, {}, coherence.left(bare, seen)
     spread = _spread(seen, best)
@@ -204,6 +204,12 @@ def _share(best: tuple[float, list[int], float, Place]) -> float:
     """Share of the noise power of the channels that they have in common, their mean."""
     _, members, density, place = best
     return float(density / np.exp(np.mean(np.log(np.mean(place.level[:, members], axis=0)))))
+
+
+def _largest_share(best: tuple[float, list[int], float, Place]) -> float:
+    """The same of the quietest of the channels."""
+    _, members, density, place = best
+    return float(density / np.min(np.mean(place.level[:, members], axis=0)))
 
 
 def _passed(low_pass: LowPass | None, f: Array, fs: float) -> Array:

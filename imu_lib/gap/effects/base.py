@@ -76,8 +76,8 @@ class Finding:
         The samples it touches.
     doubt : str, optional
         Why it may be something else.
-    blank, signal : dict, optional
-        Of the record: channel -> samples that tell nothing (n,), or what is taken out of it (n,).
+    signal : dict, optional
+        Of the record: channel -> what is taken out of it (n,).
     scale : ndarray, shape (n,), optional
         Of a channel: the level of the fast noise through the record, 1 on the whole or before.
     places : float
@@ -96,7 +96,6 @@ class Finding:
     intervals: dict[str, Any] = field(default_factory=dict)
     mask: np.ndarray | None = None
     doubt: str | None = None
-    blank: dict[str, Array] | None = None
     signal: dict[str, Array] | None = None
     scale: np.ndarray | None = None
     places: float = 1.0

@@ -102,7 +102,7 @@ def sentence(
         plain = f"{s.effect.replace('_', ' ')}{on}"
         if s.effect in LOST:
             parts.append(_lost(s))
-        elif s.confidence >= sure or where == "record":
+        elif s.confidence >= sure or where == "record" and s.effect != "rate_error":
             parts.append(plain if words is None else words(s.parameters, on) + _when(s))
         elif s.confidence >= LEAST:
             doubtful.append(plain + _otherwise(s))
