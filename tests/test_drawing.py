@@ -94,7 +94,7 @@ ON_RECORD = {
     "gyro_x": [
         {"process": "white_noise", "N": 1e-3},
         {"process": "random_walk", "K": 1e-4},
-        {"process": "heavy_tails", "freedom": 4.0},
+        {"process": "heavy_tails", "freedom": 6.0, "lean": 0.4},
         {"process": "wandering_level", "sd": 0.3, "correlation_time": 20.0},
         {"process": "spikes", "rate": 0.5, "scale": 0.1},
     ],

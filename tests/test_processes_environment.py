@@ -49,6 +49,36 @@ def test_a_vibration_has_its_power_at_its_frequency_on_each_channel(bandwidth):
     assert c[int(13.0 / FS * 1024)] > 0.95
 
 
+@pytest.mark.parametrize("bandwidth", [0.8, 6.0])
+def test_a_measured_profile_is_the_spectrum_of_a_line_and_of_a_band(bandwidth):
+    """A line keeps its amplitude, and its frequency takes its time; a band is normal noise."""
+    at, density = (11.0, 12.5, 13.5, 17.0), (0.0, 1.0, 0.4, 0.0)
+    v = vibration(bandwidth=bandwidth, profile_frequency=at, profile=density)
+    assert from_json(json.loads(json.dumps(v.to_json())), on_record=True) == v
+    x = v.on(200_000, FS, np.random.default_rng(5))["accel_z"]
+    f, p = welch(x, FS, nperseg=1024)
+    inside = (f > 11.2) & (f < 16.8)
+    expected = np.interp(f, at, density)
+    wrong = p[inside] / p.sum() - expected[inside] / expected.sum()
+    # 200 s have some 500 frequencies of the line, and 190 segments of the band
+    assert np.abs(wrong).max() < 0.15 * (expected / expected.sum()).max()
+    assert np.var(x) == pytest.approx(0.005, rel=0.05)
+    assert np.mean(x**4) / np.var(x) ** 2 == pytest.approx(3.0 if v.band else 1.5, abs=0.15)
+    with pytest.raises(InputError, match="must rise"):
+        vibration(profile_frequency=(2.0, 1.0), profile=(1.0, 1.0))
+
+
+def test_a_forest_of_lines_is_drawn_at_once():
+    rng = np.random.default_rng(6)
+    lines = np.sort(rng.choice(np.arange(1, 400), 60, replace=False)) / 10.0 + 0.013
+    v = vibration(harmonics=60, lines=tuple(lines), ratios=tuple(rng.uniform(0.2, 1.0, 60)))
+    x = v.on(3000, FS, rng)["gyro_x"]
+    shapes = np.exp(2j * np.pi * lines * np.arange(3000)[:, None] / FS)
+    found, *_ = np.linalg.lstsq(np.c_[shapes.real, shapes.imag], x, rcond=None)
+    # each is off by a sixteenth of an ordinate at the most, which turns it by an eighth of pi
+    assert np.hypot(*found.reshape(2, 60)) == pytest.approx(2e-3 * v.shape, rel=0.1)
+
+
 def test_harmonics_are_multiples_and_a_vibration_has_a_beginning_and_an_end():
     v = vibration(harmonics=3, start=20.0, stop=60.0, ratios=(1.0, 0.0, 0.5))
     x = v.on(10_000, FS, np.random.default_rng(2))["gyro_x"]
@@ -86,6 +116,21 @@ def test_heavy_tails_are_students_and_keep_the_spectrum():
     assert np.var(x) == pytest.approx(0.01, rel=0.05)  # its kurtosis is 9: 3 sd are 0.03
     with pytest.raises(InputError, match="above 2"):
         HeavyTails(2.0)
+
+
+@pytest.mark.parametrize("lean", [0.3, -0.6])
+def test_tails_that_lean_have_the_distribution_that_is_fitted(lean):
+    tails = HeavyTails(9.0, lean)
+    x = Sum((WhiteNoise(0.01),), (tails,)).simulate(100_000, FS, np.random.default_rng(7)) / 0.1
+    assert kstest(x, lambda u: np.exp(tails.log_tails(u)[0])).pvalue > 1e-3
+    assert np.mean(x) == pytest.approx(0.0, abs=0.015) and np.var(x) == pytest.approx(1.0, rel=0.05)
+    assert np.sign(np.mean(x**3)) == np.sign(lean)
+    u = np.linspace(-20, 20, 4001)
+    density = np.exp(tails.log_density(u))
+    below = np.cumsum(density) * (u[1] - u[0])
+    assert below == pytest.approx(np.exp(tails.log_tails(u)[0]), abs=0.01)
+    with pytest.raises(InputError, match="above 4"):
+        HeavyTails(3.0, lean)
 
 
 @pytest.mark.parametrize("low_pass", [LowPass(cutoff=25.0, order=2, rate=10 * FS), LowPass(taps=3)])

@@ -65,7 +65,8 @@ def _(process, model, n, fs, rng, folder, add):
 @_parts.register(Vibration)
 def _(process, model, n, fs, rng, folder, add):
     process._require()
-    whole = process.wander is not None  # one draw for all lines
+    # one draw for all lines
+    whole = process.wander is not None or process.profile is not None or process.forest
     whole |= process.band and (n % 2 or n <= CHUNK)  # the transform over the disk is even
     if whole:
         for channel, x in process.on(n, fs, rng).items():

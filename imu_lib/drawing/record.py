@@ -152,7 +152,7 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
         options = {"size": size, "temperature": temperature, "start": start, "folder": folder}
         drawn = chunks(term, total, rate, rng, **options)
         if tailed:
-            drawn = _scaled(sum_.tails, drawn, total, rng, folder)
+            drawn = _tailed(sum_.tails, drawn, total, term.N * np.sqrt(rate), rng, folder)
         at = 0
         for x in drawn:
             part.write(at, x if first else part.read(at, at + x.size) + x)
@@ -160,14 +160,16 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
     return _behind(sum_, parts, n, total, fs, rng, size, common, folder)
 
 
-def _scaled(tails, pieces, total, rng, folder):
-    """White noise with heavy tails: its samples are all drawn before their scales."""
+def _tailed(tails, pieces, total, sd, rng, folder):
+    """White noise of standard deviation `sd` with heavy tails: its samples are all drawn before
+    their scales.
+    """
     held, at = Scratch(total, folder=folder), 0
     for x in pieces:
         held.write(at, x)
         at += x.size
     for low, high in bounds(total):
-        yield held.read(low, high) * tails.scales(high - low, rng)
+        yield tails.given(held.read(low, high), sd, rng)
 
 
 def _add_tailed(parts, term, sum_, n, fs, rng, size, folder):
@@ -177,7 +179,7 @@ def _add_tailed(parts, term, sum_, n, fs, rng, size, folder):
     reach, at = len(folded.response(sum_.low_pass, fs)) - 1, 0
     drawn = chunks(term, n + reach, fs, rng, size=size)
     known = np.zeros(0)
-    for x in _scaled(sum_.tails, drawn, n + reach, rng, folder):
+    for x in _tailed(sum_.tails, drawn, n + reach, term.N * np.sqrt(fs), rng, folder):
         known = np.concatenate([known, x])
         if len(known) > reach:
             y = folded.behind(known, sum_.low_pass, fs)

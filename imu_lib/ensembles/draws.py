@@ -54,7 +54,8 @@ class Draws:
             unit = term.with_(**{amplitude: 1.0})
             part = quick if term.fast else slow
             if tails is not None and isinstance(term, WhiteNoise):
-                one = self.unit(unit, count, None) * tails.scales(self.n, self.rng("tails"))
+                bare, sd = self.unit(unit, count, None), float(np.sqrt(self.fs))
+                one = tails.given(bare, sd, self.rng("tails"))
                 one = one if low_pass is None else _behind(one, low_pass, self.fs)
             else:
                 one = self.unit(unit, count, low_pass)

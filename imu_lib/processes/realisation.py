@@ -75,15 +75,16 @@ def of(
     for term in model.terms:
         if term is model.rounding:
             continue
-        tails = model.tails if isinstance(term, WhiteNoise) else None
+        tails, density = (model.tails, term.N) if isinstance(term, WhiteNoise) else (None, 0.0)
         if tails is not None and low_pass is not None:
             longer = n + len(folded.response(low_pass, fs)) - 1
             drawn = term.simulate(longer, fs, rng)
-            of_record += folded.behind(drawn * tails.scales(longer, rng), low_pass, fs)
+            tailed = tails.given(drawn, density * np.sqrt(fs), rng)
+            of_record += folded.behind(tailed, low_pass, fs)
             continue
         part = quick if term.fast else slow
         drawn = term.simulate(size, rate, rng, temperature=temperature, start=start)
-        part += drawn if tails is None else drawn * tails.scales(size, rng)
+        part += drawn if tails is None else tails.given(drawn, density * np.sqrt(rate), rng)
     if low_pass is not None:
         slow, quick = (low_pass.run(x, fs, n, fine) for x in (slow, quick))
     return behind(model, slow, quick + of_record, fs, rng, common=common)

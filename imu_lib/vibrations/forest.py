@@ -16,7 +16,7 @@ from imu_lib.arrays import Array
 from imu_lib.likelihood.tapered import taper
 
 #: Lines from which on it is a forest, and those that a finding lists.
-MANY, LISTED = 40, 400
+MANY, LISTED = 40, 2000
 #: Parts of the spectrum, and those that have to have lines.
 PARTS, SPREAD = 64, 16
 #: Ordinates in a block whose median tells the level, and ordinates on each side of a line that are

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import gammaln, ndtri
+from scipy.special import gammaln, ndtri, ndtri_exp
 from scipy.stats import t as student
 
 from imu_lib.arrays import Array
 from imu_lib.processes import HeavyTails as Stage
 from imu_lib.samples import two_noises
 from imu_lib.samples.innovations import whitened
+from imu_lib.samples.leaning import leaning
 from imu_lib.samples.uneven import uneven
 
 from .base import ChannelEffect, ChannelView, Finding
@@ -65,6 +66,22 @@ def fitted(y: Array) -> tuple[float, float, float, float]:
     return float(normal - best.fun), float(freedom), float(np.exp(best.x[1])), float(sd)
 
 
+def _likeliest(y: Array, independent: float) -> tuple[float, Stage, dict[str, list[float]]]:
+    """(gain over a normal distribution, the tails, intervals of their parameters) of samples `y`
+    (n,), a share of which is `independent`.
+    """
+    gain, freedom, _, sd = fitted(y - np.mean(y))
+    tails, intervals = Stage(freedom=freedom), {}
+    leans = leaning(y, freedom)
+    if leans is not None and leans[0] * independent > GAIN:
+        more, tails, spread = leans
+        gain, lean = gain + more, float(tails.lean or 0.0)
+        intervals["lean"] = [lean - 1.96 * spread, lean + 1.96 * spread]
+    reach = np.exp(1.96 * sd)
+    intervals["freedom"] = [tails.freedom / reach, tails.freedom * reach]
+    return gain * independent, tails, intervals
+
+
 class HeavyTails(ChannelEffect):
     name = "heavy_tails"
     cause = (
@@ -87,21 +104,22 @@ class HeavyTails(ChannelEffect):
         ):  # each level spread over its own width, which makes tails the lighter
             rng = np.random.default_rng(len(y))
             y = whitened(view.x + grid[0] * (rng.random(len(y)) - 0.5), view.smooth)
-        gain, freedom, _, sd = fitted(y - np.mean(y))
-        gain *= independent
+        gain, tails, intervals = _likeliest(y, independent)
+        freedom = tails.freedom
         if gain < GAIN or freedom > MOST:
             return []
         if freedom > BENT and grid is not None:
             if uneven(view.raw[~np.isnan(view.raw)], *grid) is not None:
                 return []  # the converter's own steps bend the distribution as much
         u = (y - np.mean(y)) / np.std(y)
+        lean = f", {np.count_nonzero(u > 4)} of them above" if tails.lean else ""
         found = Finding(
             self,
-            Stage(freedom=freedom),
+            tails,
             gain,
             f"distribution of the innovations: {np.count_nonzero(np.abs(u) > 4)} of {len(u)} "
-            f"beyond four standard deviations, where normal noise has {6.3e-5 * len(u):.1f}",
-            {"freedom": [freedom * np.exp(-1.96 * sd), freedom * np.exp(1.96 * sd)]},
+            f"beyond four standard deviations{lean}, where normal noise has {6.3e-5 * len(u):.1f}",
+            intervals,
         )
         if freedom < LEAST:
             found.doubt = two_noises.sentence(y, view.fs) or (
@@ -116,7 +134,13 @@ class HeavyTails(ChannelEffect):
 
     def normal(self, y: Array, finding: Finding) -> Array:
         freedom = finding.process.freedom
-        u = (y - np.mean(y)) / np.std(y) * np.sqrt(freedom / (freedom - 2.0))
+        u = (y - np.mean(y)) / np.std(y)
+        if finding.process.lean:
+            grid = np.linspace(u.min(), u.max(), 4000)
+            below, above = finding.process.log_tails(grid)
+            z = np.where(below < above, ndtri_exp(below), -ndtri_exp(above))
+            return np.interp(u, grid, z)
+        u = u * np.sqrt(freedom / (freedom - 2.0))
         return np.sign(u) * -ndtri(np.maximum(student.sf(np.abs(u), freedom), 1e-300))
 
 

@@ -14,7 +14,7 @@ from imu_lib.processes import Sinusoid as Line
 from imu_lib.processes import Vibration as Process
 from imu_lib.samples.imputation import first_fill
 from imu_lib.samples.innovations import trend
-from imu_lib.vibrations import coherent_band, forest, narrow_band
+from imu_lib.vibrations import coherent_band, excess, forest, narrow_band
 from imu_lib.vibrations.band_removal import quietened
 from imu_lib.vibrations.behaviour import BREATHES, BURSTS, SWEEPS, half_in
 from imu_lib.vibrations.building import apart, of_building
@@ -91,7 +91,10 @@ class Vibration(Effect):
         shakes = _with_bands(shakes, quick, fs)
         out = []
         for shake in shakes:
+            before = {name: filled[name] for name in shake.process.channels}
             _taken_out(shake, filled, fs, rng)
+            if shake.bands:
+                shake.process = excess.measured(shake.process, before, filled, fs)
             item = Finding(self, shake.process, shake.gain, shake.where, shake.intervals)
             item.places, item.signal, item.bands = looked_at, shake.signal, shake.bands
             item.doubt = shake.doubt or None
@@ -243,11 +246,13 @@ def _felled(filled: dict[str, Array], fs: float, rng: np.random.Generator) -> Sh
     trees = forest.forest(quick, fs, least=LOWEST * fs / block)
     if trees is None:
         return None
-    signal = {}
+    before, signal = {name: filled[name] for name in trees.channels}, {}
     for name in trees.channels:
         signal[name] = quick[name] - forest.felled(quick[name], trees, rng)
         filled[name] = filled[name] - signal[name]
-    return of_forest(trees, signal, n / fs)
+    shake = of_forest(trees, signal, n / fs)
+    shake.process = excess.measured(shake.process, before, filled, fs)
+    return shake
 
 
 def _taken_out(shake: Shake, filled: dict[str, Array], fs: float, rng: np.random.Generator) -> None:

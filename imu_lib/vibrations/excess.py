@@ -1,0 +1,144 @@
+"""A vibration as the record has it: the power that was taken out of its channels, the shape of its
+spectrum and the bursts in which it comes, from the channels before and after.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from imu_lib.arrays import Array
+from imu_lib.vibrations.band_removal import segment_length
+from imu_lib.processes import Vibration
+
+#: Points of a profile, and density over the largest that is none: what was not taken out.
+POINTS, FAINT = 32, 1e-3
+#: Segments from which on the shape of a spectrum is more than chance.
+SEGMENTS = 16
+#: Samples of a band in a block, blocks, and the standard deviation of the logarithm of its
+#: amplitude and its size over chance, from which on a band comes in bursts.
+SAMPLES, BLOCKS, LITTLE, CHANCE = 6, 24, 0.15, 4.0
+#: Standard deviation of the logarithm of an amplitude at the most: rarer bursts are events.
+MOST = 1.2
+
+
+def measured(
+    p: Vibration, before: dict[str, Array], after: dict[str, Array], fs: float
+) -> Vibration:
+    """The vibration `p` with the amplitudes, the profile and the bursts that its channels tell:
+    name -> (n,) before it was taken out, and after.
+
+    A steady line stays what it is: its amplitude was fitted in a band as narrow as itself.
+    """
+    if p.forest:
+        return _of_power(p, before, after)
+    if p.bandwidth <= 0:
+        return p
+    n = len(next(iter(before.values())))
+    on = slice(int((p.start or 0.0) * fs), n if p.stop is None else int(p.stop * fs))
+    spectra = {c: _Excess(before[c][on], after[c][on], p.bandwidth, fs) for c in p.channels}
+    power = {c: s.power for c, s in spectra.items()}
+    if min(power.values()) <= 0:
+        return p
+    p = p.with_(amplitude=tuple(float(np.sqrt(2 * power[c])) for c in p.channels))
+    if p.harmonics > 1:
+        return p
+    shape: Array = np.sum([s.density / power[c] for c, s in spectra.items()], axis=0)
+    some = next(iter(spectra.values()))
+    p = p.with_(**_profile(some.f, shape)) if some.segments >= SEGMENTS else p
+    if p.band and p.start is None:
+        best = max(spectra.values(), key=lambda s: s.strength)
+        p = p.with_(**_bursts(best.x, best.calm, p, fs))
+    return p
+
+
+def _of_power(p: Vibration, before: dict[str, Array], after: dict[str, Array]) -> Vibration:
+    """A forest of lines with the power of all of them, those too that are not listed."""
+    listed = 0.5 * float(np.sum(p.shape**2))
+    power = [max(float(np.var(before[c]) - np.var(after[c])), 0.0) / listed for c in p.channels]
+    return p.with_(
+        amplitude=tuple(float(np.sqrt(v)) or a for v, a in zip(power, p.amplitude, strict=True))
+    )
+
+
+class _Excess:
+    """Density by which a channel `x` (n,) was louder than it is `calm`, one-sided, at `f` Hz."""
+
+    def __init__(self, x: Array, calm: Array, width: float, fs: float):
+        self.x, self.calm = x, calm
+        m = min(segment_length(len(x), fs, width), len(x))
+        window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
+        self.f = np.arange(m // 2 + 1) * fs / m
+        loud, quiet = (_power(v, window) for v in (x, calm))
+        self.density = (loud - quiet) * 2.0 / (fs * np.sum(window**2))
+        self.density[0] = 0.0
+        self.segments = 2 * len(x) // m - 1
+        self.power = float(np.sum(self.density) * self.f[1])
+        self.strength = float(np.max(loud / np.maximum(quiet, 1e-300)))
+
+
+def _power(x: Array, window: Array) -> np.ndarray:
+    """Mean power of half-overlapping segments, shape (ordinates,)."""
+    m = len(window)
+    parts = np.lib.stride_tricks.sliding_window_view(x, m)[:: max(m // 2, 1)]
+    total, step = np.zeros(m // 2 + 1), max(1, 2**22 // m)
+    for i in range(0, len(parts), step):
+        part = parts[i : i + step]
+        z = np.fft.rfft((part - part.mean(axis=1, keepdims=True)) * window, axis=1)
+        total += np.sum(z.real**2 + z.imag**2, axis=0)
+    return np.asarray(total / len(parts))
+
+
+def _profile(f: Array, density: Array) -> dict[str, Any]:
+    """Fields of a vibration of this density (ordinates,): its means over classes, half of which
+    are even in frequency and half in power, so that they are narrow where it is high.
+    """
+    there = np.flatnonzero(np.abs(density) > FAINT * np.max(density))
+    if len(there) < 6:
+        return {}
+    a, b = int(there[0]), int(there[-1]) + 1
+    share = np.cumsum(np.maximum(density[a:b], 0.0))
+    even = np.linspace(a, b, POINTS // 2)
+    of_power = a + np.interp(np.linspace(0, share[-1], POINTS // 2), share, np.arange(b - a))
+    edge = np.unique(np.rint(np.r_[even, of_power]).astype(int))
+    middle = [f[i:j].mean() for i, j in zip(edge[:-1], edge[1:])]
+    value: Array = np.array([density[i:j].mean() for i, j in zip(edge[:-1], edge[1:])]).clip(0.0)
+    at = np.r_[f[a] - 0.5 * f[1], middle, f[b - 1] + 0.5 * f[1]]
+    return {
+        "profile_frequency": tuple(float(v) for v in np.round(at, 6)),
+        "profile": (0.0, *(round(float(v), 4) for v in value / value.max()), 0.0),
+    }
+
+
+def _bursts(x: Array, calm: Array, p: Vibration, fs: float) -> dict[str, Any]:
+    """Fields of a band whose amplitude wanders, of a channel (n,) with and without it."""
+    assert p.profile_frequency is not None or p.bandwidth > 0
+    low, high = p.frequency - p.bandwidth / 2, p.frequency + p.bandwidth / 2
+    size = int(np.ceil(SAMPLES * fs / (high - low)))
+    count = len(x) // size
+    if count < BLOCKS:
+        return {}
+    loud, quiet = (_blocks(v, fs, low, high, size) for v in (x, calm))
+    excess, samples = loud - quiet, SAMPLES
+    mean = float(excess.mean())
+    chance = float(np.mean(loud**2 + quiet**2)) / (samples + 1)
+    varies = float(np.var(excess)) - chance
+    # of the scatter of so many blocks by chance
+    if mean <= 0 or varies < CHANCE * chance * np.sqrt(2.0 / count):
+        return {}
+    sd = min(0.5 * np.sqrt(np.log1p(varies / mean**2)), MOST)
+    if sd < LITTLE:
+        return {}
+    z = excess - mean
+    lagged = np.correlate(z, z, "full")[count - 1 :] / count
+    below = np.flatnonzero(lagged[1:] < np.exp(-1.0) * varies)
+    lag = (int(below[0]) if len(below) else count) + 0.5
+    return {"wander": round(float(sd), 4), "wander_time": round(float(lag * size / fs), 4)}
+
+
+def _blocks(x: Array, fs: float, low: float, high: float, size: int) -> np.ndarray:
+    """Mean power of a band in blocks of `size` samples."""
+    f = np.fft.rfftfreq(len(x), 1.0 / fs)
+    band = np.fft.irfft(np.where((f >= low) & (f <= high), np.fft.rfft(x), 0.0), len(x))
+    return np.asarray((band[: len(x) // size * size].reshape(-1, size) ** 2).mean(axis=1))
