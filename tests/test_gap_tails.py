@@ -4,12 +4,14 @@ like either.
 
 import numpy as np
 import pytest
+from gap_unknowns import unknown
 from scipy import signal
 
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.effects.noise_level_change import unsteady
 from imu_lib.gap.effects.wandering_level import PERIODIC, SPREAD, Level
-from imu_lib.processes import Sum, WhiteNoise
+from imu_lib.processes import HeavyTails, Sum, WhiteNoise
+from imu_lib.samples.leaning import leaning
 
 FS, N = 100.0, 60_000
 BASE = Sum((WhiteNoise(N=1e-4),))
@@ -151,3 +153,13 @@ def test_noise_that_grows_all_along_is_a_change_with_a_duration():
     assert p["ratio"] == pytest.approx(2.5, rel=0.05)
     assert p["time"] + p["duration"] == pytest.approx(N / FS, rel=0.05)
     assert "the noise grows from" in step.where and found.unexplained is None
+
+
+def test_tails_longer_to_one_side_are_leaning_ones_and_clicks_and_a_bent_scale_are_not():
+    tails = HeavyTails(12.0, 0.3)
+    x = tails.given(np.random.default_rng(5).standard_normal(40_000), 1.0, np.random.default_rng(6))
+    gain, found, sd = leaning(x, 12.0)
+    assert gain > 20 and abs(found.lean - 0.3) < 4 * sd < 0.2
+    for strange in ("bent", "clicks"):
+        y = np.random.default_rng(7).standard_normal(40_000)
+        assert leaning(unknown(strange, y, 100.0, np.random.default_rng(8), 1.0), 12.0) is None

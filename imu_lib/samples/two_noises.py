@@ -11,6 +11,11 @@ from imu_lib.units import duration
 CLASSES, FURTHEST, ROUNDS = 400, 40.0, 60
 #: Share of the samples and ratio of the two that are worth telling.
 SHARE, RATIO = 0.005, 1.7
+#: Blocks of the record, those in a row that are quiet at the least, their share of the loud samples
+#: over that of all, and loud samples that chance would put there.
+BLOCKS, ROW, QUIET, EXPECTED = 24, 3, 0.35, 20.0
+#: Standard deviations of the quiet noise beyond which a sample is counted as loud.
+FAR = 3.5
 #: Lags, samples, at which the sizes of neighbours are compared.
 LAGS = np.unique(np.geomspace(1, 2000, 25).astype(int))
 
@@ -28,8 +33,26 @@ def sentence(y: Array, fs: float) -> str | None:
     )
     return (
         f"distribution of the innovations: two noises take turns; in {100 * share:.2g} % of the "
-        f"samples the scatter is {ratio:.2g} times that of the others, {how}"
+        f"samples the scatter is {ratio:.2g} times that of the others, {how}{_rest(y, fs)}"
     )
+
+
+def _rest(y: Array, fs: float) -> str:
+    """Words for when the loud noise (of innovations `y` (n,) at `fs` Hz) is not there."""
+    size = len(y) // BLOCKS
+    u = np.abs(y - np.median(y))
+    far = u > FAR * 1.4826 * float(np.median(u))
+    count = far[: size * BLOCKS].reshape(BLOCKS, size).sum(axis=1)
+    quiet = count < QUIET * count.mean()
+    step = np.diff(np.concatenate([[0], quiet.astype(np.int8), [0]]))
+    start, stop = np.flatnonzero(step == 1), np.flatnonzero(step == -1)
+    if not len(start):
+        return ""
+    k = int(np.argmax(stop - start))
+    a, b = int(start[k]), int(stop[k])
+    if b - a < ROW or (b - a) * count.mean() < EXPECTED:
+        return ""
+    return f", hardly ever from {a * size / fs:.0f} to {b * size / fs:.0f} s"
 
 
 def two_sizes(y: Array) -> tuple[float, float]:

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.vibrations.band_removal import segment_length
 from imu_lib.processes import Vibration
+from imu_lib.vibrations.band_removal import segment_length
+from imu_lib.vibrations.behaviour import BURSTS, half_in
 
 #: Points of a profile, and density over the largest that is none: what was not taken out.
 POINTS, FAINT = 32, 1e-3
@@ -103,11 +104,11 @@ def _profile(f: Array, density: Array) -> dict[str, Any]:
     of_power = a + np.interp(np.linspace(0, share[-1], POINTS // 2), share, np.arange(b - a))
     edge = np.unique(np.rint(np.r_[even, of_power]).astype(int))
     middle = [f[i:j].mean() for i, j in zip(edge[:-1], edge[1:])]
-    value: Array = np.array([density[i:j].mean() for i, j in zip(edge[:-1], edge[1:])]).clip(0.0)
-    at = np.r_[f[a] - 0.5 * f[1], middle, f[b - 1] + 0.5 * f[1]]
+    value = [max(float(density[i:j].mean()), 0.0) for i, j in zip(edge[:-1], edge[1:])]
+    at = [f[a] - 0.5 * f[1], *middle, f[b - 1] + 0.5 * f[1]]
     return {
-        "profile_frequency": tuple(float(v) for v in np.round(at, 6)),
-        "profile": (0.0, *(round(float(v), 4) for v in value / value.max()), 0.0),
+        "profile_frequency": tuple(round(float(v), 6) for v in at),
+        "profile": (0.0, *(round(v / max(value), 4) for v in value), 0.0),
     }
 
 
@@ -142,3 +143,18 @@ def _blocks(x: Array, fs: float, low: float, high: float, size: int) -> np.ndarr
     f = np.fft.rfftfreq(len(x), 1.0 / fs)
     band = np.fft.irfft(np.where((f >= low) & (f <= high), np.fft.rfft(x), 0.0), len(x))
     return np.asarray((band[: len(x) // size * size].reshape(-1, size) ** 2).mean(axis=1))
+
+
+def in_bursts(p: Vibration, quick: dict[str, Array], fs: float) -> str:
+    """Words for a wide band whose power comes in bursts, as of steps on a floor."""
+    if not p.band or p.start is not None:
+        return ""
+    name = max(p.channels, key=lambda c: loudness(p, c, quick))
+    half = p.bandwidth / 2
+    share = half_in(quick[name], fs, p.frequency - half, p.frequency + half)
+    return f"in bursts, half of it in {100 * share:.2g} % of the time" if share < BURSTS else ""
+
+
+def loudness(p: Vibration, channel: str, quick: dict[str, Array]) -> float:
+    """Amplitude over the scatter of the channel."""
+    return p.amplitude[p.channels.index(channel)] / float(np.std(quick[channel]))

@@ -16,7 +16,7 @@ from imu_lib.samples.imputation import first_fill
 from imu_lib.samples.innovations import trend
 from imu_lib.vibrations import coherent_band, excess, forest, narrow_band
 from imu_lib.vibrations.band_removal import quietened
-from imu_lib.vibrations.behaviour import BREATHES, BURSTS, SWEEPS, half_in
+from imu_lib.vibrations.behaviour import BREATHES, SWEEPS
 from imu_lib.vibrations.building import apart, of_building
 from imu_lib.vibrations.entries import Shake, of_band, of_family, of_forest, of_tone
 from imu_lib.vibrations.families import folds, grouped
@@ -98,7 +98,7 @@ class Vibration(Effect):
             item = Finding(self, shake.process, shake.gain, shake.where, shake.intervals)
             item.places, item.signal, item.bands = looked_at, shake.signal, shake.bands
             item.doubt = shake.doubt or None
-            item.evidence = _in_bursts(shake.process, quick, fs)
+            item.evidence = excess.in_bursts(shake.process, quick, fs)
             item.held = any(_alike(item.process, p) for p in _held(given))
             out.append(item)
         return out
@@ -176,21 +176,6 @@ VIBRATION = Vibration()
 EFFECTS = (VIBRATION,)
 
 
-def _in_bursts(p: Process, quick: dict[str, Array], fs: float) -> str:
-    """Words for a wide band whose power comes in bursts, as of steps on a floor."""
-    if not p.band or p.start is not None:
-        return ""
-    name = max(p.channels, key=lambda c: _loudness(p, c, quick))
-    half = p.bandwidth / 2
-    share = half_in(quick[name], fs, p.frequency - half, p.frequency + half)
-    return f"in bursts, half of it in {100 * share:.2g} % of the time" if share < BURSTS else ""
-
-
-def _loudness(p: Process, channel: str, quick: dict[str, Array]) -> float:
-    """Amplitude over the scatter of the channel."""
-    return p.amplitude[p.channels.index(channel)] / float(np.std(quick[channel]))
-
-
 def _with_bands(shakes: list[Shake], quick: dict[str, Array], fs: float) -> list[Shake]:
     """Lines and, in place of the wide ones that lie in them, bands that channels share."""
     lines = [
@@ -207,7 +192,7 @@ def _matters(p: Process, quick: dict[str, Array]) -> bool:
     """Whether a band has a share of the power of any of its channels that a figure would show: what
     leaks into the stop band of a filter is alike on all of them.
     """
-    return any(_loudness(p, c, quick) ** 2 / 2 > FAINT for c in p.channels)
+    return any(excess.loudness(p, c, quick) ** 2 / 2 > FAINT for c in p.channels)
 
 
 def _skirt(band: Shake, line: Shake) -> bool:
