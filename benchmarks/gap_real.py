@@ -100,28 +100,40 @@ def run(name: str, data: Path, simulations: int) -> dict:
     }
 
 
-def again(data: Path, channel: str = "gyro_x", simulations: int = 20) -> list[dict]:
+#: Channels of the sensor whose records are compared: one of each filter, one that a fan shakes.
+AGAIN = ("gyro_x", "gyro_z", "accel_x")
+
+
+def again(data: Path, simulations: int = 20) -> list[dict]:
     """What a second and a third record of one sensor have beyond the model grown on the first."""
     first, *others = (opened(data, f"adis16405_{k}", continuous=True) for k in (1, 2, 3))
-    known = {"channels": [channel], "jobs": 1}
+    known = {"channels": list(AGAIN), "jobs": 1}
     unit = close(first, simulations=0, **known)
-    out = [
-        {"record": "adis16405_1", "steps": [s.effect for s in unit.channels[channel].result.steps]}
-    ]
+    out = [{"record": "adis16405_1", **_beyond(unit)}]
     for k, other in zip((2, 3), others):
-        bare = close(other, unit.base, simulations=simulations, **known).channels[channel]
-        day = close(other, unit.model, simulations=simulations, **known).channels[channel]
-        out.append(
-            {
-                "record": f"adis16405_{k}",
-                "sensor_and_day": round(bare.before.value, 3),
-                "day": round(day.before.value, 3),
-                "left": round(day.after.value, 3),
-                "steps": [s.effect for s in day.result.steps],
+        bare = close(other, unit.base, simulations=simulations, **known)
+        day = close(other, unit.model, simulations=simulations, **known)
+        index = {
+            c: {
+                "sensor_and_day": round(bare.channels[c].before.value, 3),
+                "day": round(day.channels[c].before.value, 3),
+                "left": round(day.channels[c].after.value, 3),
             }
-        )
+            for c in AGAIN
+        }
+        out.append({"record": f"adis16405_{k}", "index": index, **_beyond(day)})
         print(out[-1], flush=True)
     return out
+
+
+def _beyond(found) -> dict:
+    """What was found beyond a model, on the channels and on the record."""
+    return {
+        "steps": {c: [s.effect for s in r.result.steps] for c, r in found.channels.items()},
+        "on_record": [
+            [s.effect, s.where, s.parameters.get("channels")] for s in found.record_steps
+        ],
+    }
 
 
 #: Channel of each record whose picture is stored.
