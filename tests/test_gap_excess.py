@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imu_lib.gap.effects.vibration import VIBRATION
-from imu_lib.gap.shaken import RecordView
+from imu_lib.gap.record_vibrations import RecordView
 from imu_lib.processes import Vibration
 
 FS, N = 100.0, 30_000
@@ -52,3 +52,22 @@ def test_steps_on_a_floor_come_in_bursts():
     # the fourth moment of a lognormal amplitude is that of the bursts, within the scatter of 30
     assert 3.0 * np.exp(4 * p.wander**2) == pytest.approx(3.0 / 0.1, rel=0.5)
     assert 0.2 < p.wander_time < 1.5
+
+
+def test_a_line_in_the_skirt_of_one_that_wanders_is_left_where_it_is():
+    """Its power beside what is taken out for the wandering one is what it was."""
+    rng = np.random.default_rng(4)
+    t = np.arange(N) / FS
+    wander = 0.5 * np.interp(t, np.arange(301), rng.standard_normal(301))
+    races = 6.0 * np.maximum(1.0 - np.abs(t % 10.0 - 5.0), 0.0)
+    x = shaken(20.0 + wander + races, 1.5, rng)
+    line = 0.2 * np.cos(2 * np.pi * 23.037 * t)
+    x["gyro_x"] = x["gyro_x"] + line
+    view = RecordView(None, x, FS, None, None)
+    item = max(VIBRATION.candidates(view), key=lambda item: item.gain)
+    wave = np.exp(-2j * np.pi * 23.037 * t)
+    taken = abs(np.mean(item.signal["gyro_x"] * wave))
+    assert (
+        taken < 0.3 * abs(np.mean(x["gyro_x"] * wave))
+        and max(item.process.profile_frequency) > 23.5
+    )

@@ -7,14 +7,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from imu_lib.arrays import Array
+from imu_lib.likelihood.tapered import taper
+from imu_lib.vibrations.band_removal import segment_length
 
 #: Ordinates in a band, widths of the band that a skirt may reach on each side, and widths beyond
 #: that tell the level.
 ORDINATES, REACH, BESIDE = 8, 3.0, 1.5
 #: Power over the level down to which it is a skirt, or that over chance in standard deviations.
 LEAST, CHANCE = 1.08, 3.0
+#: Ordinates of the record on each side of a line that are its own; those of the segments that are
+#: spared there; those of the record whose median tells the level around it; and the logarithm of
+#: the probability, all ordinates of the skirt taken together, from which on it is a line.
+BESIDE_LINE, SPARED, AROUND, STANDS_OUT = 6, 3, 257, 12.0
 
 
 def widened(
@@ -26,10 +33,44 @@ def widened(
     stop: float | None = None,
 ) -> list[tuple[float, float]]:
     """Bands (low, high) in Hz of a channel `x` (n,) with the skirts of each, as there are between
-    `start` and `stop` s.
+    `start` and `stop` s; a line that stands in a skirt has another cause, and is left where it is.
     """
     part = x[int(start * fs) : None if stop is None else int(stop * fs)]
-    return [_widened(part, fs, *band) for band in bands]
+    out = []
+    for low, high in bands:
+        wide = _widened(part, fs, low, high)
+        # as far as the segments in which the band is taken out tell them apart
+        spared = SPARED * fs / segment_length(len(x), fs, wide[1] - wide[0])
+        out += _around(_lines(part, fs, (wide[0], low), (high, wide[1])), wide, spared)
+    return out
+
+
+def _lines(x: Array, fs: float, *skirts: tuple[float, float]) -> list[float]:
+    """Frequencies in Hz that stand out of the skirts (low, high) of a band."""
+    step, found = fs / len(x), []
+    power = np.abs(np.fft.rfft(taper(len(x)) * (x - np.mean(x)))) ** 2
+    for low, high in skirts:
+        a, b = int(np.ceil(low / step)) + BESIDE_LINE, int(high / step) - BESIDE_LINE
+        if b - a < 8 * BESIDE_LINE:
+            continue
+        level = median_filter(power[a:b], min(AROUND, b - a), mode="nearest") / np.log(2)
+        over = power[a:b] / np.maximum(level, 1e-300)
+        at = np.flatnonzero(over > np.log(b - a) + STANDS_OUT)
+        found += [float((a + k) * step) for k in at]
+    return found
+
+
+def _around(
+    lines: list[float], band: tuple[float, float], spared: float
+) -> list[tuple[float, float]]:
+    """What is left of a band without `spared` Hz on either side of the lines in it."""
+    low, high = band
+    out = []
+    for f in sorted(lines):
+        if f - spared > low:
+            out.append((low, f - spared))
+        low = max(low, f + spared)
+    return [*out, (low, high)] if high > low else out
 
 
 def _widened(x: Array, fs: float, low: float, high: float) -> tuple[float, float]:
