@@ -68,7 +68,7 @@ COUNTED: dict[tuple[str, str], tuple[int, int]] = {
 }
 #: Effects that may stand for noise which channels have in common.
 NOISES = (*(e.name for e in SPECTRAL), ParameterChange.name)
-#: Findings below which a share is no more than even.
+#: Findings below which nothing is known: as likely right as wrong.
 FEW = 5
 
 
@@ -120,8 +120,7 @@ def on_record(results: dict[str, ChannelResult], left: str | None) -> dict[str, 
 
 
 def share(effect: str, kind: str) -> float:
-    """Laplace's rule of succession, no more than even where few were counted."""
+    """Laplace's rule of succession, even where few were counted."""
     counts = [COUNTED.get((effect, of), (0, 0)) for of in (kind, "any")]
     found, right = (sum(n) for n in zip(*counts))
-    share = (right + 1) / (found + 2)
-    return share if found >= FEW else min(share, 0.5)
+    return (right + 1) / (found + 2) if found >= FEW else 0.5

@@ -12,8 +12,8 @@ from scipy.stats import gamma, spearmanr
 from imu_lib.arrays import Array
 from imu_lib.processes import WanderingLevel as Stage
 
-from .base import ChannelEffect, ChannelView, Finding
-from .noise_level_change import unsteady
+from .base import ChannelEffect, ChannelView, Effect, Finding
+from .noise_level_change import SMALL, SMALL_SURE, unsteady
 
 #: Blocks whose energies are looked at, and samples in a block at the least.
 BLOCKS, SHORTEST = 600, 24
@@ -146,6 +146,10 @@ class WanderingLevel(ChannelEffect):
         "supply or a temperature moves the gain."
     )
     domain = "stationarity"
+
+    def most_sure(self, parameters: dict[str, Any], beside: list[Effect], shared: float) -> float:
+        # what surrounds a sensor changes the level of its noise by as much
+        return SMALL_SURE if parameters["sd"] < SMALL else 1.0
 
     def candidates(self, view: ChannelView) -> list[Finding]:
         y, independent = view.y, view.smooth.independent
