@@ -10,6 +10,7 @@ from imu_lib.ensembles.ensemble import draw, index
 from imu_lib.gap.channel import _doubtful
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects import CATALOGUE
+from imu_lib.gap.preprocess import OfRecord
 from imu_lib.gap.steps import Step
 from imu_lib.likelihood import Statistics, density, tapered
 from imu_lib.likelihood.evidence import maximum
@@ -205,16 +206,18 @@ def test_what_the_make_of_another_effect_explains_has_no_high_confidence():
         return Step(effect, parameters, {}, "", 1.0, {}, [])
 
     slope = [step("low_pass", cutoff=10.0), step("quantization", Q=1e-5)]
-    assert [s.confidence < 0.9 for s in _doubtful(slope, 0.0)] == [False, True]
+    (shaken,) = _doubtful([step("autoregressive", phi=[0.27, -0.41])], OfRecord(band=True))
+    assert shaken.confidence == 0.5 and shaken.indistinguishable == ["vibration"]
+    assert [s.confidence < 0.9 for s in _doubtful(slope, OfRecord())] == [False, True]
     change = step(
         "parameter_change", process="white_noise", name="N", **{"from": 1.0e-3, "to": 0.99e-3}
     )
-    assert _doubtful([change], 0.0)[0].confidence == 1.0
+    assert _doubtful([change], OfRecord())[0].confidence == 1.0
     assert (
-        _doubtful([change], 1e-3)[0].confidence < 0.9
+        _doubtful([change], OfRecord(1e-3))[0].confidence < 0.9
     )  # 2 % of the density of the noise in common
     assert (
-        _doubtful([step("resolution", lsb=1e-3), step("quantization", Q=1e-5), change], 0.0)[
+        _doubtful([step("resolution", lsb=1e-3), step("quantization", Q=1e-5), change], OfRecord())[
             2
         ].confidence
         < 0.9

@@ -35,7 +35,8 @@ from imu_lib.gap.steps import Step, step_of, steps_of_items
 from imu_lib.processes import Sum
 from imu_lib.samples.uneven import uneven
 
-#: Confidence in one of two readings of a grid that the record does not tell apart.
+#: Confidence in one of two readings of a grid that the record does not tell apart, and in a
+#: resonance of a channel that is shaken over a band, whose multiples and skirts look the same.
 DOUBTED = 0.5
 #: Confidence at the most where three noises or more had to be added.
 MOST_AMONG_MANY = 0.8
@@ -154,7 +155,7 @@ def _analyse(
     unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
     steps = [*map(step_of, left.findings), *steps_of_items(state, rivals)]
     plain = [f.process.name for f in left.findings if f.counted]
-    steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record.shared)
+    steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record)
     held, n_base = left.held_terms, len(start.base)
     base = bare if bare is not None else Sum(tuple(state.base[held:n_base]))
     parts = base, state, left.findings, n_base - held, held
@@ -270,9 +271,15 @@ def _capped(
     return steps
 
 
-def _doubtful(steps: list[Step], shared: float) -> list[Step]:
-    """The steps with no high confidence in what the make of another effect, or noise of the density
-    `shared` that is accounted for on the record, would explain, too.
+def _doubtful(steps: list[Step], common: OfRecord) -> list[Step]:
+    """The steps with no high confidence in what the make of another effect, or what is accounted
+    for on the record, would explain, too.
     """
-    beside = [effect for _, effect in _told(steps)]
-    return [s.capped(e.most_sure(s.parameters, beside, shared)) for s, e in _told(steps)]
+    beside, out = [effect for _, effect in _told(steps)], []
+    for step, effect in _told(steps):
+        step = step.capped(effect.most_sure(step.parameters, beside, common.shared))
+        if common.band and getattr(effect, "local", False):
+            other = [*step.indistinguishable, "vibration"]
+            step = replace(step.capped(DOUBTED), indistinguishable=list(dict.fromkeys(other)))
+        out.append(step)
+    return out

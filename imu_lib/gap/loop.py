@@ -150,6 +150,7 @@ def _channel(about: Prepared, name: str, seed: int) -> tuple[str, ChannelResult]
             about.filtered,
             about.known.get(name),
             about.nameless.get(name, ""),
+            name in about.bands,
         ),
     )
 

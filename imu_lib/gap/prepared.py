@@ -50,6 +50,8 @@ class Prepared:
         A coherence that is left.
     noise : dict
         Channel -> density N of all noise in common.
+    bands : frozenset
+        Channels that a vibration shakes over a band.
     pace : Pace
         Whether the clock is right.
     """
@@ -67,6 +69,7 @@ class Prepared:
     note: dict[str, Any] = field(default_factory=dict)
     left: str | None = None
     noise: dict[str, float] = field(default_factory=dict)
+    bands: frozenset[str] = frozenset()
 
     @property
     def given(self) -> tuple[Process, ...]:
@@ -184,6 +187,7 @@ def _in_common(about: Prepared) -> Prepared:
         note=note,
         left=left,
         noise=noise,
+        bands=frozenset(c for f in shaking if f.process.band for c in f.process.channels),
     )
 
 

@@ -36,12 +36,15 @@ class OfRecord:
         What else the record puts into it (vibration).
     left : str
         What of that has no name, in a sentence.
+    band : bool
+        Whether it shakes the channel over a band.
     """
 
     shared: float = 0.0
     filtered: bool = False
     known: np.ndarray | None = None
     left: str = ""
+    band: bool = False
 
 
 @dataclass(frozen=True)
