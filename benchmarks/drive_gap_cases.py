@@ -139,7 +139,7 @@ def case(kind, seed, judged=False, given=True):
         ],
         "unseen": [[e["effect"], e["parameter"]] for e in found.invisible],
         "indistinguishable": [s["indistinguishable"] for s in found.steps],
-        "nis": found.after.nis, "index": found.after.index, "unexplained": found.unexplained, "notes": list(found.notes),
+        "nis": found.after.nis, "index": found.after.index, "unexplained": found.unexplained, "right": found.right, "notes": list(found.notes),
         "outages": in_outages(drive, [*effects, *beside], found.model) if judged and effects else None,
         "seconds": seconds,
     }  # fmt: skip

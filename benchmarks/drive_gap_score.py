@@ -125,7 +125,9 @@ def names_by_class(rows):
     out = {k: {} for k in reliability.COUNTED}
     for r in rows:
         for s in r["steps"]:
-            mine = out[reliability.kind(s["weight"], r["unexplained"] is not None)]
+            mine = out[
+                reliability.kind(s["weight"], reliability.left(r["unexplained"], r["right"]))
+            ]
             count = mine.setdefault(s["effect"], [0, 0])
             count[0] += 1
             count[1] += s["effect"] in true_names(r)

@@ -18,6 +18,7 @@ from imu_lib.gap.drive import (
     columns,
     evidence,
     left,
+    measured,
     posterior,
     reliability,
     searched,
@@ -75,10 +76,11 @@ def test_confidence_is_the_share_of_right_names_in_the_stored_score():
                 known = stored[c].get(e, (0, 0))
                 stored[c][e] = known[0] + found, known[1] + right
     assert stored == reliability.COUNTED
-    for beside in (False, True):
+    for unexplained, right in ((None, True), ("a shock", True), ("too large", False)):
         found = [{"effect": "never heard of", "weight": 0.999, "runner_up": {"confidence": 0.9}}]
+        beside = reliability.left(unexplained, right)
         reliability.give(found, beside)
-        counted = reliability.COUNTED["beside" if beside else "full"].values()
+        counted = reliability.COUNTED[beside or "full"].values()
         right, of = sum(c[1] for c in counted), sum(c[0] for c in counted)
         assert found[0]["confidence"] == pytest.approx((right + 1) / (of + 2))
         # what is left over is all that a rival can have
@@ -104,6 +106,20 @@ def test_intervals_cover_where_the_innovations_of_one_column_alone_are_correlate
     # of 95 % asked, four standard deviations of the count; the likelihood alone covers far less
     assert inside > REPEATS * (0.95 - 4.0 * np.sqrt(0.05 * 0.95 / REPEATS))
     assert plain < 0.75 * REPEATS
+
+
+def test_an_arm_does_not_swing_with_the_guesses_of_a_heading_that_is_not_yet_known():
+    rng, count = np.random.default_rng(4), 200
+    sd = np.where(np.arange(count) < 40, 0.17, 0.002)
+    turn = np.where(sd > 0.1, 0.05 * rng.standard_normal(count), 1e-4)  # by each fix, about down
+    true = Rotation.from_euler("ZYX", [0.7, 0.1, -0.05]).as_matrix()
+    after = np.cumsum(turn) - turn[:40].sum()
+    c_now = Rotation.from_rotvec(np.outer(after, [0, 0, 1])).as_matrix() @ true
+    c = Rotation.from_rotvec(np.outer(after - turn, [0, 0, 1])).as_matrix() @ true
+    assert np.abs(c[:40] - true).max() > 0.05
+    settled = measured._settled(c, c_now, sd)
+    np.testing.assert_allclose(settled[:40], np.broadcast_to(true, (40, 3, 3)), atol=0.002)
+    np.testing.assert_array_equal(settled[40:], c[40:])
 
 
 def test_a_component_that_the_drive_does_not_show_has_the_interval_of_its_limit():

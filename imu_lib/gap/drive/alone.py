@@ -94,8 +94,7 @@ def values(reg: Regression, kept: tuple[str, ...]) -> tuple[Array, Array]:
     x, _, _ = reg.solve(index)
     theta, other = np.zeros(len(columns.ALL)), np.zeros(len(columns.ALL))
     for i, value in zip(index, x):
-        outside = columns.ALL[i].effect.startswith("other")
-        (other if outside else theta)[i] = value
+        (theta if columns.in_path(columns.ALL[i].effect) else other)[i] = value
     for effect, most in (("accel_scale", 0.3), ("gyro_scale", 0.3), ("imu_clock", 0.02)):
         part = columns.of(effect)
         theta[part] = np.clip(theta[part], -most, most)  # what goes beyond takes a second step

@@ -41,6 +41,11 @@ class Battery:
     nis: float
     whiteness: float
 
+    @property
+    def right(self) -> bool:
+        """Whether nothing stands out by more than chance."""
+        return abs(self.worst()[1]) <= SURE
+
     def worst(self) -> tuple[str, float]:
         """What stands out most, in words, and its z."""
         k = int(np.argmax(np.abs(self.z)))

@@ -49,14 +49,16 @@ IMU = (
 SMOOTHED = (0.15, 0.4, 0.8, 1.6)
 #: Shares of the drive after which fixes may be displaced.
 DISPLACED = {"a third": 1 / 3, "half": 1 / 2, "two thirds": 2 / 3}
+#: What those columns are called.
+DISPLACED_AFTER = {part: f"other: fixes are displaced after {part}" for part in DISPLACED}
 FIX = (
     Column("gnss_time_offset", "offset", 0.5),
     Column("gnss_time_offset", "velocity_offset", 0.5),
     *_three("lever_arm", "arm", 1.5),
     *[Column("other: receiver's velocity is smoothed", f"{tau} s", 1.0) for tau in SMOOTHED],
     *[
-        Column(f"other: fixes are displaced after {part}", f"{a}", 5.0)
-        for part in DISPLACED
+        Column(displaced, f"{a}", 5.0)
+        for displaced in DISPLACED_AFTER.values()
         for a in ("north", "east", "down")
     ],
     *[
@@ -68,6 +70,13 @@ ALL = IMU + FIX
 #: Numbers of those that enter in the fixes, the clock of the readings among them.
 IN_FIXES = (IMU.index(Column("imu_clock", "scale", 5e-4)), *range(len(IMU), len(ALL)))
 INDEX = {(c.effect, c.component): i for i, c in enumerate(ALL)}
+
+
+def in_path(effect: str) -> bool:
+    """Whether a path is built without what an effect does to the drive, as of all of the catalogue;
+    other causes are taken out of the innovations, which is enough where they are small.
+    """
+    return not effect.startswith("other") or effect in DISPLACED_AFTER.values()
 
 
 def of(effect: str) -> list[int]:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from imu_lib.arrays import Array
 from imu_lib.drive import Drive
+from imu_lib.navigation import earth
 from imu_lib.navigation.axes import IDENTITY, to_body
 
 from . import columns
@@ -61,8 +62,24 @@ def corrected(drive: Drive, theta: Array) -> Drive:
         gyro=rate,
         accel=force,
         gnss_time=drive.gnss_time - offset,
+        gnss_position=_put_back(drive, theta, offset),
         lever_arm=arm + value(theta, "lever_arm"),
     )
+
+
+def _put_back(drive: Drive, theta: Array, offset: float) -> Array:
+    """Positions of the fixes (m, 3) without the displacement that is held after a part of the
+    drive; offset : s, by which they are late.
+    """
+    out = np.array(drive.gnss_position, float)
+    for part, effect in columns.DISPLACED_AFTER.items():
+        moved = value(theta, effect)
+        if not np.any(moved):
+            continue
+        since = drive.time[0] + columns.DISPLACED[part] * (drive.time[-1] - drive.time[0])
+        after = drive.gnss_time - offset > since
+        out[after] = earth.shift(out[after], -moved)
+    return out
 
 
 def velocity_shift(theta: Array) -> float:

@@ -12,7 +12,7 @@ from imu_lib.navigation import fix_faults, lateness
 from imu_lib.units import DEG
 
 from . import columns, correct, select
-from .battery import SURE, Battery
+from .battery import Battery
 from .effects import LINEAR
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def unexplained(state: State, after: Battery) -> str | None:
             "smooths its velocities makes them as late, and this drive does not tell which"
         )
     name, z = after.worst()
-    if abs(z) > SURE:
+    if not after.right:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
     return "; ".join(parts) or None
 
@@ -125,7 +125,7 @@ def clocks(state: State, after: Battery) -> str | None:
     """None, or that the stamps of the fixes are not late by one time all along: nothing that
     innovations which are those of a right filter would leave unsaid.
     """
-    if abs(after.worst()[1]) < SURE:
+    if after.right:
         return None
     halves = lateness.of_halves(correct.corrected(state.drive, state.theta))
     if halves is None or abs(halves[1] - halves[0]) < STEADY:

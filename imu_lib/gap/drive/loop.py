@@ -40,7 +40,8 @@ from .steps import Step
 class DriveReport:
     """What was found on a drive. steps, invisible : tuples of dict (the command's JSON); model :
     the error model with its key `drive`; before, after : `battery.Battery`; outages : `Outages` or
-    None; unexplained : None or a sentence; state, first : for pictures.
+    None; unexplained : None or a sentence; state, first : for pictures; right : whether the
+    innovations after are those of a right filter.
     """
 
     drive: Drive
@@ -55,6 +56,7 @@ class DriveReport:
     notes: tuple[str, ...]
     state: State
     first: State
+    right: bool
 
     def to_json(self) -> dict[str, Any]:
         """The content of `imu-lib gap DRIVE --json`."""
@@ -130,12 +132,13 @@ def close(
     elif ratio:
         notes += evidence.unproven(found, ratio)
     unexplained = "; ".join(t for t in told if t) or None
-    reliability.give(found, unexplained is not None)
+    right = after.right and not any(told[:3])
+    reliability.give(found, reliability.left(unexplained, right))
     notes += evidence.share(found, select.ridges(state.reg, state.kept))
     notes += evidence.widening(found)
     return DriveReport(
         drive, model is not None, tuple(found), tuple(unseen), whole, before, after, result,
-        unexplained, tuple(dict.fromkeys(notes)), state, known.first,
+        unexplained, tuple(dict.fromkeys(notes)), state, known.first, right,
     )  # fmt: skip
 
 

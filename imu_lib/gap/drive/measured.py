@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from imu_lib.navigation.preparation import Fixes
     from imu_lib.navigation.stretch import Stretch
 
+SETTLED = 3.0  # times its median standard deviation: from here on a heading is known
 SMOOTH = 0.08  # s over which readings about a fix are averaged
 
 
@@ -140,14 +141,17 @@ class Measured:
         _columns(
             self.d[rows], fixes.time[rows], c, w, (old.velocity + acc * step, antenna), slow, time
         )
+        sd = leg.sd[np.clip(epochs - leg.first, 0, len(leg.sd) - 1), 2]
+        _arm_columns(self.d[rows], _settled(c, c_now, sd), w)
         course = np.arctan2(now.velocity[:, 1], now.velocity[:, 0])
-        cos, sin = np.cos(course), np.sin(course)
+        speed = np.hypot(now.velocity[:, 0], now.velocity[:, 1])
         found = {
             "course": course,
-            "speed": np.hypot(now.velocity[:, 0], now.velocity[:, 1]),
+            "speed": speed,
             "turn": w[:, 2],
-            "ahead": acc[:, 0] * cos + acc[:, 1] * sin,
-            "aside": acc[:, 1] * cos - acc[:, 0] * sin,
+            "ahead": acc[:, 0] * np.cos(course) + acc[:, 1] * np.sin(course),
+            # of the turn: the force aside errs by the roll, as the innovations do
+            "aside": speed * np.einsum("ni,ni->n", c[:, 2], w),
             "warmth": leg.drifts[np.clip(epochs, 0, len(leg.drifts) - 1), 0],
         }
         for name, values in found.items():
@@ -184,10 +188,6 @@ def _columns(
     velocity, antenna = moving
     out[:, :3, column("gnss_time_offset", 0)] = velocity
     out[:, 3:, column("gnss_time_offset", 1)] = antenna
-    for i, unit in enumerate(np.eye(3)):
-        k = column("lever_arm", i)
-        out[:, :3, k] = -c[:, :, i]
-        out[:, 3:, k] = -np.einsum("nij,nj->ni", c, np.cross(w, unit))
     k = column("imu_clock")
     out[:, :3, k] = -when[:, None] * velocity
     out[:, 3:, k] = -when[:, None] * antenna
@@ -198,9 +198,32 @@ def _columns(
     for part, share in columns.DISPLACED.items():
         after = when > time[0] + share * (time[-1] - time[0])
         for i in range(3):
-            out[:, i, column(f"other: fixes are displaced after {part}", i)] = -1.0 * after
+            out[:, i, column(columns.DISPLACED_AFTER[part], i)] = -1.0 * after
     for i in range(3):
         out[:, 3 + i, column("other: receiver's velocity is offset", i)] = -1.0
+
+
+def _settled(c: Array, c_now: Array, sd: Array) -> Array:
+    """Attitudes c (n, 3, 3) before fixes as they turn out once the heading is known: of a car that
+    stands it is found when it drives off, and an arm that swung with the guesses until then would
+    seem to have moved the antenna. c_now : after the fixes; sd (n,) of their headings, rad
+    """
+    known = sd < SETTLED * np.median(sd)
+    end = int(np.argmax(known)) if known.any() else len(sd)
+    jumps = np.einsum("nij,nkj->nik", c_now[:end], c[:end])
+    later = np.zeros((len(c), 3))
+    later[:end, 2] = np.cumsum(0.5 * (jumps[:, 1, 0] - jumps[:, 0, 1])[::-1])[::-1]
+    return np.asarray(Rotation.from_rotvec(later).as_matrix() @ c)
+
+
+def _arm_columns(out: Array, c: Array, w: Array) -> None:
+    """What a lever arm does to fixes, into out (n, 6, columns.IN_FIXES); c, w : attitude and turn
+    rate there.
+    """
+    for k, unit in zip(columns.of("lever_arm"), np.eye(3)):
+        place = columns.IN_FIXES.index(k)
+        out[:, :3, place] = -np.einsum("nij,j->ni", c, unit)
+        out[:, 3:, place] = -np.einsum("nij,nj->ni", c, np.cross(w, unit))
 
 
 def _smoothing(leg: Leg, force: Array, when: Array) -> Array:

@@ -2,8 +2,9 @@
 
 A name's weight among its rivals says how much likelier it is than they, if one of them is true and
 the filter is right. How often it is right is counted (`benchmarks/drive_gap_score.py`), apart for
-names of full weight, for lesser ones, and for names beside something that was left unexplained. An
-effect that was found often has its own share; one found seldom, that of all.
+names of full weight, for lesser ones, for names beside a cause outside the catalogue with which the
+innovations are those of a right filter, and for names beside innovations that are not. An effect
+that was found often has its own share; one found seldom, that of all.
 """
 
 from typing import Any
@@ -44,6 +45,7 @@ COUNTED: dict[str, dict[str, tuple[int, int]]] = {
         "imu_clock": (1, 1),
         "vibration": (1, 1),
     },
+    "beside cause": {},
     "beside": {
         "accel_bias": (1, 1),
         "bias_model": (6, 0),
@@ -60,27 +62,36 @@ COUNTED: dict[str, dict[str, tuple[int, int]]] = {
 }
 
 
-def kind(weight: float, beside: bool) -> str:
-    """The class of a name of that weight; beside: something was left unexplained."""
-    if beside:
-        return "beside"
+def kind(weight: float, left: str | None) -> str:
+    """The class of a name of that weight; left: of `left`."""
+    if left is not None:
+        return left
     return "full" if weight >= FULL else "lesser"
 
 
-def share(effect: str, weight: float, beside: bool) -> float:
+def left(unexplained: str | None, right: bool) -> str | None:
+    """The class of all names of a drive on which something is left, else None; right: whether the
+    innovations are those of a right filter nevertheless.
+    """
+    if unexplained is None:
+        return None
+    return "beside cause" if right else "beside"
+
+
+def share(effect: str, weight: float, left: str | None) -> float:
     """Expected share of right names among further ones like it (Laplace's rule, for an effect
     drawn to the share of its class).
     """
-    counted = COUNTED[kind(weight, beside)]
+    counted = COUNTED[kind(weight, left)]
     found, right = (sum(c[k] for c in counted.values()) for k in (0, 1))
     of_class = (right + 1.0) / (found + 2.0)
     found, right = counted.get(effect, (0, 0))
     return (right + SHARED * of_class) / (found + SHARED)
 
 
-def give(found: list[dict[str, Any]], beside: bool) -> None:
-    """Give steps their confidence, and the runner-up what that leaves."""
+def give(found: list[dict[str, Any]], left: str | None) -> None:
+    """Give steps their confidence, and the runner-up what that leaves; left: of `left`."""
     for step in found:
-        sure = share(step["effect"], step["weight"], beside)
+        sure = share(step["effect"], step["weight"], left)
         step["confidence"] = sure
         step["runner_up"]["confidence"] = min(step["runner_up"]["confidence"], 1.0 - sure)
