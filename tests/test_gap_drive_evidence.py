@@ -19,13 +19,14 @@ from imu_lib.gap.drive import (
     evidence,
     left,
     measured,
+    path,
     posterior,
     reliability,
     searched,
     select,
 )
 from imu_lib.health.driven import disagreements
-from imu_lib.navigation import axes, windows
+from imu_lib.navigation import axes, fix_faults, windows
 
 RESULTS = Path(__file__).resolve().parents[1] / "benchmarks" / "results"
 REPEATS = 200
@@ -106,6 +107,21 @@ def test_intervals_cover_where_the_innovations_of_one_column_alone_are_correlate
     # of 95 % asked, four standard deviations of the count; the likelihood alone covers far less
     assert inside > REPEATS * (0.95 - 4.0 * np.sqrt(0.05 * 0.95 / REPEATS))
     assert plain < 0.75 * REPEATS
+
+
+def test_wild_fixes_side_by_side_lie_far_off_and_the_path_has_none_of_them():
+    time = np.arange(200) * 0.1
+    position = np.column_stack([0.8 + 1e-6 * time, 0.2 + 2e-6 * np.sin(time), 100.0 + 0.0 * time])
+    position += np.random.default_rng(8).standard_normal(position.shape) * [3e-9, 3e-9, 0.02]
+    true, wild = position.copy(), [3, 50, 51, 120, 198]
+    position[wild] += np.array(
+        [[5e-6, 0, 30], [0, 4e-6, -9], [0, 3e-6, -5], [-3e-6, 0, 4], [0, 0, 8]]
+    )
+    np.testing.assert_array_equal(np.flatnonzero(fix_faults.far_off(time, position)), wild)
+    drive = SimpleNamespace(gnss_time=time, gnss_position=position, with_=lambda **k: k)
+    tame, _ = path._tame(drive, SimpleNamespace(fraction=0.03))
+    off = (tame["gnss_position"] - true) * [6.4e6, 6.4e6, 1.0]
+    assert np.abs(off).max() < 0.5
 
 
 def test_an_arm_does_not_swing_with_the_guesses_of_a_heading_that_is_not_yet_known():

@@ -110,6 +110,6 @@ def test_halves_that_seem_late_apart_are_chance_where_the_innovations_are_right(
     monkeypatch.setattr(left.lateness, "of_halves", lambda drive: (0.0, -0.7))
     monkeypatch.setattr(left.correct, "corrected", lambda drive, theta: drive)
     state = SimpleNamespace(drive=None, theta=None)
-    for worst, said in ((2.0, False), (30.0, True)):
-        after = SimpleNamespace(worst=lambda worst=worst: ("", worst))
+    for right, said in ((True, False), (False, True)):
+        after = SimpleNamespace(right=right)
         assert (left.clocks(state, after) is not None) == said

@@ -3,7 +3,7 @@ for good, or that only repeat the last; velocities in another frame or unit than
 """
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 from scipy.signal import detrend
 
 from imu_lib import timing
@@ -13,6 +13,7 @@ from imu_lib.units import DEG
 from . import earth
 
 FAR_OFF = 12.0  # times the median distance of a fix from the middle of its neighbours
+PASSES = 5
 JUMP, STAYS, BESIDE = 10.0, 0.7, 5  # m; share of a jump that stays; fixes on either side
 CREEPING = 1.0  # m/s: what repeats its position and creeps on the mean stands
 REPEATED = 0.3  # share of the rows
@@ -27,20 +28,46 @@ def wild(drive: Drive) -> tuple[float, float] | None:
     """
     time, position = np.asarray(drive.gnss_time), np.asarray(drive.gnss_position, float)
     good = np.isfinite(position).all(axis=1)
-    time, position = time[good], position[good]
-    if time.size < 50:
-        return None
-    ned = earth.meters(position, position[0])
-    part = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], 1e-9)
-    apart = ned[1:-1] - ned[:-2] - part[:, None] * (ned[2:] - ned[:-2])
-    apart = np.linalg.norm(apart[(time[2:] - time[:-2]) < 4.0 * np.median(np.diff(time))], axis=1)
-    size = np.maximum(np.median(apart), 0.01)
-    # a wild one moves the middle of its two neighbours by half as much
-    peak = (apart > FAR_OFF * size) & (apart >= np.maximum(np.roll(apart, 1), np.roll(apart, -1)))
-    share = float(peak.mean())
+    apart, peak = _between(time[good], position[good])
+    share = float(peak.mean()) if peak.size else 0.0
     if not 0.002 < share < 0.2:
         return None
     return share, float(np.sqrt(np.mean(apart[peak] ** 2) / 3.0))
+
+
+def far_off(time, position):
+    """Which positions (m,) lie far off between their neighbours, those that were found so left
+    out of them; (m, 3) rad, rad, m.
+    """
+    kept = np.arange(len(position))
+    for _ in range(PASSES):  # of two wild ones side by side the farther one hides the other
+        _, peak = _between(time[kept], position[kept])
+        if not peak.any():
+            break
+        kept = np.delete(kept, 1 + np.flatnonzero(_close(time[kept]))[peak])
+    out = np.ones(len(position), bool)
+    out[kept] = False
+    return out
+
+
+def _close(time):
+    """Which fixes but the first and last have both neighbours near in time."""
+    return (time[2:] - time[:-2]) < 4.0 * np.median(np.diff(time))
+
+
+def _between(time, position):
+    """(distance from the middle of its neighbours, m, whether it lies far off) of fixes that have
+    them near in time; nothing where fixes are few.
+    """
+    if time.size < 50:
+        return np.zeros(0), np.zeros(0, bool)
+    ned = earth.meters(position, position[0])
+    part = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], 1e-9)
+    apart = ned[1:-1] - ned[:-2] - part[:, None] * (ned[2:] - ned[:-2])
+    apart = np.linalg.norm(apart[_close(time)], axis=1)
+    size = np.maximum(np.median(apart), 0.01)
+    # a wild one moves the middle of its neighbours by half as much, and of two the farther counts
+    return apart, (apart > FAR_OFF * size) & (apart >= maximum_filter1d(apart, 5))
 
 
 def _sunk(drive):

@@ -4,14 +4,14 @@ fixes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect
-from imu_lib.navigation import earth
+from imu_lib.navigation import earth, fix_faults
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Fixes, Gnss
 from imu_lib.navigation.solution import Solution
@@ -25,6 +25,7 @@ from .measured import Measured, at_fixes, span_of
 from .problem import Noise, Problem, for_search, turn_on_of
 
 JOLT = 1e6  # times the white noise, about a shock: readings that clip say nothing
+GATE = 1.0 - 1e-9  # probability that a right fix passes
 LINEAR_STEP = 0.05  # s of one linear step
 
 
@@ -47,13 +48,16 @@ def build(
     """
     turn_on = turn_on_of(noise.model)
     factors = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
-    engine = _engine(replace_sd(drive, *factors), noise, turn_on, heading, velocity_shift)
+    tame, wild = _tame(drive, noise)
+    # a gate that is passed once by a wild fix may shut out the right ones: it is for the small ones
+    gate = GATE if wild.mean() < 0.5 * noise.fraction else None
+    engine = _engine(replace_sd(tame, *factors), noise, turn_on, heading, velocity_shift, gate)
     prepared = engine.prepared
     fixes = prepared.fixes
     _trust_velocities(fixes, split=bool(velocity_shift))
     _jolted(prepared.stretches, restarts)
     end = min(float(drive.time[-1]), float(fixes.time[-1])) - 1.0
-    solution = engine.solve(moments=[end])
+    solution = _without(fixes, drive, wild, lambda: engine.solve(moments=[end]))
     bias = _bias(engine, solution)
     cut = (Leg.of(drive, s, solution, fixes, step_at) for s in prepared.stretches)
     legs = [leg for leg in cut if leg is not None]
@@ -79,18 +83,52 @@ def build(
     )  # fmt: skip
 
 
+def _tame(drive: Drive, noise: Noise) -> tuple[Drive, Array]:
+    """(the drive with fixes that lie far off put between their neighbours, which of its fixes
+    these are): no path, and no heading at its start, is found from them.
+    """
+    position = np.array(drive.gnss_position, float)
+    good = np.flatnonzero(np.isfinite(position).all(axis=1))
+    wild = np.zeros(len(position), bool)
+    if noise.fraction > 0.0 and good.size:
+        wild[good] = fix_faults.far_off(np.asarray(drive.gnss_time)[good], position[good])
+    if not wild.any():
+        return drive, wild
+    rest = np.setdiff1d(good, np.flatnonzero(wild))
+    for k in range(3):
+        position[wild, k] = np.interp(
+            drive.gnss_time[wild], drive.gnss_time[rest], position[rest, k]
+        )
+    return drive.with_(gnss_position=position), wild
+
+
+def _without(fixes: Fixes, drive: Drive, wild: Array, solve: Callable[[], Solution]) -> Solution:
+    """A solution that does not use the wild fixes of a drive; `fixes` then has them as they are."""
+    time, position = np.asarray(drive.gnss_time)[wild], np.asarray(drive.gnss_position)[wild]
+    rows = np.searchsorted(fixes.time, time - 1e-6)
+    here = rows < fixes.time.size
+    here[here] = np.abs(fixes.time[rows[here]] - time[here]) < 1e-6
+    rows, used = rows[here], fixes.use.copy()
+    fixes.use[rows] &= ~1
+    solution = solve()
+    fixes.use[:] = used
+    fixes.value[rows, :3] = position[here]
+    return solution
+
+
 def _engine(
     drive: Drive,
     noise: Noise,
     turn_on: tuple[float, float],
     heading: float | None,
     velocity_shift: float,
+    gate: float | None,
 ) -> LooselyCoupled:
     """The filter that makes the path."""
     gnss = Gnss(
         position_floor=0.02,
         velocity_floor=0.005,
-        gate=None if noise.fraction == 0.0 else 1.0 - 1e-9,
+        gate=gate,
         velocity_latency=-velocity_shift if velocity_shift else None,
     )
     model = FilterModel(
