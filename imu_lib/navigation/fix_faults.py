@@ -7,6 +7,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 from scipy.signal import detrend
 
 from imu_lib import timing
+from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.units import DEG
 
@@ -35,7 +36,7 @@ def wild(drive: Drive) -> tuple[float, float] | None:
     return share, float(np.sqrt(np.mean(apart[peak] ** 2) / 3.0))
 
 
-def far_off(time, position):
+def far_off(time: Array, position: Array) -> Array:
     """Which positions (m,) lie far off between their neighbours, those that were found so left
     out of them; (m, 3) rad, rad, m.
     """
@@ -50,12 +51,12 @@ def far_off(time, position):
     return out
 
 
-def _close(time):
+def _close(time: Array) -> Array:
     """Which fixes but the first and last have both neighbours near in time."""
     return (time[2:] - time[:-2]) < 4.0 * np.median(np.diff(time))
 
 
-def _between(time, position):
+def _between(time: Array, position: Array) -> tuple[Array, Array]:
     """(distance from the middle of its neighbours, m, whether it lies far off) of fixes that have
     them near in time; nothing where fixes are few.
     """
