@@ -35,6 +35,8 @@ def motion(drive: Drive) -> Motion | None:
     if good.sum() < 30:
         return None
     fix_time = np.asarray(drive.gnss_time)[good]
+    if np.median(np.diff(fix_time)) > WIDTH:  # between fixes further apart nobody knows the turns
+        return None
     low, high = max(drive.time[0], fix_time[0]), min(drive.time[-1], fix_time[-1])
     grid = np.arange(low + WIDTH, high - WIDTH, STEP)
     if grid.size < 100:

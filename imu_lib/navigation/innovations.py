@@ -10,6 +10,9 @@ import numpy as np
 
 from . import measurement
 
+#: A model that rejects a larger share of the fixes than this is lost: it is not ranked.
+LOST = 0.2
+
 
 @dataclass(frozen=True)
 class Innovations:

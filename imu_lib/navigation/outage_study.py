@@ -13,10 +13,8 @@ from imu_lib.arrays import Array
 from . import measurement
 from .filter import Solution
 from .free import GROUPS
+from .innovations import LOST
 from .statistics import improvement, paired
-
-#: A model that rejects a larger share of the fixes than this is lost: it is not ranked.
-LOST = 0.2
 
 
 @dataclass(frozen=True)

@@ -159,7 +159,10 @@ def _warnings(study, trust):
                 "to be believed."
             )
     if not study.ranked:
-        notes.append("No model follows the fixes, so none is ahead: look at their time and units.")
+        notes.append(
+            "No model follows the fixes, so none is ahead: look at their time and units, or give "
+            "the heading at the start where it is known (--heading)."
+        )
     return notes
 
 

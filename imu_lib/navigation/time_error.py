@@ -16,10 +16,12 @@ from . import fix_noise, lateness, turns
 from .filter import LooselyCoupled
 from .filter_model import FilterModel
 from .free import priors
+from .innovations import LOST
 from .preparation import Gnss
 
 LEVER_SD = 1.5  # m: an antenna forward of the sensor looks like an early fix at constant speed
 ROUNDS = 4
+MOVING = 0.3  # s by which an offset may still move at the last of them
 
 
 @dataclass(frozen=True)
@@ -146,6 +148,8 @@ def time_error(drive: Drive, model: FilterModel, *, gnss: Gnss, **options) -> Ti
     keep[np.intersect1d(base.innovations.index, best.innovations.index)] = True
     length = whitened_length(best.innovations)
     gain = (best.innovations.total(keep) - base.innovations.total(keep)) / length
+    if np.mean(best.innovations.rejected) > LOST or np.abs(step).max() > MOVING:
+        gain = 0.0  # of a filter that has lost the drive, or an offset that it has not found
     return TimeError(
         float(at[0]),
         float(at[1]) if own else None,

@@ -85,6 +85,8 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
     speed_time, speed = speeds(drive)
     moved = np.flatnonzero(speed > 3.0)
     if not moved.size:
+        if lacking := uncovered(drive):
+            raise InputError(f"no window of {duration:g} s fits: {lacking}")
         raise InputError(
             f"{drive.name or 'the drive'} never moves faster than 3 m/s: there is nothing to "
             "compare in an outage"

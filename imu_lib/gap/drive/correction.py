@@ -60,16 +60,20 @@ def take(room: Room, random: Random, fixes: Fixes, fix: int, out: Out) -> None:
     """The numbers of a fix, one after the other: innovations, and the corrections."""
     x, p, z, ph, gain = room.x, room.p, room.z, room.ph, room.gain
     n, tail, count = x.size, 9 + random.weight.size, z.shape[1]
+    # taken out of the tuples once: each time costs as much as a row of the covariance
+    use, arms, y, variance = fixes.use[fix], fixes.arm[fix], fixes.y[fix], fixes.variance[fix]
+    e, s = out.e[fix], out.s[fix]
+    wild = random.scale * random.scale if out.wild[fix] else 0.0
     for i in range(6):
-        if not fixes.use[fix, i]:
+        if not use[i]:
             continue
-        arm = fixes.arm[fix, i % 3]
-        var = fixes.variance[fix, i] + _project(p, arm, i, tail, ph)
-        if i < 3 and out.wild[fix]:
-            var += random.scale * random.scale
+        arm = arms[i % 3]
+        var = variance[i] + _project(p, arm, i, tail, ph)
+        if i < 3:
+            var += wild
         root = np.sqrt(var)
-        residual = fixes.y[fix, i] - _along(x, arm, i, tail)
-        out.e[fix, i], out.s[fix, i] = residual / root, var
+        residual = y[i] - _along(x, arm, i, tail)
+        e[i], s[i] = residual / root, var
         for a in range(n):
             gain[a] = ph[a] / var
             x[a] += gain[a] * residual

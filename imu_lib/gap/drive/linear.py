@@ -73,11 +73,11 @@ def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> 
     s, walk = random.powers[track.kind[k]], random.walks[track.kind[k]]
     _rows(room, track.phi[k], track.gain[k], random, s)
     _navigation(room, track, random, node, s)
-    p, low = room.p, room.low
+    p, low, first, last = room.p, room.low, random.first, random.last
     for a in range(m):
         for b in range(a + 1):
             v = walk[a, b]
-            for r in range(random.first[b], random.last[b]):
+            for r in range(first[b], last[b]):
                 v += low[a, 9 + r] * s[b, r]
             p[9 + a, 9 + b] = v
             p[9 + b, 9 + a] = v
@@ -92,9 +92,10 @@ def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None
     """
     p, top, es, low = room.p, room.top, room.es, room.low
     n, m = p.shape[0], random.weight.size
+    channel, weight, first, last = random.channel, random.weight, random.first, random.last
     es[:, :] = 0.0
     for a in range(m):
-        c, w = random.channel[a], random.weight[a]
+        c, w = channel[a], weight[a]
         for j in range(n):
             es[c, j] += w * p[9 + a, j]
     for i in range(9):  # top = phi p + gain es
@@ -110,7 +111,7 @@ def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None
                 top[i, j] += v * es[c, j]
     low[:, :] = 0.0
     for a in range(m):  # low = S p, of the sensor states
-        for b in range(random.first[a], random.last[a]):
+        for b in range(first[a], last[a]):
             v = s[a, b]
             for j in range(n):
                 low[a, j] += v * p[9 + b, j]
@@ -120,39 +121,36 @@ def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None
 def _navigation(room: Room, track: Track, random: Random, node: int, s: Array) -> None:
     """Covariance of navigation, with itself and with the sensor states, from room.top."""
     k, m, p, top = node - 1, random.weight.size, room.p, room.top
-    by_channel, both = room.by_channel, room.both
+    by_channel, both, phi, gain = room.by_channel, room.both, track.phi[k], track.gain[k]
+    first, last, noise = random.first, random.last, track.noise[k]
+    channel, weight = random.channel, random.weight
+    level = random.density + random.per_speed * track.speed[node] ** 2
     by_channel[:, :] = 0.0
     for a in range(m):
-        c, w = random.channel[a], random.weight[a]
+        c, w = channel[a], weight[a]
         for i in range(9):
             by_channel[i, c] += w * top[i, 9 + a]
     for i in range(9):  # phi and gain, transposed
         for r in range(9):
-            both[r, i] = track.phi[k, i, r]
+            both[r, i] = phi[i, r]
         for c in range(6):
-            both[9 + c, i] = track.gain[k, i, c]
+            both[9 + c, i] = gain[i, c]
     for i in range(9):
-        row = p[i]
         for j in range(9):
-            row[j] = 0.0
+            p[i, j] = 0.0
         for r in range(9):
             v = top[i, r]
             for j in range(9):
-                row[j] += v * both[r, j]
+                p[i, j] += v * both[r, j]
         for c in range(6):
-            v = by_channel[i, c]
+            v, white = by_channel[i, c], level[c]
             for j in range(9):
-                row[j] += v * both[9 + c, j]
-        for c in range(6):
-            level = random.density[c] + random.per_speed[c] * track.speed[node] ** 2
-            noise = track.noise[k, c, i]
-            for j in range(9):
-                row[j] += level * noise[j]
+                p[i, j] += v * both[9 + c, j] + white * noise[c, i, j]
         for j in range(i):
-            row[j] = p[j, i]
+            p[i, j] = p[j, i]
         for a in range(m):
             v = 0.0
-            for b in range(random.first[a], random.last[a]):
+            for b in range(first[a], last[a]):
                 v += s[a, b] * top[i, 9 + b]
             p[i, 9 + a] = v
             p[9 + a, i] = v
@@ -182,12 +180,13 @@ def _predict_states(room: Room, track: Track, random: Random, node: int) -> None
     k, x, new = node - 1, room.x, room.ph
     n, m = x.size, random.weight.size
     phi, gain = track.phi[k], track.gain[k]
-    s = random.powers[track.kind[k]]
+    s, jump = random.powers[track.kind[k]], track.jump[k]
+    channel, weight, first, last = random.channel, random.weight, random.first, random.last
     error = -track.bias  # of the six channels
     for a in range(m):
-        error[random.channel[a]] += random.weight[a] * x[9 + a]
+        error[channel[a]] += weight[a] * x[9 + a]
     for i in range(9):
-        v = -track.jump[k, i]
+        v = -jump[i]
         for r in range(9):
             v += phi[i, r] * x[r]
         for c in range(6):
@@ -195,7 +194,7 @@ def _predict_states(room: Room, track: Track, random: Random, node: int) -> None
         new[i] = v
     for a in range(m):
         v = 0.0
-        for b in range(random.first[a], random.last[a]):
+        for b in range(first[a], last[a]):
             v += s[a, b] * x[9 + b]
         new[9 + a] = v
     for i in range(9 + m, n):
