@@ -18,27 +18,7 @@ def of_drive(drive: Drive) -> Health:
     imu = of_record(drive.imu())
     step = np.diff(drive.gnss_time)
     usual = float(np.median(step))
-    gnss = {
-        "fixes": len(drive.gnss_time),
-        "rate": 1.0 / usual,
-        "from": float(drive.gnss_time[0]),
-        "to": float(drive.gnss_time[-1]),
-        "gaps": [
-            (float(drive.gnss_time[i]), float(step[i]))
-            for i in np.argsort(-step)[:5]
-            if step[i] > 1.5 * usual
-        ],
-        "velocity": drive.gnss_velocity is not None,
-        "standard_deviations": drive.gnss_position_sd is not None,
-        "reference": drive.has_reference,
-        "lever_arm": None if drive.lever_arm is None else drive.lever_arm.tolist(),
-        "max_speed": None
-        if drive.gnss_velocity is None
-        else float(np.nanmax(np.linalg.norm(drive.gnss_velocity[:, :2], axis=1))),
-    }
-    if drive.gnss_fix is not None:
-        code, count = np.unique(drive.gnss_fix, return_counts=True)
-        gnss["fix_codes"] = {f"{c:g}": int(n) for c, n in zip(code, count)}
+    gnss = _gnss(drive, step)
     more = []
     if drive.gnss_time[0] > drive.time[-1] or drive.gnss_time[-1] < drive.time[0]:
         more.append(
@@ -77,3 +57,30 @@ def of_drive(drive: Drive) -> Health:
         keep + tuple(more),
         imu.faults,
     )
+
+
+def _gnss(drive, step):
+    """What is counted of the fixes; step (m-1,) s between them."""
+    usual = float(np.median(step))
+    gnss = {
+        "fixes": len(drive.gnss_time),
+        "rate": 1.0 / usual,
+        "from": float(drive.gnss_time[0]),
+        "to": float(drive.gnss_time[-1]),
+        "gaps": [
+            (float(drive.gnss_time[i]), float(step[i]))
+            for i in np.argsort(-step)[:5]
+            if step[i] > 1.5 * usual
+        ],
+        "velocity": drive.gnss_velocity is not None,
+        "standard_deviations": drive.gnss_position_sd is not None,
+        "reference": drive.has_reference,
+        "lever_arm": None if drive.lever_arm is None else drive.lever_arm.tolist(),
+        "max_speed": None
+        if drive.gnss_velocity is None
+        else float(np.nanmax(np.linalg.norm(drive.gnss_velocity[:, :2], axis=1))),
+    }
+    if drive.gnss_fix is not None:
+        code, count = np.unique(drive.gnss_fix, return_counts=True)
+        gnss["fix_codes"] = {f"{c:g}": int(n) for c, n in zip(code, count)}
+    return gnss

@@ -17,6 +17,7 @@ from imu_lib.arrays import Array
 from .correction import judge, take
 from .structures import Fixes, Out, Random, Room, Track
 
+Rows = tuple[Array, Array, Array]
 __all__ = ["Fixes", "Out", "Random", "Track", "innovations"]
 
 
@@ -71,7 +72,8 @@ def _restart(room: Room, start: Array) -> None:
 def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> None:
     k, m = node - 1, random.weight.size
     s, walk = random.powers[track.kind[k]], random.walks[track.kind[k]]
-    _rows(room, track.phi[k], track.gain[k], random, s)
+    over = track.phi[k], track.gain[k], s
+    _carry(room.p, over, random, (room.top, room.es, room.low))
     _navigation(room, track, random, node, s)
     p, low, first, last = room.p, room.low, random.first, random.last
     for a in range(m):
@@ -86,35 +88,39 @@ def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> 
 
 
 @njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
-def _rows(room: Room, phi: Array, gain: Array, random: Random, s: Array) -> None:
-    """The transition times the covariance: its rows of navigation in room.top, of sensors in
-    room.low.
+def _carry(x: Array, over: tuple[Array, Array, Array], random: Random, into: Rows) -> None:
+    """The transition times rows x (n, j) of the states: those of navigation and of the sensors, and
+    the channels' errors in x.
+
+    over: transition of navigation phi (9, 9), what errors of the channels do to it gain (9, 6), and
+    transition of the sensor states (m, m)
     """
-    p, top, es, low = room.p, room.top, room.es, room.low
-    n, m = p.shape[0], random.weight.size
+    phi, gain, s = over
+    top, es, low = into
+    m, width = random.weight.size, x.shape[1]
     channel, weight, first, last = random.channel, random.weight, random.first, random.last
     es[:, :] = 0.0
     for a in range(m):
         c, w = channel[a], weight[a]
-        for j in range(n):
-            es[c, j] += w * p[9 + a, j]
-    for i in range(9):  # top = phi p + gain es
-        for j in range(n):
+        for j in range(width):
+            es[c, j] += w * x[9 + a, j]
+    for i in range(9):
+        for j in range(width):
             top[i, j] = 0.0
         for r in range(9):
             v = phi[i, r]
-            for j in range(n):
-                top[i, j] += v * p[r, j]
+            for j in range(width):
+                top[i, j] += v * x[r, j]
         for c in range(6):
             v = gain[i, c]
-            for j in range(n):
+            for j in range(width):
                 top[i, j] += v * es[c, j]
     low[:, :] = 0.0
-    for a in range(m):  # low = S p, of the sensor states
+    for a in range(m):
         for b in range(first[a], last[a]):
             v = s[a, b]
-            for j in range(n):
-                low[a, j] += v * p[9 + b, j]
+            for j in range(width):
+                low[a, j] += v * x[9 + b, j]
 
 
 @njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
@@ -205,33 +211,14 @@ def _predict_states(room: Room, track: Track, random: Random, node: int) -> None
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _predict_parameters(room: Room, track: Track, random: Random, node: int) -> None:
     """What the parameters do to the states, over the interval that ends at a node."""
-    k, z, zs, zt = node - 1, room.z, room.zs, room.zt
-    n, m, count = z.shape[0], random.weight.size, z.shape[1]
-    phi, gain, force = track.phi[k], track.gain[k], track.force[k]
-    s = random.powers[track.kind[k]]
-    zs[:, :] = 0.0
-    for a in range(m):
-        c, w = random.channel[a], random.weight[a]
-        for j in range(count):
-            zs[c, j] += w * z[9 + a, j]
-    zt[:, :] = 0.0
+    k, z, zt = node - 1, room.z, room.zt
+    m, count, force = random.weight.size, room.z.shape[1], track.force[k]
+    over = track.phi[k], track.gain[k], random.powers[track.kind[k]]
+    _carry(z, over, random, (zt[:9], room.zs, zt[9 : 9 + m]))
     for i in range(9):
-        for r in range(9):
-            v = phi[i, r]
-            for j in range(count):
-                zt[i, j] += v * z[r, j]
-        for c in range(6):
-            v = gain[i, c]
-            for j in range(count):
-                zt[i, j] += v * zs[c, j]
         for j in range(min(force.shape[0], count)):
             zt[i, j] += force[j, i]
-    for a in range(m):
-        for b in range(random.first[a], random.last[a]):
-            v = s[a, b]
-            for j in range(count):
-                zt[9 + a, j] += v * z[9 + b, j]
-    for i in range(9 + m, n):
+    for i in range(9 + m, z.shape[0]):
         for j in range(count):
             zt[i, j] = random.decay[k] * z[i, j]
     z[:, :] = zt
