@@ -71,3 +71,17 @@ def test_a_line_in_the_skirt_of_one_that_wanders_is_left_where_it_is():
         taken < 0.3 * abs(np.mean(x["gyro_x"] * wave))
         and max(item.process.profile_frequency) > 23.5
     )
+
+
+def test_a_line_that_no_channel_shows_alone_is_seen_on_all_of_them():
+    """Amplitude 0.08 in noise of 1: each has 40 nats in one ordinate, some 20 in segments."""
+    rng = np.random.default_rng(9)
+    wave = np.exp(2j * np.pi * 17.3 * np.arange(N) / FS)
+    names = ("gyro_x", "gyro_y", "accel_z")
+    quiet = {c: rng.standard_normal(N) for c in names}
+    view = RecordView(None, quiet, FS, None, None)
+    assert not VIBRATION.candidates(view)
+    p = found(
+        {c: x + 0.08 * (wave * np.exp(2j * k)).real for k, (c, x) in enumerate(quiet.items())}
+    )
+    assert p.frequency == pytest.approx(17.3, abs=0.01) and p.channels == names

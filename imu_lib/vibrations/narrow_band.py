@@ -22,6 +22,9 @@ LENGTHS, STRETCHES = (128, 512, 2048, 8192, 32768, 131072), 32
 #: Ordinates over which the running median goes, and gain in log-likelihood from which on a place
 #: stands out of all that are looked at.
 WIDTH, GAIN = 41, 30.0
+#: Gain from which on it may be a part of one that several channels show at one place: of chance a
+#: channel has some two of these, anywhere, and the channels together have `GAIN`.
+PART = 12.0
 #: Power over its surroundings below which a place may be a bend of a smooth spectrum.
 LEAST = 1.35
 #: Segments in a stretch at the least: a knock that rings is shorter.
@@ -129,11 +132,36 @@ def _stretches(count: int) -> list[tuple[int, int]]:
     return out
 
 
-def places(x: Array, fs: float, *, least: float = 0.0, most: int = 60) -> list[Place]:
-    """Places of a channel `x` (n,) above `least` Hz that stand out, the strongest first."""
+def of_all(channels: dict[str, Array], fs: float, *, least: float = 0.0) -> dict[str, list[Place]]:
+    """Places by channel (name -> (n,)) above `least` Hz that stand out of one of them, or of
+    several together.
+    """
+    found = {name: places(x, fs, least=least, gain=PART) for name, x in channels.items()}
+    return {
+        name: [p for p in own if p.gain >= GAIN or _joint(p, name, found, fs) >= GAIN]
+        for name, own in found.items()
+    }
+
+
+def _joint(place: Place, on: str, found: dict[str, list[Place]], fs: float) -> float:
+    """Gain of a place and of those that other channels have there, each the best it has."""
+    slack = fs / place.length
+    return place.gain + sum(
+        max((p.gain for p in own if p.overlaps(place, slack)), default=0.0)
+        for name, own in found.items()
+        if name != on
+    )
+
+
+def places(
+    x: Array, fs: float, *, least: float = 0.0, most: int = 60, gain: float = GAIN
+) -> list[Place]:
+    """Places of a channel `x` (n,) above `least` Hz that stand out by `gain`, the strongest
+    first.
+    """
     found: list[Place] = []
     for length in ladder(len(x)):
-        found += _of_length(Periodograms(x, fs, length), least, most)
+        found += _of_length(Periodograms(x, fs, length), least, most, gain)
     found.sort(key=lambda p: -p.rank)
     out: list[Place] = []
     for place in found:
@@ -143,7 +171,9 @@ def places(x: Array, fs: float, *, least: float = 0.0, most: int = 60) -> list[P
     return out[:most]
 
 
-def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
+def _of_length(
+    segments: Periodograms, least: float, most: int, enough: float = GAIN
+) -> list[Place]:
     power, count = segments.power, segments.count
     whole = power.mean(axis=0, dtype=float)
     around = surroundings(whole)
@@ -168,12 +198,12 @@ def _of_length(segments: Periodograms, least: float, most: int) -> list[Place]:
     gain[:, :first] = 0.0
     gain[:, -2:] = 0.0
     # what passes chance where so few segments have no other surroundings than a median
-    unlikely = gamma.logsf(ratio * dof, dof) < -GAIN
+    unlikely = gamma.logsf(ratio * dof, dof) < -enough
     gain[~unlikely] = 0.0
     out = []
     for _ in range(most):
         j, i = map(int, np.unravel_index(int(np.argmax(gain)), gain.shape))
-        if gain[j, i] < GAIN:
+        if gain[j, i] < enough:
             break
         lo, hi = _extent(ratio[j], i, float(dof[j, 0]))
         a, b = spans[j]

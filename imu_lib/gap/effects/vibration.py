@@ -107,9 +107,7 @@ class Vibration(Effect):
         self, quick: dict[str, Array], transforms: Transforms, given: Model | None, least: float
     ) -> list[Shake]:
         """Lines and families of lines."""
-        places = {
-            name: narrow_band.places(x, transforms.fs, least=least) for name, x in quick.items()
-        }
+        places = narrow_band.of_all(quick, transforms.fs, least=least)
         found = [s for s in sources(places, transforms) if self._is_one(s, given, transforms)]
         swept = {c for s in found if s.strange == SWEEPS for c in s.channels}
         out: list[Shake] = []
