@@ -142,12 +142,13 @@ PICTURES = {
     "sony_cxd5602": "accel_y",
     "xsens_dot": "gyro_x",
     "memsense_gyros": "gyro_x",
-    "xsens_mtx": "gyro_y",
+    "xsens_mtx": "accel_y",
     "mpu6050_10min": "gyro_z",
     "hipnuc_ch104": "gyro_x",
-    "sbg_ig500n": "accel_y",
+    "sbg_ig500n": "accel_z",
     "adis16405_1": "accel_z",
-    "phone": "accel_z",
+    "adis16405_2": "gyro_z",
+    "phone": "gyro_y",
 }
 
 

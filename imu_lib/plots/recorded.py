@@ -20,7 +20,8 @@ MANY = 40
 @style.styled
 def recorded(found, channel, *, axes=None):
     """Three panels of one channel: the samples with the times of vibrations shaded, the spectrum
-    with their lines marked, the Allan deviation; the grown model's noise over the latter two.
+    with their lines marked, the Allan deviation; the grown model's noise over the latter two, in
+    the spectrum dashed with the vibrations whose profile was measured.
 
     `found` is a `gap.Report`, or what `recorded_curves` made of one.
     """
@@ -65,7 +66,16 @@ def recorded_curves(found, channel) -> dict:
         "model_power": _form(lambda: noise.psd(f, fs)),
         "model_deviation": _form(lambda: np.sqrt(noise.avar(curve.tau, fs))),
     }
+    shaken = sum(_density(p, f) for p in felt if p.profile is not None)
+    out["shaken_power"] = out["model_power"] + shaken if np.any(shaken) else np.zeros(0)
     return {k: [float(f"{v:.4g}") for v in values] for k, values in out.items()}
+
+
+def _density(p, f):
+    """One-sided density of a vibration of one channel at `f` Hz, from its profile."""
+    at, density = np.array(p.profile_frequency), np.array(p.profile)
+    power = 0.5 * p.amplitude[0] ** 2 * density / np.trapezoid(density, at)
+    return np.interp(f, at, power, left=0.0, right=0.0)
 
 
 def _form(closed):
@@ -103,6 +113,9 @@ def _spectrum(ax, c, factor, unit):
     for name, colour, width in (("power", style.DATA, 0.7), ("model_power", style.THEORY, 1.2)):
         if c[name]:
             ax.loglog(c["frequency"], np.divide(c[name], factor**2), color=colour, lw=width)
+    if c.get("shaken_power"):
+        shaken = np.divide(c["shaken_power"], factor**2)
+        ax.loglog(c["frequency"], shaken, color=style.THEORY, lw=1.0, ls="--")
     low, high = ax.get_ylim()
     if len(c["lines"]) < MANY:
         for line in c["lines"]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import gammaln, ndtri, ndtri_exp
+from scipy.special import gammaln, ndtr, ndtri, ndtri_exp
+from scipy.stats import poisson
 from scipy.stats import t as student
 
 from imu_lib.arrays import Array
@@ -20,6 +21,9 @@ from .resolution import grid_of
 
 #: Freedom above which the tails are no heavier than uneven steps of a converter make them.
 BENT = 12.0
+#: Standard deviations beyond which they make no more samples than `TIMES` what is normal, and the
+#: logarithm of the probability of more.
+FURTHEST, TIMES, RARE = 4.5, 5.0, -12.0
 #: Gain in log-likelihood over a normal distribution, and degrees of freedom beyond which nobody
 #: would tell.
 GAIN, MOST = 14.0, 60.0
@@ -82,6 +86,13 @@ def _likeliest(y: Array, independent: float) -> tuple[float, Stage, dict[str, li
     return gain * independent, tails, intervals
 
 
+def _far(y: Array) -> bool:
+    """Whether more samples lie far out than uneven steps would put there."""
+    u = (y - np.mean(y)) / np.std(y)
+    expected = TIMES * 2.0 * float(ndtr(-FURTHEST)) * len(u)
+    return bool(poisson.logsf(np.count_nonzero(np.abs(u) > FURTHEST) - 1, expected) < RARE)
+
+
 class HeavyTails(ChannelEffect):
     name = "heavy_tails"
     cause = (
@@ -108,7 +119,7 @@ class HeavyTails(ChannelEffect):
         freedom = tails.freedom
         if gain < GAIN or freedom > MOST:
             return []
-        if freedom > BENT and grid is not None:
+        if freedom > BENT and grid is not None and not _far(y):
             if uneven(view.raw[~np.isnan(view.raw)], *grid) is not None:
                 return []  # the converter's own steps bend the distribution as much
         u = (y - np.mean(y)) / np.std(y)
