@@ -17,9 +17,10 @@ from imu_lib.vibrations.behaviour import BURSTS, half_in
 POINTS, FAINT = 32, 1e-3
 #: Segments from which on the shape of a spectrum is more than chance.
 SEGMENTS = 16
-#: Samples of a band in a block, blocks, and the standard deviation of the logarithm of its
-#: amplitude and its size over chance, from which on a band comes in bursts.
-SAMPLES, BLOCKS, LITTLE, CHANCE = 6, 24, 0.15, 4.0
+#: Share of the power of a band that is left aside at either end, samples of the band in a block,
+#: blocks at the least, and the standard deviation of the logarithm of its amplitude, and the size
+#: of that over chance, from which on a band comes in bursts.
+MARGIN, SAMPLES, BLOCKS, LITTLE, CHANCE = 0.05, 3, 24, 0.15, 4.0
 #: Standard deviation of the logarithm of an amplitude at the most: rarer bursts are events.
 MOST = 1.2
 
@@ -50,7 +51,7 @@ def measured(
     p = p.with_(**_profile(some.f, shape)) if some.segments >= SEGMENTS else p
     if p.band and p.start is None:
         best = max(spectra.values(), key=lambda s: s.strength)
-        p = p.with_(**_bursts(best.x, best.calm, p, fs))
+        p = p.with_(**best.bursts(fs))
     return p
 
 
@@ -77,6 +78,34 @@ class _Excess:
         self.segments = 2 * len(x) // m - 1
         self.power = float(np.sum(self.density) * self.f[1])
         self.strength = float(np.max(loud / np.maximum(quiet, 1e-300)))
+
+    def bursts(self, fs: float) -> dict[str, Any]:
+        """Fields of a band whose amplitude wanders."""
+        density = np.maximum(self.density, 0.0)
+        share = np.cumsum(density) / max(float(density.sum()), 1e-300)
+        low, high = np.interp([MARGIN, 1.0 - MARGIN], share, self.f)
+        # samples of the band that are independent of each other, a second
+        width = float(np.sum(density) ** 2 / np.sum(density**2) * self.f[1])
+        size = int(np.ceil(SAMPLES * fs / width))
+        count = len(self.x) // size
+        if count < BLOCKS:
+            return {}
+        loud, quiet = (_blocks(v, fs, low, high, size) for v in (self.x, self.calm))
+        excess = loud - quiet
+        mean = float(excess.mean())
+        chance = float(np.mean(loud**2 + quiet**2)) / (SAMPLES + 1)
+        varies = float(np.var(excess)) - chance
+        # of the scatter of so many blocks by chance
+        if mean <= 0 or varies < CHANCE * chance * np.sqrt(2.0 / count):
+            return {}
+        sd = min(0.5 * np.sqrt(np.log1p(varies / mean**2)), MOST)
+        if sd < LITTLE:
+            return {}
+        z = excess - mean
+        lagged = np.correlate(z, z, "full")[count - 1 :] / count
+        below = np.flatnonzero(lagged[1:] < np.exp(-1.0) * varies)
+        lag = (int(below[0]) if len(below) else count) + 0.5
+        return {"wander": round(float(sd), 4), "wander_time": round(float(lag * size / fs), 4)}
 
 
 def _power(x: Array, window: Array) -> np.ndarray:
@@ -110,32 +139,6 @@ def _profile(f: Array, density: Array) -> dict[str, Any]:
         "profile_frequency": tuple(round(float(v), 6) for v in at),
         "profile": (0.0, *(round(v / max(value), 4) for v in value), 0.0),
     }
-
-
-def _bursts(x: Array, calm: Array, p: Vibration, fs: float) -> dict[str, Any]:
-    """Fields of a band whose amplitude wanders, of a channel (n,) with and without it."""
-    assert p.profile_frequency is not None or p.bandwidth > 0
-    low, high = p.frequency - p.bandwidth / 2, p.frequency + p.bandwidth / 2
-    size = int(np.ceil(SAMPLES * fs / (high - low)))
-    count = len(x) // size
-    if count < BLOCKS:
-        return {}
-    loud, quiet = (_blocks(v, fs, low, high, size) for v in (x, calm))
-    excess, samples = loud - quiet, SAMPLES
-    mean = float(excess.mean())
-    chance = float(np.mean(loud**2 + quiet**2)) / (samples + 1)
-    varies = float(np.var(excess)) - chance
-    # of the scatter of so many blocks by chance
-    if mean <= 0 or varies < CHANCE * chance * np.sqrt(2.0 / count):
-        return {}
-    sd = min(0.5 * np.sqrt(np.log1p(varies / mean**2)), MOST)
-    if sd < LITTLE:
-        return {}
-    z = excess - mean
-    lagged = np.correlate(z, z, "full")[count - 1 :] / count
-    below = np.flatnonzero(lagged[1:] < np.exp(-1.0) * varies)
-    lag = (int(below[0]) if len(below) else count) + 0.5
-    return {"wander": round(float(sd), 4), "wander_time": round(float(lag * size / fs), 4)}
 
 
 def _blocks(x: Array, fs: float, low: float, high: float, size: int) -> np.ndarray:

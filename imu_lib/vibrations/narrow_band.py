@@ -25,6 +25,9 @@ WIDTH, GAIN = 41, 30.0
 #: Gain from which on it may be a part of one that several channels show at one place: of chance a
 #: channel has some two of these, anywhere, and the channels together have `GAIN`.
 PART = 12.0
+#: Shortest segments that show such a line, and its ordinates in these at the most: what is wider is
+#: a part of a band, which is told as one by its coherence.
+LONG, THIN = 2048, 4.5
 #: Power over its surroundings below which a place may be a bend of a smooth spectrum.
 LEAST = 1.35
 #: Segments in a stretch at the least: a knock that rings is shorter.
@@ -144,8 +147,10 @@ def of_all(channels: dict[str, Array], fs: float, *, least: float = 0.0) -> dict
 
 
 def _joint(place: Place, on: str, found: dict[str, list[Place]], fs: float) -> float:
-    """Gain of a place and of those that other channels have there, each the best it has."""
+    """Gain of a line and of those that other channels have there, each the best it has."""
     slack = fs / place.length
+    if place.length < LONG or place.high - place.low > THIN * slack:
+        return place.gain
     return place.gain + sum(
         max((p.gain for p in own if p.overlaps(place, slack)), default=0.0)
         for name, own in found.items()
