@@ -11,16 +11,22 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from typing import TypeVar
 
 from imu_lib.errors import InputError
 
 T = TypeVar("T")
+_LOG = logging.getLogger(__name__)
 
 #: How often a task is taken up again whose worker was lost.
 RETRIES = 3
+#: Seconds without a result after which a cluster is asked whether it has workers, and between two
+#: sentences that it has none.
+PATIENCE, AGAIN = 10.0, 600.0
 #: Workers are as many as there are processors: their libraries need no threads.
 _ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "MKL", "OMP")}
 
@@ -178,7 +184,7 @@ def _on_dask(function, tasks, address):
     from concurrent import futures
 
     try:
-        from distributed import Client, KilledWorker, as_completed
+        from distributed import Client
         from distributed.comm import CommClosedError
     except ImportError:
         raise InputError(
@@ -195,34 +201,63 @@ def _on_dask(function, tasks, address):
     # a scheduler that goes away is told in one sentence below
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     with client:
-        source = enumerate(tasks)
         threads = max(sum(client.nthreads().values()), 1)
-        pending = as_completed()
-        numbers = {}
-
-        def submit(count):
-            for _ in range(count):
-                number, task = next(source, (None, None))
-                if number is None:
-                    return
-                future = client.submit(function, *task, pure=False, retries=RETRIES)
-                numbers[future.key] = number
-                pending.add(future)
-
         try:
-            submit(2 * threads)
-            for future in pending:
-                try:
-                    result = future.result()
-                except KilledWorker:
-                    result = Lost()
-                yield numbers.pop(future.key), result
-                submit(1)
+            yield from _submitted(client, function, enumerate(tasks), 2 * threads, address)
         except (futures.CancelledError, asyncio.CancelledError, CommClosedError):
             raise InputError(
                 f"The Dask scheduler at {address} is gone; what has ended until now is kept. Start "
                 "it again and give the same command with its address: it goes on from there."
             ) from None
+
+
+def _submitted(client, function, source, count, address):
+    """Results of a cluster's workers, `count` tasks with them at a time."""
+    import queue
+
+    from distributed import KilledWorker
+
+    ended, numbers = queue.SimpleQueue(), {}
+
+    def submit(count):
+        for number, task in islice(source, count):
+            future = client.submit(function, *task, pure=False, retries=RETRIES)
+            numbers[future] = number
+            future.add_done_callback(ended.put)
+
+    submit(count)
+    while numbers:
+        future = _next(ended, client, address)
+        number = numbers.pop(future)
+        try:
+            result = future.result()
+        except KilledWorker:
+            result = Lost()
+        yield number, result
+        submit(1)
+
+
+def _next(ended, client, address):
+    """The next future that ends; while no worker is there, that is said now and then."""
+    import queue
+
+    said = None
+    while True:
+        try:
+            return ended.get(timeout=PATIENCE)
+        except queue.Empty:
+            if client.status != "running":
+                raise asyncio.CancelledError from None
+        if client.nthreads():
+            said = None
+        elif said is None or time.monotonic() - said > AGAIN:
+            said = time.monotonic()
+            _LOG.warning(
+                "No worker of the Dask scheduler at %s is there; waiting for one (`dask worker %s` "
+                "starts one). Ctrl-C ends this; what has ended is kept.",
+                address,
+                address,
+            )
 
 
 def shared(function: Callable[..., T], tasks: list[tuple], workers: int) -> Iterator[T]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from imu_lib import Model, preset, report
-from imu_lib.characterise import characterise, stretches
+from imu_lib.characterise import _of_record, characterise, stretches
 from imu_lib.cli.main import main
 from imu_lib.estimate import Estimate
 from imu_lib.export import FORMATS, equivalent_markov, equivalent_walk, text
@@ -72,7 +72,7 @@ def test_gaps_are_reported_and_every_stretch_used():
         {"gyro_x": whole["gyro_x"][keep]}, 100.0, time=np.arange(40_000)[keep] / 100.0, name="gap"
     )
     found = characterise(record, workers=1)
-    assert any("gap" in note for note in found.notes)
+    assert any("other methods the longest part without a gap" in note for note in found.notes)
     assert found["gyro_x"].choice.fit.statistics.n == len(keep)
     f, measured, expected = found["gyro_x"].density
     assert np.all(np.diff(f) >= 0) and 0.9 < np.median(measured / expected) < 1.1, (
@@ -81,6 +81,13 @@ def test_gaps_are_reported_and_every_stretch_used():
     assert found["gyro_x"].likelihood["N"].value == pytest.approx(
         TWIN["gyro_x"].terms[0].N, rel=0.02
     )
+
+
+def test_short_gaps_are_said_to_be_bridged():
+    keep = np.delete(np.arange(70_000), [20_000, 20_001, 50_000])
+    x = np.random.default_rng(0).standard_normal(keep.size)
+    note = _of_record(Record({"gyro_x": x}, 100.0, time=keep / 100.0), ())[0]
+    assert note.startswith("2 gaps in time") and "all of it, the gaps bridged" in note
 
 
 def test_stretches():

@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
@@ -14,7 +15,7 @@ from imu_lib.model import Model
 from imu_lib.writers import write_record
 
 MODEL = Model.from_json({"gyro_x": [{"process": "white_noise", "N": 1e-4}]})
-pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed")
 
 
 @pytest.fixture
@@ -69,3 +70,22 @@ def test_the_scheduler_is_killed_and_nothing_is_lost(cluster, tmp_path):
         table.read_bytes()
         == fleet.characterise(entries, tmp_path / "quiet", workers=1).read_bytes()
     )
+
+
+def test_a_cluster_without_workers_is_said(monkeypatch, caplog):
+    """And the work goes on as soon as one comes."""
+    from imu_lib import scheduler
+
+    monkeypatch.setattr(scheduler, "PATIENCE", 0.2)
+    quiet = {"processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(n_workers=0, threads_per_worker=1, **quiet) as cluster:
+
+        def come():
+            while "No worker" not in caplog.text:
+                time.sleep(0.05)
+            cluster.scale(1)
+
+        threading.Thread(target=come, daemon=True).start()
+        found = scheduler.run(abs, [(-1,), (-2,)], address=cluster.scheduler_address)
+        assert sorted(found) == [(0, 1), (1, 2)]
+    assert "No worker of the Dask scheduler" in caplog.text and "`dask worker " in caplog.text

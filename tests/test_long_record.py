@@ -94,6 +94,7 @@ def test_characterised_on_disk_as_in_memory(suffix, gaps, signals, short, tmp_pa
     assert on_disk.duration == pytest.approx(in_memory.duration)
     if gaps:
         assert [g[2] for g in on_disk.gaps() if g[2] > 4] == [10_000]
+        assert len([note for note in on_disk.notes if "no number in" in note]) == 1
     a = numbers(characterise.characterise(in_memory, workers=1))
     b = numbers(characterise.characterise(on_disk, workers=1))
     assert set(a) == set(b) and len(a) > 60

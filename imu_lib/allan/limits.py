@@ -101,6 +101,8 @@ def _ends(
     """
     slope = gradient(shape, squares)
     variance = slope @ cov @ slope
+    if variance == 0:  # nothing that was estimated moves it: a level that is flat nowhere
+        return Estimate(float(value), np.nan, np.nan)
     change = cov @ slope / variance
     k = squares.size
     ends = []

@@ -24,6 +24,7 @@ from imu_lib.characterise.channel import (
 from imu_lib.errors import InputError
 from imu_lib.faults import jump, standing
 from imu_lib.long_record import LongRecord
+from imu_lib.long_record.record import FILL
 from imu_lib.model import Model
 from imu_lib.readers.side_by_side import own_rates
 from imu_lib.record import Record
@@ -190,9 +191,12 @@ def _of_record(record, flat):
     gaps = record.gaps()
     if gaps:
         start, longest, _ = max(gaps, key=lambda gap: gap[1])
+        others = "all of it, the gaps bridged by straight lines"
+        if max(missing for _, _, missing in gaps) > FILL:
+            others = f"the longest part without a gap of more than {FILL} samples"
         notes.append(
             f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest {longest:.3g} s at "
-            f"{start:.6g} s: the likelihood takes every stretch, the other methods the longest one."
+            f"{start:.6g} s: the likelihood takes every stretch, the other methods {others}."
         )
     if record.duration < 600:
         notes.append(

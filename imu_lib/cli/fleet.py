@@ -7,7 +7,7 @@ from pathlib import Path
 
 from imu_lib.cli import common, named
 from imu_lib.errors import InputError
-from imu_lib.fleet.manifest import TABLE
+from imu_lib.fleet.folders import TABLE
 
 NAME = "fleet"
 #: Names of the files in --out DIR.
@@ -41,6 +41,17 @@ def add_arguments(parser):
     parser.add_argument(
         "--gap", action="store_true", help="also look for what each record's model misses"
     )
+    parser.add_argument(
+        "--sensor",
+        choices=("folder", "file"),
+        help="what names a sensor in subfolders; default what the names tell, which is said",
+    )
+    parser.add_argument(
+        "--record",
+        choices=("folder", "file"),
+        help="whether files of a subfolder that differ in numbers alone are the logs of one record "
+        "or a record each; default what their time stamps tell",
+    )
     common.add_json_argument(parser)
     group = parser.add_argument_group("what is in the files, where they do not say")
     for flag, kind, text in (
@@ -62,20 +73,37 @@ def run(args):
     out = Path(args.out)
     common.check_out(out)
     reading = ("rate", "time_unit", "gyro_unit", "accel_unit", "columns")
-    entries = fleet.entries(args.records, **{key: getattr(args, key) for key in reading})
+    entries = fleet.entries(
+        args.records,
+        sensor=args.sensor,
+        record=args.record,
+        **{key: getattr(args, key) for key in reading},
+    )
     named.refuse_overwriting(args, [e.path for e in entries])
     _some_there(entries)
     out.mkdir(exist_ok=True)
     left = len(fleet.Ledger(out, entries, gap=args.gap).open())
     done = len(entries) - left
     print(
-        f"records: {len(entries)}, sensors: {len({e.sensor for e in entries})}"
-        + (f", {done} of them characterised before" if done else ""),
+        understood(entries) + (f"; {done} of them characterised before" if done else ""),
         file=sys.stderr,
     )
+    notes = tuple(dict.fromkeys(e.note for e in entries if e.note))
+    for note in notes:
+        print(f"note: {note}", file=sys.stderr)
     _characterised(args, fleet, entries, out, left)
-    _told(args, fleet, out, entries)
+    _told(args, fleet, out, entries, notes)
     return 0
+
+
+def understood(entries) -> str:
+    """How many records of which sensors and dates, and the first as an example."""
+    dates, first = sorted({e.date for e in entries if e.date}), entries[0]
+    days = f"{len(dates)}" + (f" ({dates[0]} to {dates[-1]})" if len(dates) > 1 else "")
+    return (
+        f"records: {len(entries)}, sensors: {len({e.sensor for e in entries})}, dates: {days}; "
+        f"{first.file} is of {first.sensor}, {first.date or 'no date'}"
+    )
 
 
 def _some_there(entries):
@@ -127,14 +155,14 @@ def _characterised(args, fleet, entries, out, left):
         bar.close()
 
 
-def _told(args, fleet, out, entries):
+def _told(args, fleet, out, entries, notes):
     table = fleet.load(out)
     try:
         _some_read(entries, table)
     except InputError:
         (out / TABLE).unlink(missing_ok=True)
         raise
-    summary = fleet.summary(table)
+    summary = fleet.summary(table, notes)
     common.write_json(summary, out / "fleet.json")
     if summary.model is not None:
         summary.model.save(out / "model.json")

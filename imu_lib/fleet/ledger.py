@@ -14,7 +14,8 @@ from pathlib import Path
 
 from imu_lib import beside
 from imu_lib.errors import InputError
-from imu_lib.fleet.manifest import TABLE, Entry
+from imu_lib.fleet.folders import TABLE
+from imu_lib.fleet.manifest import Entry
 from imu_lib.fleet.rows import COLUMNS
 from imu_lib.readers import zarr_store
 

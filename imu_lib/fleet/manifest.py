@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import csv
-import re
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
 from imu_lib.errors import InputError
-from imu_lib.readers import zarr_store
+from imu_lib.fleet import folders, names
+from imu_lib.fleet.folders import SUFFIXES
 
-#: What a record's file name may end in.
-SUFFIXES = (
-    *(".npz", ".npy", ".parquet", ".csv", ".txt", ".tsv", ".mat", ".h5", ".hdf5", ".zarr"),
-    *(".bag", ".mcap", ".db3"),
-)
 #: Columns of a manifest that say how to read the file, and what makes of its text an option.
 OPTIONS = {
     "rate": float,
@@ -26,9 +22,6 @@ OPTIONS = {
     "start": float,
     "stop": float,
 }
-#: The table that a fleet makes.
-TABLE = "fleet.parquet"
-_DATE = re.compile(r"(?:^|[_\-. T])((?:19|20)\d\d)-?([01]\d)-?([0-3]\d)(?=$|[_\-. T])")
 
 
 @dataclass(frozen=True)
@@ -41,25 +34,35 @@ class Entry:
     date: str
     options: tuple
     where: str = ""  # the manifest's line, for messages
+    note: str = ""  # how its name was understood, where it might be otherwise
 
     @property
     def reading(self) -> dict:
         return dict(self.options)
 
 
-def entries(path, **options) -> list[Entry]:
+def entries(path, *, sensor=None, record=None, **options) -> list[Entry]:
     """The records of a folder (with its subfolders) or of a manifest, in order of their names or
     lines.
 
     In a folder a sensor is a subfolder, or a file's name without its date
-    (`unit012_2024-05-01.npz` is `unit012`). A manifest is a `.csv` with the column `file` and,
-    where known, `sensor`, `date` and the reading options as columns. `options` hold for all
-    records. InputError where there is none, or a line is wrong.
+    (`unit012_2024-05-01.npz` is `unit012`); a subfolder of consecutive logs is one record
+    (`folders.records`, which `sensor` and `record` are for). A manifest is a `.csv` with the column
+    `file` and, where known, `sensor`, `date` and the reading options as columns. `options` hold for
+    all records. InputError where there is none, or a line is wrong.
     """
     path = Path(path)
     if path.is_dir():
-        found = _of_folder(path, options)
+        found = [
+            Entry(one.name, str(one.path), one.sensor, one.date, _pairs(options), note=one.note)
+            for one in folders.records(path, sensor=sensor, record=record, **options)
+        ]
     elif path.is_file():
+        if sensor or record:
+            raise InputError(
+                f"{path} is a manifest: its columns say what is a sensor and a record; leave out "
+                f"--{'sensor' if sensor else 'record'}."
+            )
         found = _of_table(path, options)
     else:
         raise InputError(f"{path} does not exist; give a folder of records or a manifest (.csv).")
@@ -68,45 +71,33 @@ def entries(path, **options) -> list[Entry]:
     return found
 
 
-def _of_folder(folder, options):
-    files = sorted(
-        p
-        for p in folder.rglob("*")
-        if p.suffix.lower() in SUFFIXES
-        and (p.is_file() or zarr_store.is_store(p))
-        and not any(zarr_store.is_store(above) for above in p.parents if folder in above.parents)
-        and p.name != TABLE  # of an earlier run, where --out lies inside the folder
-        and not any(part.startswith(".") for part in p.relative_to(folder).parts)
-    )
-    out = []
-    for p in files:
-        name = p.relative_to(folder)
-        sensor, date = _named(name.stem)
-        if len(name.parts) > 1:
-            sensor = "/".join(name.parts[:-1])
-        out.append(Entry(name.as_posix(), str(p), sensor, date, _pairs(options)))
-    return out
-
-
-def _named(stem):
-    """Sensor and date that a file's name tells."""
-    match = _DATE.search(stem)
-    if not match:
-        return stem, ""
-    sensor = (stem[: match.start()] + stem[match.end() :]).strip("_-. T")
-    return sensor or stem, "-".join(match.groups())
-
-
-def _of_table(path, options):
+def _rows(path):
+    """(names of a manifest's columns, (line, its fields by name) of each row)."""
+    raw = path.read_bytes()
     try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.DictReader(file))
-            known = list(rows[0]) if rows else []
-    except (UnicodeDecodeError, csv.Error):
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("cp1252", "replace")
+    head = next((line for line in text.splitlines() if line.strip()), "")
+    if "\0" in text[:4096] or not head:
         raise InputError(
             f"{path} is no table of records: give a folder of them, or a .csv with one record a "
             "line (file, sensor, date); `imu-lib characterise` takes a single record."
-        ) from None
+        )
+    before = text.index(head)
+    blank = len(text[:before].splitlines())
+    between = max(",;\t", key=head.count)
+    try:
+        reader = csv.DictReader(io.StringIO(text[before:], newline=""), delimiter=between)
+        known = [(name or "").strip().lower() for name in reader.fieldnames or []]
+        reader.fieldnames = known
+        return known, [(blank + reader.line_num, row) for row in reader]
+    except csv.Error as error:
+        raise InputError(f"{path} cannot be read as a table ({error}); save it anew.") from None
+
+
+def _of_table(path, options):
+    known, rows = _rows(path)
     if "file" not in known:
         raise InputError(
             f"{path} has no column `file`; a manifest names one record a line: file, sensor, date."
@@ -115,37 +106,58 @@ def _of_table(path, options):
     if unknown:
         raise InputError(
             f"{path} has the column `{unknown[0]}`; known are file, sensor, date, "
-            f"{', '.join(OPTIONS)}."
+            f"{', '.join(OPTIONS)}. Remove it."
         )
+    if not rows:
+        raise InputError(f"{path} names no record; a line is one: file, sensor, date.")
     out, seen = [], {}
-    for line, row in enumerate(rows, start=2):
-        name = (row["file"] or "").strip()
-        if not name:
-            raise InputError(f"{path}, line {line}: names no file; remove the line.")
-        if name in seen:
-            raise InputError(f"{path}, line {line}: {name} stands on line {seen[name]} already.")
-        seen[name] = line
-        own = {}
-        for key, kind in OPTIONS.items():
-            text = (row.get(key) or "").strip()
-            if text:
-                try:
-                    own[key] = kind(text)
-                except ValueError:
-                    raise InputError(
-                        f"{path}, line {line}: `{key}` is {text!r}, not a number."
-                    ) from None
-        sensor, date = _named(Path(name).stem)
-        sensor = (row.get("sensor") or "").strip() or sensor
-        date = (row.get("date") or "").strip() or date
-        if date and not re.fullmatch(r"\d{4}-\d\d-\d\d", date):
-            raise InputError(
-                f"{path}, line {line}: the date {date!r} is not of the form 2024-05-01."
-            )
-        place = Path(name) if Path(name).is_absolute() else path.parent / name
+    for line, row in rows:
         where = f"{path}, line {line}"
-        out.append(Entry(name, str(place), sensor, date, _pairs({**options, **own}), where))
+        if row.get(None):
+            raise InputError(f"{where}: has more fields than the first line; mend the line.")
+        one = _of_line(path, where, {k: (v or "").strip() for k, v in row.items()}, options)
+        file = Path(one.path).resolve()
+        if file in seen:
+            raise InputError(f"{where}: {one.file} stands on line {seen[file]} already.")
+        seen[file] = line
+        out.append(one)
     return out
+
+
+def _of_line(path, where, row, options) -> Entry:
+    name = row["file"]
+    if not name:
+        raise InputError(f"{where}: names no file; remove the line.")
+    own = {
+        key: _option(where, key, kind, row[key]) for key, kind in OPTIONS.items() if row.get(key)
+    }
+    place = _place(path, name)
+    sensor, date = names.sensor_and_date(Path(name.replace("\\", "/")).stem)
+    if row.get("date"):
+        date = names.a_date(row["date"])
+        if not date:
+            raise InputError(f"{where}: the date {row['date']!r} is no day of the form 2024-05-01.")
+    sensor = row.get("sensor") or sensor
+    return Entry(name, str(place), sensor, date, _pairs({**options, **own}), where)
+
+
+def _option(where, key, kind, text):
+    if kind is str:
+        return text
+    try:
+        number = kind(text.replace(",", ".") if text.count(",") == 1 else text)
+    except ValueError:
+        raise InputError(f"{where}: `{key}` is {text!r}, not a number.") from None
+    if number < 0 or (key == "rate" and not 0 < number < float("inf")):
+        raise InputError(f"{where}: `{key}` is {text}; it is above 0.")
+    return number
+
+
+def _place(path, name):
+    """The file that a line names, from the manifest's folder; one written with backslashes too."""
+    place = path.parent / name  # an absolute name stays what it is
+    other = path.parent / name.replace("\\", "/")
+    return other if other.exists() and not place.exists() else place
 
 
 def _pairs(options):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from imu_lib.errors import InputError
 from imu_lib.estimate import Estimate
@@ -65,13 +66,8 @@ def _row(entry, **values):
 
 def _found(entry, gap):
     from imu_lib.characterise import characterise
-    from imu_lib.long_record import open_converted, open_long
-    from imu_lib.long_record.record import SHORTEST
-    from imu_lib.readers import read_record
 
-    record = open_long(entry.path, **entry.reading) or open_converted(entry.path, **entry.reading)
-    if record is None or record.longest < SHORTEST:
-        record = read_record(entry.path, **entry.reading)
+    record = _opened(entry)
     result = characterise(record, workers=1)
     about = {"rate": float(result.rate), "duration": float(result.duration)}
     rows = []
@@ -97,6 +93,25 @@ def _found(entry, gap):
             | about
         )
     return rows + (_effects(entry, record, result, about) if gap else [])
+
+
+def _opened(entry):
+    """The record, in memory or, where it is long, on disk; a folder is one of consecutive logs."""
+    from imu_lib.long_record import open_converted, open_folder, open_long
+    from imu_lib.long_record.record import SHORTEST
+    from imu_lib.readers import read_record, zarr_store
+    from imu_lib.stream import LONG
+
+    path, reading = entry.path, entry.reading
+    if Path(path).is_dir() and not zarr_store.is_store(path):
+        logs = open_folder(path, **reading)
+        if logs is not None:
+            return logs if logs.rows > LONG and logs.longest >= SHORTEST else logs.in_memory()
+        return read_record(path, **reading)
+    record = open_long(path, **reading) or open_converted(path, **reading)
+    if record is None or record.longest < SHORTEST:
+        record = read_record(path, **reading)
+    return record
 
 
 def _numbers(estimate):

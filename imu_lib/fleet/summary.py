@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from imu_lib import units
-from imu_lib.fleet import questions
-from imu_lib.fleet.spread import CONFIDENCE, CONTENT
+from imu_lib.fleet import dates, outlying, page, questions, remarks
 from imu_lib.likelihood import CANDIDATES as SUMS
 from imu_lib.model import Model
 from imu_lib.record import CHANNELS
@@ -24,123 +22,77 @@ class Summary:
     errors : tuple of str
         The sentences on the records that could not be used.
     spreads : dict of str to dict of str to Spread
-        By channel and "method coefficient".
+        By channel and "method coefficient", of all sensors.
+    without_outliers : dict of str to dict of str to Spread
+        The same without the sensors that `outliers` names for the coefficient, where it names any.
     outliers : tuple of dict
         channel, method, coefficient, sensor, value, expected, ratio, p_value.
-    drifts : dict of str to dict of str to Estimate
-        Change of the logarithm a year, where there are dates.
+    steps : tuple of dict
+        Sensors that change between two dates unlike the others: channel, method, coefficient,
+        sensor, before, after, ratio, expected, p_value.
+    drifts : dict of str to dict of str to Drift
+        Change of the logarithm a year, where three sensors have two dates.
+    no_drift : dict of str to dict of str to str
+        Why there is none of the others, in a sentence.
     days : dict of str to dict
-        Scatter from sensor to sensor and from record to record of one sensor.
+        Scatter from sensor to sensor and from date to date of one sensor.
     shares : DataFrame
         In what share of the sensors each sum or effect is found.
     model : Model or None
-        Typical coefficients; its key `spread` has the scatter and the worst of 95 %.
+        Typical coefficients; its key `spread` has the scatter and the worst of 95 %, those of
+        `spreads`.
+    notes : tuple of str
+        What is to be known of the table.
     """
 
     records: int
     sensors: int
     errors: tuple
     spreads: dict = field(repr=False)
+    without_outliers: dict = field(repr=False)
     outliers: tuple = field(repr=False)
+    steps: tuple = field(repr=False)
     drifts: dict = field(repr=False)
+    no_drift: dict = field(repr=False)
     days: dict = field(repr=False)
     shares: object = field(repr=False)
     model: Model | None = field(repr=False)
+    notes: tuple = ()
 
     def to_json(self):
-        return {
-            "records": self.records,
-            "sensors": self.sensors,
-            "errors": list(self.errors),
-            "spreads": self.spreads,
-            "outliers": list(self.outliers),
-            "drifts": self.drifts,
-            "days": self.days,
-            "shares": self.shares.to_dict("records"),
-        }
+        told = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "model"}
+        return told | {"shares": self.shares.to_dict("records")}
 
     def text(self) -> str:
         """Tables in datasheet units."""
-        lines = [
-            f"{_number(self.sensors, 'sensor')}, {_number(self.records, 'record')}, "
-            f"{len(self.errors)} left out",
-            "",
-        ]
-        if not self.spreads:
-            lines.append("fewer than three sensors show a coefficient: there is no spread to tell")
-        share, sure = round(100 * CONTENT), round(100 * CONFIDENCE)
-        if self.spreads:
-            head = ("coefficient", "unit", "sensors", "typical", "scatter", f"worst of {share} %")
-            rows = [head]
-            for channel, found in self.spreads.items():
-                for key, s in found.items():
-                    rows.append(_row(channel, key, s))
-            widths = [max(len(r[i]) for r in rows) for i in range(len(head))]
-            lines += [
-                "  ".join(c.ljust(w) for c, w in zip(r, widths, strict=True)).rstrip() for r in rows
-            ]
-            lines += [
-                "",
-                "typical [95 % interval]; scatter: standard deviation from unit to unit, the error "
-                f"of each estimate taken off; worst: {share} % of all units stay below, with "
-                f"{sure} % confidence",
-            ]
-        for o in self.outliers:
-            lines.append(
-                f"outlier: {o['sensor']}, {o['channel']} {o['coefficient']} ({o['method']}) is "
-                f"{o['ratio']:.3g} times what the others predict (p = {o['p_value']:.1g})"
-            )
-        for channel, found in self.drifts.items():
-            for key, d in found.items():
-                if d.low > 0 or d.high < 0:
-                    lines.append(
-                        f"drift: {channel} {key} changes by {100 * np.expm1(d.value):.3g} % a year "
-                        f"[{100 * np.expm1(d.low):.3g}, {100 * np.expm1(d.high):.3g}]"
-                    )
-        return "\n".join(lines)
+        return page.text(self)
 
 
-def _number(n, noun):
-    return f"{n} {noun}{'s' * (n != 1)}"
-
-
-def _row(channel, key, s):
-    symbol = key.split()[-1]
-    factor, unit = units.datasheet(symbol, channel)
-
-    def number(v):
-        return f"{v / factor:.4g}"
-
-    t, c = s.typical, s.scatter
-    return (
-        f"{channel} {key}",
-        unit,
-        f"{s.shown} of {s.units}",
-        f"{number(t.value)} [{number(t.low)}, {number(t.high)}]",
-        f"{100 * c.value:.2g} % [{100 * c.low:.2g}, {100 * c.high:.2g}]",
-        number(s.worst),
-    )
-
-
-def summary(table) -> Summary:
-    """All of the fleet's questions on a table, as `fleet.load` gives it."""
+def summary(table, notes=()) -> Summary:
+    """All of the fleet's questions on a table, as `fleet.load` gives it; `notes` are told with what
+    it answers.
+    """
     good = table[table.error.isna()]
-    spreads, outliers, drifts, days = {}, [], {}, {}
+    spreads, without, odd, steps, drifts, no_drift, days = {}, {}, [], [], {}, {}, {}
     for channel in [c for c in CHANNELS if (good.channel == c).any()]:
         for method, coefficient in questions.KEYS:
             asked = (good, channel, method, coefficient)
             key = f"{method} {coefficient}"
             if (found := questions.spread(*asked)) is None:
                 continue
+            about = {"channel": channel, "method": method, "coefficient": coefficient}
             spreads.setdefault(channel, {})[key] = found
-            for sensor, row in questions.outliers(*asked).iterrows():
-                about = {"sensor": sensor, "channel": channel}
-                outliers.append(
-                    about | {"method": method, "coefficient": coefficient} | row.to_dict()
-                )
-            if (change := questions.drift(*asked)) is not None:
+            strange = outlying.outliers(*asked)
+            odd += _rows(strange, about)
+            if len(strange):
+                left = good[~good.sensor.isin(strange.index)]
+                without.setdefault(channel, {})[key] = questions.spread(left, *asked[1:])
+            steps += _rows(outlying.steps(*asked), about)
+            if (change := dates.drift(*asked)) is not None:
                 drifts.setdefault(channel, {})[key] = change
-            if (two := questions.sensor_and_day(*asked)) is not None:
+            else:
+                no_drift.setdefault(channel, {})[key] = dates.without_drift(*asked)
+            if (two := dates.sensor_and_day(*asked)) is not None:
                 days.setdefault(channel, {})[key] = two
     shares = questions.shares(good)
     return Summary(
@@ -148,55 +100,60 @@ def summary(table) -> Summary:
         int(table.sensor.nunique()),
         tuple(table.error.dropna()),
         spreads,
-        tuple(outliers),
+        without,
+        tuple(odd),
+        tuple(steps),
         drifts,
+        no_drift,
         days,
         shares,
-        fleet_model(good, shares, spreads),
+        fleet_model(good, shares, spreads, without),
+        (*notes, *remarks.of_table(table)),
     )
 
 
-def fleet_model(table, shares, spreads) -> Model | None:
+def _rows(found, about):
+    return [about | {"sensor": sensor} | row.to_dict() for sensor, row in found.iterrows()]
+
+
+def fleet_model(table, shares, spreads, without=None) -> Model | None:
     """The error model of the fleet: on each channel the sum that most sensors have, its
-    coefficients typical of the sensors; the key `spread` has `scatter` (of the logarithm) and
-    `worst` of each.
+    coefficients typical of all sensors (`spreads`); the key `spread` has `scatter` (of the
+    logarithm), `worst` and `units` of each, and where sensors were named as outliers the same
+    `without_outliers`.
     """
-    channels, told, rates = {}, {}, table.rate.dropna()
-    for channel in spreads:
+    channels, told, rates = {}, {}, table.drop_duplicates("file").rate.dropna()
+    for channel, found in spreads.items():
         here = shares[shares.channel == channel]
         for name in here.sort_values("found", ascending=False).effect:
             template = SUMS.get(name)
             labels = [label for label, _, _ in template.labels()] if template else ()
-            found = {
-                label: questions.spread(
-                    _with_sum(table, channel, name), channel, "likelihood", label
-                )
-                for label in labels
-            }
-            if labels and all(found.values()):
-                channels[channel] = template.with_values(
-                    {label: s.typical.value for label, s in found.items()}
-                )
-                told[channel] = {
-                    label: {"scatter": s.scatter.value, "worst": s.worst, "units": s.units}
-                    for label, s in found.items()
-                }
-                break
+            own = {label: found.get(f"likelihood {label}") for label in labels}
+            if not labels or not all(own.values()):
+                continue
+            channels[channel] = template.with_values(
+                {label: s.typical.value for label, s in own.items()}
+            )
+            told[channel] = {label: _in_model(s) for label, s in own.items()}
+            for label in labels:
+                less = (without or {}).get(channel, {}).get(f"likelihood {label}")
+                if less is not None:
+                    more = {"typical": less.typical.value} | _in_model(less)
+                    told[channel][label]["without_outliers"] = more
+            break
     if not channels:
         return None
     return Model(
         channels,
-        rate=float(rates.median()) if len(rates) else None,
+        rate=float(rates.mode().iloc[0]) if len(rates) else None,
         name="fleet",
         source=f"typical of {table.sensor.nunique()} sensors",
         extra={"spread": told},
     )
 
 
-def _with_sum(table, channel, name):
-    """The rows of the records for which the likelihood chose this sum on the channel."""
-    own = table[(table.channel == channel) & (table.effect == name)]
-    return table[table.file.isin(own.file)]
+def _in_model(s):
+    return {"scatter": s.scatter.value, "worst": s.worst, "units": s.units}
 
 
 def draw(model: Model, rng: np.random.Generator) -> Model:

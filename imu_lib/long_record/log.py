@@ -8,7 +8,7 @@ import numpy as np
 
 from imu_lib.errors import InputError
 from imu_lib.long_record import grid
-from imu_lib.long_record.record import FILL, Column, LongRecord, counted
+from imu_lib.long_record.record import FILL, Column, LongRecord, counted, without_counts
 from imu_lib.readers.rising import NEAR
 
 
@@ -224,7 +224,7 @@ def _of_reading(record):
     """Notes of a part but for those that count, which are told of the whole, or once without a
     count.
     """
-    told = [n for n in record.notes if "samples missing" not in n and "no number in" not in n]
+    told = without_counts(record.notes)
     return [re.sub(r"^[\d,]+ of [\d,]+ (time stamps)", r"Many \1", n) for n in told]
 
 

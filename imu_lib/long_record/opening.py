@@ -12,7 +12,7 @@ import numpy as np
 from imu_lib import readers
 from imu_lib.errors import InputError
 from imu_lib.long_record import columns, grid
-from imu_lib.long_record.record import Column, LongRecord, counted
+from imu_lib.long_record.record import Column, LongRecord, counted, without_counts
 from imu_lib.readers import names, zarr_store
 from imu_lib.readers.streams import slow_kind
 from imu_lib.record import CHANNELS
@@ -52,7 +52,7 @@ def open_long(path, *, start=None, stop=None, trust_units=False, least=None, **o
     if laid is None:
         return None
     names_ = list(found)
-    notes = head.notes + counted(laid.missing, laid.steps, laid.rate)
+    notes = without_counts(head.notes) + counted(laid.missing, laid.steps, laid.rate)
     return LongRecord(
         found,
         laid.rate,

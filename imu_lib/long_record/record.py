@@ -186,6 +186,11 @@ def _values(column: Column, low: int, high: int) -> Array:
     return column.factor * x.astype(float) + column.zero
 
 
+def without_counts(notes: Iterable[str]) -> tuple[str, ...]:
+    """The notes on a part of a record but for those that count, which `counted` tells of all."""
+    return tuple(n for n in notes if "samples missing" not in n and "no number in" not in n)
+
+
 def counted(missing: int, steps: Array, rate: float) -> tuple[str, ...]:
     """Sentences on what is missing: rows without a number, gaps (row, samples)."""
     out: tuple[str, ...] = ()
