@@ -85,6 +85,11 @@ def test_units_and_signs_are_asked_for_and_not_explained():
         "multiply `gyro`": {"gyro": -drive.gyro},
         "--accel-unit g": {"accel": drive.accel / 9.81},
         "third column": {"gnss_velocity": drive.gnss_velocity * upside},
+        "never moves faster": {
+            "gnss_position": np.repeat(drive.gnss_position[:1], len(drive.gnss_time), axis=0),
+            "gnss_velocity": 0.0 * drive.gnss_velocity,
+            "reference_velocity": None,
+        },
     }.items():
         with pytest.raises(InputError, match=word):
             admission.check(drive.with_(**changes))

@@ -6,10 +6,11 @@ import numpy as np
 
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
-from imu_lib.navigation import fix_faults, fix_motion, unfit
+from imu_lib.navigation import fix_faults, fix_motion, unfit, windows
 
 SHORTEST = 60.0  # s
 FEWEST = 40  # fixes
+MOVING = 3.0  # m/s
 CONTRADICTED = 0.1  # share of velocities
 
 
@@ -22,6 +23,12 @@ def check(drive: Drive) -> None:
         raise InputError(
             f"{drive.source or drive.name or 'the drive'}: {drive.duration:.3g} s with {fixes} "
             f"fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
+        )
+    if not (windows.speeds(drive)[1] > MOVING).any():
+        raise InputError(
+            f"{drive.source or drive.name or 'the drive'} never moves faster than {MOVING:g} m/s: "
+            "neither its heading nor what grows with motion shows; a search needs a drive that "
+            "moves."
         )
 
 
