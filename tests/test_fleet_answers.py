@@ -6,6 +6,7 @@ import pytest
 from test_fleet import ASKED, fleet_of
 
 from imu_lib import fleet
+from imu_lib.fleet.spread import of_units
 
 
 def _scaled(table, rows, factor):
@@ -116,3 +117,14 @@ def test_remarks():
     assert "u2_0 and copy of u2_0 give the same numbers" in said
     assert "'u0' and 'U0'" in said and "50 Hz (6) and 100 Hz (1)" in said
     assert "Each sensor has one record" in said
+
+
+def test_units_that_lack_a_process_do_not_make_the_scatter():
+    """Two of eleven without it, far below what the others show; and limits that say something."""
+    rng = np.random.default_rng(12)
+    y = 0.05 * rng.standard_normal(11) + 0.2 * rng.standard_normal(11)
+    table = np.exp([y, y - 0.39, y + 0.39])
+    table[:, :2] = [[np.nan] * 2, [0.0] * 2, [0.25] * 2]
+    found = of_units(*table)
+    assert (found.shown, found.units) == (9, 11)
+    assert found.typical.covers(1.0) and found.scatter.covers(0.05) and found.worst < 2.0

@@ -132,25 +132,31 @@ def _go_on(files, reading):
     """Whether the second file's stamps go on where the first one's end; False where there is more
     between them, None where they begin anew or cannot be read.
     """
-    from imu_lib.readers.assemble import assemble
-    from imu_lib.readers.opening import read_raw
-
-    units = {k: reading.get(k) for k in ("gyro_unit", "accel_unit", "time_unit")}
-    spans = []
     try:
-        for file in files[:2]:
-            raw = read_raw(file, columns=reading.get("columns"), topic=reading.get("topic"))
-            record = assemble(raw, rate=reading.get("rate"), trust=True, **units)
-            if raw.start is None:
-                return None
-            length = (int(record.slots()[-1]) + 1) / record.rate
-            spans.append((raw.start, raw.start + length, length, 0.5 / record.rate))
-    except (InputError, OSError, ValueError):
+        (_, end, length, half), (start, *_) = (_span(file, reading) for file in files[:2])
+    except (InputError, OSError, ValueError, TypeError):
         return None  # each file's own sentence comes when it is characterised
-    (_, end, length, half), (start, *_) = spans
     if start < end - half:
         return None
     return start - end <= max(PAUSE, SHARE * length)
+
+
+def _span(file, reading):
+    """(first stamp, end, length, half a sample) of a file, s; TypeError where it has no stamps."""
+    from imu_lib.readers.assemble import assemble
+    from imu_lib.readers.opening import read_raw
+
+    told = {"rate": reading.get("rate"), "time_unit": reading.get("time_unit"), "trust": True}
+    units = {k: reading.get(k) for k in ("gyro_unit", "accel_unit")}
+    columns = {k: reading.get(k) for k in ("columns", "topic")}
+    try:
+        raw = read_raw(file, **columns)
+        record = assemble(raw, **told, **units)
+    except InputError:  # a unit that is open is no matter of the stamps
+        raw = read_raw(file, **columns)
+        record = assemble(raw, **told, gyro_unit="rad/s", accel_unit="m/s^2")
+    length = (int(record.slots()[-1]) + 1) / record.rate
+    return raw.start, raw.start + length, length, 0.5 / record.rate
 
 
 def _of_logs(folder, place):

@@ -2,10 +2,11 @@
 
 Each unit's coefficient is positive; its logarithm is y_i, known to the standard error s_i. The
 units' true values scatter: y_i ~ N(mu, tau^2 + s_i^2), and a unit that does not show the
-coefficient says that its true value lies below its upper limit. The posterior of (mu, tau) under
-flat priors (Gelman 2006, Sec. 4.3, for three units or more) is taken on a grid. From it come the
-typical value exp(mu), the scatter tau, and the worst of 95 per cent of all units: the 0.95 quantile
-of exp(mu + 1.645 tau), an upper tolerance bound of content and confidence 95 per cent.
+coefficient says that its true value lies below its upper limit, which 95 of 100 such limits hold:
+one that is far below what the others show does not make the scatter. The posterior of (mu, tau)
+under flat priors (Gelman 2006, Sec. 4.3, for three units or more) is taken on a grid. From it come
+the typical value exp(mu), the scatter tau, and the worst of 95 per cent of all units: the 0.95
+quantile of exp(mu + 1.645 tau), an upper tolerance bound of content and confidence 95 per cent.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ CONTENT = CONFIDENCE = 0.95
 LEAST = 3
 #: Points of each axis of the grid, and while it is still looked for.
 _POINTS, _SEARCH = 161, 41
+#: How often the upper limit of what a record does not show holds.
+LIMIT = 0.95
 #: A weight of exp(-NEGLIGIBLE) beside the largest is none.
 NEGLIGIBLE = 50.0
 
@@ -171,13 +174,20 @@ def _below(mu, tau, limits, log):
     """
     mean, sd = np.broadcast_arrays(mu[:, None], np.maximum(tau, 1e-9))
     best = np.unravel_index(np.argmax(log), log.shape)
-    least = log[best] + special.log_ndtr((limits - mean[best]) / sd[best]).sum()
+    least = log[best] + _held((limits - mean[best]) / sd[best]).sum()
     left = log > least - NEGLIGIBLE  # what the limits add is never above zero
     out = np.full(log.shape, -np.inf)
     out[left] = 0.0
     for limit in limits:
-        out[left] += special.log_ndtr((limit - mean[left]) / sd[left])
+        out[left] += _held((limit - mean[left]) / sd[left])
     return out
+
+
+def _held(z):
+    """Logarithm of the chance that a limit z standard deviations from the mean holds: of 95 limits
+    in a hundred that of the value below, of the others nothing is said.
+    """
+    return np.log(LIMIT * special.ndtr(z) + 1 - LIMIT)
 
 
 def _closer(grid, weight, points, least=-np.inf):
