@@ -7,8 +7,7 @@ hidden in it at a time (`HIDDEN`, and turned axes). What is found then is compar
 found before. `expected` is the gain in nats that the drive's own information promises for the
 hidden value: below PROMISED no search can name it (`excited` is false), and the answer is the upper
 limit. Of two sizes of an effect the smaller is hidden where it is excited, else the larger. Errors
-of the withheld outages and the size of the innovations along the drive are stored for the chapter's
-pictures. Resumes from its table in benchmarks/results/drive_gap_real.json: names given are searched
+of the withheld outages are stored for the chapter's picture. Resumes from its table in benchmarks/results/drive_gap_real.json: names given are searched
 anew, with --plain without hidden effects: rows of them that there are stay.
 """
 
@@ -37,7 +36,6 @@ from imu_lib.navigation import axes  # noqa: E402
 RESULTS = ROOT / "benchmarks" / "results" / "drive_gap_real.json"
 TURNED = ("+y", "-x", "+z")
 PROMISED = 15.0  # nats
-PIECES = 60  # of a drive, along which the size of the innovations is told
 #: what is hidden: effect, component, value, tolerance within which it counts as found again
 HIDDEN = (
     ("gnss_time_offset", "offset", 0.3, 0.02),
@@ -62,23 +60,8 @@ def searched(drive, **options):
         result["errors"] = {
             n: [round(float(v), 3) for v in study.errors(n, against=against)] for n in study.models
         }
-    result["along"] = along(found)
     result["seconds"] = time.process_time() - begin
     return result, found
-
-
-def along(found):
-    """Root mean square of the whitened innovations in pieces of the drive, before and after."""
-    edges = np.linspace(found.drive.time[0], found.drive.time[-1], PIECES + 1)
-    out = {"time": [round(float(t), 1) for t in 0.5 * (edges[1:] + edges[:-1])]}
-    for name, state in (("before", found.first), ("after", found.state)):
-        e = np.where(state.use, state.result.e, np.nan)
-        piece = np.clip(np.searchsorted(edges, state.problem.time, side="right") - 1, 0, PIECES - 1)
-        parts = [e[piece == k] for k in range(PIECES)]
-        parts = [p[np.isfinite(p)] for p in parts]
-        sizes = [float(np.sqrt(np.mean(p**2))) if p.size > 2 else None for p in parts]
-        out[name] = [v if v is None else float(f"{v:.3g}") for v in sizes]
-    return out
 
 
 def hide(drive, effect, component, value):

@@ -96,8 +96,8 @@ _HOME = {
     "roll_off": "spectrum",
     "drive_gap_map": "drive_gap",
     "drive_gap_innovations": "drive_gap",
-    "drive_gap_windows": "drive_gap_recorded",
-    "drive_gap_along": "drive_gap_recorded",
+    "drive_gap_outages": "drive_gap_recorded",
+    "promised": "drive_gap_recorded",
     "drive_gap_hidden": "drive_gap_recorded",
 }
 __all__ = sorted(_HOME)
