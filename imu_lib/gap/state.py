@@ -24,8 +24,8 @@ from imu_lib.samples.blocks import statistics
 
 #: What an effect has to add to the evidence and to the log-likelihood: odds of 20 to 1, and a gain
 #: that one parameter reaches by chance once in 45,000 times, for the hundreds that are looked at.
-#: With both 3 of 1,200 channels in which nothing is hidden have a name or are left unexplained,
-#: none of them by the competition (benchmarks/results/gap_null.json).
+#: With both, none of 939 channels in which nothing is hidden has a name or is left unexplained
+#: (benchmarks/results/gap_null_wide.json, gap_null_wide_free.json).
 MIN_EVIDENCE, MIN_LIKELIHOOD = 3.0, 9.0
 #: Evidences are divided by this before they become weights: no catalogue is complete and no record
 #: exactly of its model. How sure a name is hangs on it where there are several rivals; beside one,
