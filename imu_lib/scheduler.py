@@ -248,7 +248,11 @@ def _next(ended, client, address):
         except queue.Empty:
             if client.status != "running":
                 raise asyncio.CancelledError from None
-        if client.nthreads():
+        try:
+            threads = client.nthreads()
+        except OSError:  # the scheduler does not answer any more
+            raise asyncio.CancelledError from None
+        if threads:
             said = None
         elif said is None or time.monotonic() - said > AGAIN:
             said = time.monotonic()
