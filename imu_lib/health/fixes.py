@@ -27,27 +27,37 @@ def velocities(drive: Drive) -> tuple[list[str], Drive]:
     positions = fix_faults.positions_swapped(drive)
     said = None if positions else fix_faults.unusable(drive) or fix_faults.other_unit(drive)
     if said is None and not positions:
-        said = _contradicted(drive)
+        return _contradicted(drive)
     if said is None:
-        return _scatter(drive), drive
+        return [], drive
     return [sentence(said)], drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
 
 
 def _contradicted(drive):
+    """What is said of velocities that are not those of their positions, of some fix codes or of
+    all, and the drive without them.
+    """
     ratio = fix_faults.speed_ratio(drive)
     if ratio != 1.0:
-        return (
-            f"the fixes' velocities are {ratio:.3g} times those at which their positions move: one "
+        said = (
+            f"The fixes' velocities are {ratio:.3g} times those at which their positions move: one "
             "of the two is in another unit or of another solution."
         )
+        return [said], drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
     apart = preparation.disagreement(drive)
-    if apart < preparation.VELOCITY_TRUST:
-        return None
-    return (
-        f"the fixes' velocities are {apart:.1f} m/s, in the median, from those at which their "
-        "positions move: of another solution or vehicle, in another frame, or none; they are not "
-        "used."
+    wrong = [code for code, size in apart.items() if size > preparation.VELOCITY_TRUST]
+    if not wrong:
+        return _scatter(drive), drive
+    of = "" if len(apart) == 1 else f" of code {', '.join(f'{code:g}' for code in wrong)}"
+    said = (
+        f"The velocities of the fixes{of} are {max(apart[c] for c in wrong):.1f} m/s, in the "
+        "median, from those at which their positions move: of another solution or vehicle, in "
+        "another frame, or none; they are not used."
     )
+    if len(wrong) == len(apart):
+        return [said], drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+    left = np.where(np.isin(drive.gnss_fix, wrong)[:, None], np.nan, drive.gnss_velocity)
+    return [said], drive.with_(gnss_velocity=left)
 
 
 def _scatter(drive):

@@ -185,15 +185,19 @@ def _apart(fixes: Fixes, later):
     return replace(out, time=time, use=use).take(np.argsort(time, kind="stable"))
 
 
-def disagreement(drive: Drive) -> float:
-    """Median distance, m/s, of a drive's velocities from the motion of its positions over SPAN s;
-    0 where there is too little.
+def disagreement(drive: Drive) -> dict[float, float]:
+    """Median distance, m/s, of a drive's velocities from the motion of their positions over SPAN s,
+    by fix code (0 where the file has none); 0 where there is too little.
     """
     if drive.gnss_velocity is None:
-        return 0.0
+        return {}
     good = np.isfinite(drive.gnss_position).all(axis=1) & np.isfinite(drive.gnss_velocity).all(1)
+    codes = np.zeros(good.size) if drive.gnss_fix is None else np.asarray(drive.gnss_fix)
     given = (drive.gnss_time, drive.gnss_position, drive.gnss_velocity)
-    return _disagreement(*(np.asarray(v)[good] for v in given))
+    return {
+        float(code): _disagreement(*(np.asarray(v)[good & (codes == code)] for v in given))
+        for code in np.unique(codes[good])
+    }
 
 
 def _disagreement(time, position, velocity, later=0.0):
