@@ -70,21 +70,26 @@ def spectrum(state: State) -> list[Check]:
     begins = np.inf if low_pass is None else CORNER * low_pass.cutoff
     ends = min(0.5 * EDGE * state.data.fs, begins)
     out = [_worst(f[f < ends], nu[f < ends], ratio[f < ends])[0]]
+    level = state.fit.expected[seen]
     for part in (f >= begins, (f >= ends) & (f < begins)):
         if not part.any():
             continue
-        found, decibel = _worst(f[part], nu[part], ratio[part])
+        found, decibel, at = _worst(f[part], nu[part], ratio[part])
         # at the end what is too low is the filter against folding, what is too high is not
-        most = SHAPE if ends == begins else FALLS * (decibel < 0.0)
+        most = FALLS * (decibel < 0.0)
+        if ends == begins:  # the deeper the filter takes the noise down, the less its shape matters
+            passed = level[f < begins] if (f < begins).any() else level
+            down = 10 * np.log10(np.median(passed) / level[part][at])
+            most = SHAPE * max(1.0, float(down) / DEEP)
         out.append(replace(found, domain=ROLL_OFF, size=abs(decibel) / max(most, 1e-9)))
     return out
 
 
-def _worst(f: Array, nu: Array, ratio: Array) -> tuple[Check, float]:
-    """The worst of the bins at `f` Hz of `nu` degrees of freedom and their runs, and by how many
-    dB.
+def _worst(f: Array, nu: Array, ratio: Array) -> tuple[Check, float, int]:
+    """The worst of the bins at `f` Hz of `nu` degrees of freedom and their runs, by how many dB,
+    and its first bin.
     """
-    worst = Check("psd", 0.0, ""), 0.0
+    worst = Check("psd", 0.0, ""), 0.0, 0
     for width in (w for w in (1, 3, 9, 27) if w <= len(f)):
         kernel = np.ones(width)
         dof = np.convolve(nu, kernel, "valid")
@@ -102,7 +107,7 @@ def _worst(f: Array, nu: Array, ratio: Array) -> tuple[Check, float]:
                 f"{f[min(i + width, len(f)) - 1]:.3g} Hz, "
                 f"{decibel:+.2g} dB from the fitted model"
             )
-            worst = Check("psd", float(corrected), where), decibel
+            worst = Check("psd", float(corrected), where), decibel, i
     return worst
 
 
@@ -110,6 +115,8 @@ def _worst(f: Array, nu: Array, ratio: Array) -> tuple[Check, float]:
 #: half the sampling rate from which on what is too low is its end; dB that its shape there may
 #: differ from the catalogue's (a ripple, another order), and that such an end may fall.
 ROLL_OFF, CORNER, EDGE, SHAPE, FALLS = "roll-off", 0.7, 0.96, 1.5, 6.0
+#: dB by which a filter takes the noise down beyond which its shape may differ by more.
+DEEP = 10.0
 #: Relative accuracy that is asked of a model spectrum.
 MODEL = 0.004
 
