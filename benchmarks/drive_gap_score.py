@@ -126,7 +126,9 @@ def names_by_class(rows):
     for r in rows:
         for s in r["steps"]:
             mine = out[
-                reliability.kind(s["weight"], reliability.left(r["unexplained"], r["right"]))
+                reliability.kind(
+                    s["weight"], reliability.left(r["unexplained"], r.get("right", False))
+                )
             ]
             count = mine.setdefault(s["effect"], [0, 0])
             count[0] += 1
