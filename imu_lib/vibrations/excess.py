@@ -31,11 +31,12 @@ def measured(
     """The vibration `p` with the amplitudes, the profile and the bursts that its channels tell:
     name -> (n,) before it was taken out, and after.
 
-    A steady line stays what it is: its amplitude was fitted in a band as narrow as itself.
+    A steady line stays what it is: its amplitude was fitted in a band as narrow as itself. So does
+    a family of lines, whose power is not the same share of each on all channels.
     """
     if p.forest:
         return _of_power(p, before, after)
-    if p.bandwidth <= 0:
+    if p.bandwidth <= 0 or p.harmonics > 1:
         return p
     n = len(next(iter(before.values())))
     on = slice(int((p.start or 0.0) * fs), n if p.stop is None else int(p.stop * fs))
@@ -44,8 +45,6 @@ def measured(
     if min(power.values()) <= 0:
         return p
     p = p.with_(amplitude=tuple(float(np.sqrt(2 * power[c])) for c in p.channels))
-    if p.harmonics > 1:
-        return p
     shape: Array = np.sum([s.density / power[c] for c, s in spectra.items()], axis=0)
     some = next(iter(spectra.values()))
     p = p.with_(**_profile(some.f, shape)) if some.segments >= SEGMENTS else p
