@@ -139,7 +139,6 @@ def _beyond(found) -> dict:
 #: Channel of each record whose picture is stored.
 PICTURES = {
     "vn100_still": "gyro_x",
-    "sony_cxd5602": "accel_y",
     "xsens_dot": "gyro_x",
     "memsense_gyros": "gyro_x",
     "xsens_mtx": "accel_y",
@@ -220,7 +219,7 @@ def _keep(content: dict):
 
 
 def _flat(match) -> str:
-    return "[" + ", ".join(part.strip() for part in match[1].split(",")) + "]"
+    return "[" + ",".join(part.strip() for part in match[1].split(",")) + "]"
 
 
 if __name__ == "__main__":
