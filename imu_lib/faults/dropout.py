@@ -24,6 +24,8 @@ FOREIGN = 8.0
 IMPROBABLE_FOREIGN = -12.0
 #: Levels within the scatter around one that is too common, at the least.
 FINE_GRID = 8
+#: Steps of a coarse grid within which a level has its neighbours: printed digits round them apart.
+NEXT = 1.25
 #: Runs that a value must come in, where it is not 0.
 LEAST_RUNS = 3
 MEANS = (
@@ -80,7 +82,9 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
     values, runs = levels.values, levels.runs
     total = runs.sum()
     middle = np.median(x[~np.isnan(x)][:: max(1, len(x) // 50_000)])
-    spread = max(_spread(x), _coarse_step(levels))
+    step = _coarse_step(levels)
+    spread = max(_spread(x), step)
+    around = max(spread, NEXT * step)
     foreign = np.abs(values - middle) > FOREIGN * spread
     usual = np.flatnonzero(~foreign)
     often = np.flatnonzero(runs >= LEAST_RUNS)
@@ -97,7 +101,7 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
     away = np.abs(values - middle)
     count = np.bincount(levels.index[levels.index >= 0], minlength=len(values))
     for at in often[count[often] < 0.5 * count.sum()]:  # what most samples have is the reading
-        p = levels.value_chance(int(at), spread)
+        p = levels.value_chance(int(at), around)
         improbable = IMPROBABLE
         if foreign[at]:
             # knocks and heavy tails, too, make strange values; those nearer to the usual ones more
@@ -126,7 +130,7 @@ def _atoms(x: np.ndarray, levels: Levels) -> dict:
         atoms, alone = ([i for i in some if foreign[i]] for some in (atoms, alone))
     zero = np.flatnonzero(values == 0)
     if len(zero) and count[zero[0]] < 0.5 * count.sum():
-        p = levels.value_chance(int(zero[0]), spread)
+        p = levels.value_chance(int(zero[0]), around)
         # a common value of the sensor itself is no sign of anything
         if p < 0.2:
             plain.append(int(zero[0]))
