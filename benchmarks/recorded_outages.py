@@ -52,8 +52,10 @@ def main():
         windows = outages.regular_windows(drive, duration=30.0, every=30.0, settle=60.0)
         study = outages.compare(drive, entries, windows, gnss=gnss, strict=False)
         errors = {n: study.errors(n, against=study.against[-1]) for n in entries}
+        scored = np.isfinite(next(iter(errors.values())))  # where the reference is fit to judge
+        errors = {n: e[scored] for n, e in errors.items()}
         content["drives"][name] = {
-            "outages": len(study.windows),
+            "outages": int(scored.sum()),
             "against": study.against[-1],
             "notes": list(study.notes),
             "models": {
@@ -61,7 +63,15 @@ def main():
                     "states": study.models[n].states,
                     "median": statistics.median_interval(e),
                     "mean": float(e.mean()),
-                    "predicted": float(np.median([s[-1] for s in study.models[n].sigma])),
+                    "predicted": float(
+                        np.median(
+                            [
+                                s[-1]
+                                for s, is_scored in zip(study.models[n].sigma, scored)
+                                if is_scored
+                            ]
+                        )
+                    ),
                 }
                 for n, e in errors.items()
             },
@@ -70,7 +80,7 @@ def main():
             pooled.setdefault(n, []).append(e)
         print(
             name,
-            len(study.windows),
+            int(scored.sum()),
             {n: round(float(np.median(e)), 1) for n, e in errors.items()},
             flush=True,
         )
