@@ -209,3 +209,32 @@ def test_a_filter_that_is_switched_on_in_the_middle_shakes_nothing():
         x = rng.standard_normal(n)
         raw[c] = np.r_[x[: n // 2], signal.sosfilt(sos, x)[n // 2 :]]
     assert not found_in(raw, fs)
+
+
+def test_each_channel_gets_the_lines_that_it_feels():
+    fs, n, f = 100.0, 20_000, 13.1
+    rng = np.random.default_rng(11)
+    raw, t = still(n, rng), np.arange(n) / fs
+    noise = {"gyro_z": 2e-3, "accel_x": 1e-2, "accel_y": 1e-2, "accel_z": 2e-2}
+    felt = {
+        "gyro_z": (0.0, 2e-3),
+        "accel_x": (9e-3, 5e-3),
+        "accel_y": (8e-3, 0.0),
+        "accel_z": (0.0, 14e-3),
+    }
+    for c, own in felt.items():
+        for h, a in enumerate(own, 1):
+            raw[c] = raw[c] + a * np.sin(2 * np.pi * h * (f * t + rng.random()))
+    found = found_in(raw, fs)
+    assert len(found) == 2 and all(f"{f}" in item.where for item in found)
+    total = {c: np.zeros(n) for c in felt}
+    for item in found:
+        for c, x in item.process.on(n, fs, rng).items():
+            total[c] += x
+    for c, own in felt.items():
+        own_noise = 4 * noise[c] ** 2 / n  # in one ordinate, of a squared amplitude
+        for h, a in enumerate(own, 1):
+            power = np.abs(2 * np.mean(total[c] * np.exp(-2j * np.pi * h * f * t))) ** 2
+            # three standard deviations of what the noise adds to a line
+            slack = 3 * np.sqrt(2 * a**2 * own_noise) + 10 * own_noise
+            assert power == pytest.approx(a**2, abs=slack), (c, h)

@@ -16,8 +16,9 @@ from imu_lib.vibrations.coherent_band import Band
 from imu_lib.vibrations.families import weak_lines
 from imu_lib.vibrations.forest import Forest
 from imu_lib.vibrations.mains import folded
-from imu_lib.vibrations.multiples import multiple, order_of
-from imu_lib.vibrations.sources import Source
+from imu_lib.vibrations.multiples import order_of
+from imu_lib.vibrations.patterns import Line, alike, factors, faint, noise_of
+from imu_lib.vibrations.sources import Source, examined
 from imu_lib.vibrations.transforms import Transforms
 
 #: Lines beyond which a sentence says how many there are.
@@ -44,22 +45,55 @@ class Shake:
 def of_family(
     f0: float, family: list[Source], transforms: Transforms, shortest: float
 ) -> list[Shake]:
-    """A family of sources, multiples of `f0` Hz where that is not 0: one shake an episode of
-    `shortest` s or more.
+    """A family of sources, multiples of `f0` Hz where that is not 0: one shake for each pattern of
+    channels that its lines have, and for each episode of `shortest` s or more.
     """
-    best = max(family, key=lambda s: s.gain)
-    amplitudes, weak = _amplitudes(f0, family, transforms)
-    keys = sorted(amplitudes)
+    lines: list[Line] = [(order_of(s, f0, transforms) if f0 else s.frequency, s) for s in family]
+    weak = weak_lines(f0, family, transforms) if f0 else {}
+    lines += [(k, faint(k, v, f0, family, transforms)) for k, v in weak.items()]
+    names = [n for n in transforms.names if any(n in s.amplitude for _, s in lines)]
+    parts = alike(lines, names, transforms)
+    if len(parts) == 1:
+        return _of_lines(f0, lines, transforms, shortest)
+    out = []
+    for part in parts:
+        more = _of_lines(f0, part, transforms, shortest)
+        if len(part) == 1:
+            ((order, s),) = part
+            if s not in family:  # what it is by itself, and on whom
+                s = examined(s.place, set(s.channels), transforms)
+            more = _of_lines(0.0, [(s.frequency, s)], transforms, shortest)
+        for shake in more:
+            shake.where += _of_cause(f0, [order for order, _ in part])
+        out += more
+    return out
+
+
+def _of_cause(f0: float, orders: list[float]) -> str:
+    """Words for a part of a family whose other lines are felt otherwise."""
+    if not f0:
+        return "; the other lines of the same cause are felt by the channels in another ratio"
+    if orders == [1]:
+        return "; its multiples are felt by the channels in another ratio"
+    times = words.listed([f"{order:.0f}" for order in orders])
+    return f"; {times} times {f0:.5g} Hz, which the channels feel in another ratio"
+
+
+def _of_lines(f0: float, lines: list[Line], transforms: Transforms, shortest: float) -> list[Shake]:
+    """Lines that all channels feel in one ratio: one shake an episode."""
+    order, best = max(lines, key=lambda line: line[1].gain)
+    order = order if f0 else 1.0
+    lines = sorted(lines, key=lambda line: line[0])
+    family = [s for _, s in lines]
     names = [n for n in transforms.names if any(n in s.amplitude for s in family)]
-    matrix = np.array([[amplitudes[k].get(n, 0.0) for k in keys] for n in names])
-    strength, ratios = _factors(matrix)
-    order = order_of(best, f0, transforms) if f0 else 1
+    matrix = np.array([[s.amplitude.get(n, 0.0) for s in family] for n in names])
+    strength, ratios = factors(matrix, noise_of(lines, names, transforms))
     process = Process(
         frequency=float(f0 or best.frequency),
         amplitude=tuple(float(v) for v in strength),
         bandwidth=float(best.bandwidth / order),
         channels=tuple(names),
-        **_lines(f0, keys, ratios),
+        **_lines(f0, [k for k, _ in lines], ratios),
         **_wander(best),
     )
     spread = 1.96 * max(best.frequency_sd / order, 1e-9)
@@ -70,10 +104,7 @@ def of_family(
         [max(0.0, a - 1.96 * _sd(family, n)), a + 1.96 * _sd(family, n)]
         for n, a in zip(names, process.amplitude)
     ]
-    bands = _merged(
-        [(s.place.low, s.place.high) for s in family]
-        + [multiple(k, f0, family, transforms) for k in weak]
-    )
+    bands = _merged([(s.place.low, s.place.high) for s in family])
     gain, out = float(sum(s.gain for s in family)), []
     spans = [v for v in best.spans if len(best.spans) < 2 or v[1] - v[0] >= shortest]
     total = sum(stop - start for start, stop in spans)
@@ -84,21 +115,6 @@ def of_family(
         text = where(one, best.strength, transforms.duration, transforms.fs)
         out.append(Shake(one, gain * share, text, intervals, bands))
     return out
-
-
-def _amplitudes(
-    f0: float, family: list[Source], transforms: Transforms
-) -> tuple[dict[float, dict[str, float]], dict[int, dict[str, float]]]:
-    """(amplitudes by channel of each line, by its order or its frequency; those too weak to stand
-    out alone).
-    """
-    weak = weak_lines(f0, family, transforms) if f0 else {}
-    out: dict[float, dict[str, float]] = {
-        order_of(s, f0, transforms) if f0 else s.frequency: s.amplitude for s in family
-    }
-    for order, amplitude in weak.items():
-        out[order] = amplitude
-    return out, weak
 
 
 def _wander(s: Source) -> dict[str, Any]:
@@ -163,7 +179,7 @@ def of_forest(found: Forest, signal: dict[str, Array], duration: float) -> Shake
     """A forest of lines with what it puts into its channels."""
     order = np.argsort(found.frequencies)
     lines, matrix = found.frequencies[order], found.amplitude[:, order]
-    strength, ratios = _factors(matrix)
+    strength, ratios = factors(matrix, np.ones(len(matrix)))
     process = Process(
         frequency=float(found.frequencies[0]),
         amplitude=tuple(float(v) for v in strength),
@@ -225,16 +241,6 @@ def where(process: Process, strength: float, duration: float, fs: float) -> str:
 
 def _names(channels: tuple[str, ...]) -> str:
     return ", ".join(channels)
-
-
-def _factors(matrix: Array) -> tuple[Array, Array]:
-    """Amplitudes of the channels and of the lines over the strongest whose product is nearest to
-    `matrix`, shapes (channels,), (lines,).
-    """
-    u, s, v = np.linalg.svd(matrix)
-    ratios = np.abs(v[0])
-    top = ratios.max()
-    return np.abs(u[:, 0]) * s[0] * top, ratios / top
 
 
 def _sd(family: list[Source], name: str) -> float:
