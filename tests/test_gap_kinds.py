@@ -220,6 +220,17 @@ def test_a_converter_with_uneven_steps_is_no_unexplained_grid():
     assert uneven(np.rint(2.5 * rng.standard_normal(N)), 1.0, 0.0) is None
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_uneven_steps_leave_the_power_of_a_signal_as_it_is(seed):
+    rng = np.random.default_rng(seed)
+    edges = np.cumsum(np.tile([1.1, 1.05, 1.1, 0.75], 40)) - 80.0
+    x = np.searchsorted(edges, 12.0 * rng.standard_normal(60_000)).astype(float)
+    steps = uneven(x, 1.0, 0.0)
+    before = np.sqrt(x.var() - steps.variance) * rng.standard_normal(400_000)
+    # the variance of so many samples is known to 0.2 %
+    assert steps.rounded(x.mean() + before).var() == pytest.approx(x.var(), rel=0.008)
+
+
 def test_a_range_that_is_switched_is_said_and_makes_no_drop_outs():
     x = np.rint(20 * np.random.default_rng(14).standard_normal(N))
     x[13_000:] = 32 * np.rint(x[13_000:] / 32)

@@ -69,15 +69,16 @@ def uneven(x: Array, step: float, offset: float) -> Uneven | None:
     density, fine = _density(count, seen, piled)
     between = np.cumsum(density) / np.sum(density)
     edges = np.interp(np.cumsum(count)[:-1] / count.sum(), between, fine)
+    level = np.searchsorted(edges, fine)
+    # a gain or an offset of its own is no error, and would change the noise before the rounding
+    line = np.polyfit(fine, level, 1, w=np.sqrt(density))
+    edges, fine = np.polyval(line, edges), np.polyval(line, fine)
     width = np.diff(edges)[seen[0] : seen[-1] - 1]
     chance = float(np.mean(1.0 / np.sqrt(count[seen])))
     scatter = float(np.std(width))
     if not max(UNEVEN, CHANCE * chance) < scatter < MOST:
         return None
-    level = np.searchsorted(edges, fine)
-    # a gain or an offset of its own is no error
-    fitted = np.polyval(np.polyfit(level, fine, 1, w=np.sqrt(density)), level)
-    variance = float(np.average((fine - fitted) ** 2, weights=density))
+    variance = float(np.average((level - fine) ** 2, weights=density))
     ends = [-0.5] * piled[0], [len(count) - 0.5] * piled[1]
     edges = np.concatenate([ends[0], edges, ends[1]]) + piled[0]
     return Uneven(edges, first, scatter, variance)
