@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.data import Data
+from imu_lib.gap.effects.step import Step
 from imu_lib.processes import LowPass, Sum, WhiteNoise
-from imu_lib.samples.imputation import impute
+from imu_lib.samples.imputation import first_fill, impute
 from imu_lib.samples.innovations import Smooth, surprises
 from imu_lib.samples.outliers import deconvolved
 
@@ -118,3 +120,16 @@ def test_short_records_are_whitened_to_the_spread_that_is_claimed(n, fs):
     for seed in range(12):
         x = np.random.default_rng([seed, 77]).standard_normal(n)
         assert abs(np.std(surprises(x, Smooth(x, fs))) - 1) < 0.02
+
+
+def test_a_channel_that_freezes_to_the_end_does_not_jump_there():
+    """What is filled in lies at the level that was measured, not at that of a few samples before
+    the hole; a jump needs samples on both of its sides.
+    """
+    n, lost = 13_000, 3_500
+    bad = np.arange(n) >= n - lost
+    for seed in range(8):
+        x = np.random.default_rng(seed).standard_normal(n)
+        assert abs(np.mean(first_fill(x, bad)[bad])) < 0.1
+    times = [p.time for p in Step().shapes(Data(x, 100.0, missing=bad))]
+    assert times and max(times) < (n - lost) / 100.0 < 0.9 * n / 100.0

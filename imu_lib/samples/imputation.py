@@ -12,6 +12,10 @@ from imu_lib.likelihood.tapered import bridge
 from imu_lib.samples import clipped
 from imu_lib.samples.innovations import Smooth, padded_size
 
+#: Standard deviations by which the means of a stretch and of one twice as long may differ before
+#: the level is not the same all along.
+STEADY = 3.0
+
 
 def first_fill(x: Array, bad: Array) -> np.ndarray:
     """Bad samples replaced by the straight line between good ones plus what good samples deviate
@@ -40,7 +44,37 @@ def _level(x: Array, bad: Array) -> Array:
     full = count >= max(1, m // 4)
     if not full.any():
         full = count > 0
-    return np.interp(np.arange(len(x)), (np.arange(k) + 0.5)[full] * m, total[full] / count[full])
+    at = np.flatnonzero(full)
+    mean = _beside_holes(at, total[at] / count[at], k)
+    return np.interp(np.arange(len(x)), (at + 0.5) * m, mean)
+
+
+def _beside_holes(at: Array, mean: Array, blocks: int) -> np.ndarray:
+    """The `mean` of each of the blocks `at` which there is one, those next to a hole from as many
+    blocks as it lacks: the noise of a single one would be a jump as long as the hole.
+    """
+    out = np.array(mean, float)
+    if len(mean) < 4:
+        return out
+    noise = 1.4826 * float(np.median(np.abs(np.diff(mean)))) / np.sqrt(2.0)
+    lacking = np.diff(np.r_[-1, at, blocks]) - 1
+    for i in np.flatnonzero(lacking > 1):
+        if i > 0:
+            out[i - 1] = _steady(mean[:i][::-1], lacking[i], noise)
+        if i < len(mean):
+            out[i] = _steady(mean[i:], lacking[i], noise)
+    return out
+
+
+def _steady(mean: Array, most: int, noise: float) -> float:
+    """Mean of the first blocks, of as many up to `most` as differ by no more than their `noise`."""
+    r = 1
+    while 2 * r <= min(most, len(mean)):
+        off = abs(float(mean[:r].mean() - mean[: 2 * r].mean()))
+        if off >= STEADY * noise / np.sqrt(2.0 * r):
+            break
+        r *= 2
+    return float(mean[:r].mean())
 
 
 def impute(

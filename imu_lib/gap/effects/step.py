@@ -35,6 +35,10 @@ class Step(Drift):
 
     def shapes(self, data: Data) -> list[Any]:
         blocks = np.arange(2, data.n // data.m - 1)
+        if data.missing is not None:  # on either side there is a block of what was measured
+            seen = np.cumsum(~data.missing)
+            before = seen[blocks * data.m - 1]
+            blocks = blocks[np.minimum(before, seen[-1] - before) >= data.m]
         return [Process(amplitude=1.0, time=float(t)) for t in blocks * data.m / data.fs]
 
     def columns(self, processes: Sequence[Any], data: Data) -> Array:
