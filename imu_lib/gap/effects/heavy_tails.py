@@ -21,9 +21,10 @@ from .resolution import grid_of
 
 #: Freedom above which the tails are no heavier than uneven steps of a converter make them.
 BENT = 12.0
-#: Standard deviations beyond which they make no more samples than `TIMES` what is normal, and the
-#: logarithm of the probability of more.
-FURTHEST, TIMES, RARE = 4.5, 5.0, -12.0
+#: Standard deviations beyond which they make no more samples than `TIMES` what is normal, the
+#: logarithm of the probability of more, and standard deviations of the walk of their widths that
+#: chance may move the ends by.
+FURTHEST, TIMES, RARE, CHANCE = 4.5, 5.0, -12.0, 2.0
 #: Gain in log-likelihood over a normal distribution, and degrees of freedom beyond which nobody
 #: would tell.
 GAIN, MOST = 14.0, 60.0
@@ -86,11 +87,27 @@ def _likeliest(y: Array, independent: float) -> tuple[float, Stage, dict[str, li
     return gain * independent, tails, intervals
 
 
-def _far(y: Array) -> bool:
-    """Whether more samples lie far out than uneven steps would put there."""
+def _far(y: Array, moved: float) -> bool:
+    """Whether more samples lie far out than uneven steps would put there, which have `moved` them
+    by that many standard deviations; `TIMES` as many where that is not known.
+    """
     u = (y - np.mean(y)) / np.std(y)
-    expected = TIMES * 2.0 * float(ndtr(-FURTHEST)) * len(u)
-    return bool(poisson.logsf(np.count_nonzero(np.abs(u) > FURTHEST) - 1, expected) < RARE)
+    expected = (1.0 if moved else TIMES) * 2.0 * float(ndtr(-FURTHEST)) * len(u)
+    return bool(poisson.logsf(np.count_nonzero(np.abs(u) > FURTHEST + moved) - 1, expected) < RARE)
+
+
+def _bent(view: ChannelView, y: Array, grid: tuple[float, float], freedom: float) -> bool:
+    """Whether uneven steps of the converter, on a `grid` of (step, offset), bend the distribution
+    as much as tails of that `freedom`: their widths add up to a walk from the middle to the end.
+    """
+    coarse = grid[0] / np.sqrt(view.smooth.conditional_variance)
+    if freedom <= BENT and coarse <= COARSE:
+        return False
+    steps = uneven(view.raw[~np.isnan(view.raw)], *grid)
+    if steps is None:
+        return False
+    moved = CHANCE * steps.scatter * np.sqrt(FURTHEST * coarse) if coarse > COARSE else 0.0
+    return not _far(y, float(moved))
 
 
 class HeavyTails(ChannelEffect):
@@ -119,9 +136,8 @@ class HeavyTails(ChannelEffect):
         freedom = tails.freedom
         if gain < GAIN or freedom > MOST:
             return []
-        if freedom > BENT and grid is not None and not _far(y):
-            if uneven(view.raw[~np.isnan(view.raw)], *grid) is not None:
-                return []  # the converter's own steps bend the distribution as much
+        if grid is not None and _bent(view, y, grid, freedom):
+            return []
         u = (y - np.mean(y)) / np.std(y)
         lean = f", {np.count_nonzero(u > 4)} of them above" if tails.lean else ""
         found = Finding(
