@@ -124,7 +124,7 @@ def test_gap_leaves_out_dead_channels_and_long_holes(tmp_path, capsys):
         "The longest stretch without a tilt, a restart or a long hole is taken: 624 to 648",
     ):
         assert note in told.err
-    verdict, table = told.out.split("channel   gap before")
+    verdict, table = told.out.split("channel    found")
     said = " ".join(verdict.split())
     assert "on all channels that are left" in said and "yro_x never changes" in said
     assert "accel_x" in table and "gyro" not in table and "sinusoid" not in told.out

@@ -123,7 +123,9 @@ def _fits(model, record, path):
         follows = any(t.name == "temperature" for t in channel.terms)
         if follows and record.temperature is None and name in record:
             raise InputError(
-                f"{path} has a temperature term for {name}, but the record has no temperature."
+                f"{path} has a temperature term for {name}, but the record has no temperature: "
+                "add a column or array `temperature` (degC) to the record, or take the term out "
+                f"of {path}."
             )
 
 

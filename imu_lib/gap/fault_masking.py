@@ -55,6 +55,15 @@ class Ready:
     doubt: str | None
     findings: tuple[Finding, ...] = ()
 
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """Where the channels that are looked at have no number, in sentences."""
+        return tuple(
+            f.sentence
+            for f in _of(self.findings, dict(self.record.channels))
+            if f.kind == "dropout" and fault_steps.of_file(f)
+        )
+
 
 def ready(record: Record, model: Model | None = None) -> Ready:
     """The record without its faults, and the steps that name them.

@@ -51,8 +51,8 @@ def _step(finding: Finding) -> Step | None:
         return None
     parameters = dict(finding.parameters)
     if finding.kind == "dropout":
-        if parameters.get("value") is None and not parameters.get("held"):
-            return None  # NaN: the file says itself that nothing is there
+        if of_file(finding):
+            return None
         parameters = {k: v for k, v in parameters.items() if v is not None}
     found, right = DETECTED[finding.kind]
     sure = (right + 1) / (found + 2)  # Laplace's rule of succession
@@ -60,6 +60,11 @@ def _step(finding: Finding) -> Step | None:
     return detected(
         finding.kind, parameters, finding.sentence, sure, cause=finding.means, evidence=evidence
     )
+
+
+def of_file(finding: Finding) -> bool:
+    """Whether a drop-out is NaN: the file says itself that nothing is there."""
+    return finding.parameters.get("value") is None and not finding.parameters.get("held")
 
 
 def _figure(value: float | Sequence[float] | None) -> str:

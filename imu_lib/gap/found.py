@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from imu_lib.ensembles import ensemble
+from imu_lib.gap.absent import Absent
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.steps import Step
@@ -68,6 +69,10 @@ class Report:
     whole: float | None = None
     #: Effects that nothing in the record tells of: {"effect", "parameter", "why"} each.
     invisible: tuple[dict[str, str], ...] = ()
+    #: What the given model has and the record has not; the grown model is without it.
+    absent: tuple[Absent, ...] = ()
+    #: Where the file has no number, in sentences.
+    lost: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The contract's object."""
@@ -78,6 +83,7 @@ class Report:
                 "unexplained": self.record_unexplained,
                 "notes": list(self.notes),
                 "invisible": list(self.invisible),
+                "absent": [a.to_json() for a in self.absent],
             },
             "verdict": sentences(self),
             "seconds": round(self.seconds, 2),

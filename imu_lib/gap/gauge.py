@@ -74,6 +74,10 @@ def _jobs(name: str, report: ChannelReport, about: Prepared) -> list[Job]:
     chain = [r.base, *r.between, r.model] if r.steps else [r.base]
     if (found.shared, found.vibrations) != (given.shared, given.vibrations):
         chain = [r.base] + chain  # once as given, once beside what the record has
+    whole = about.lacking(name)
+    if whole is not None:  # as given first, then without what the record does not have
+        same = (found.shared, found.vibrations) == (given.shared, given.vibrations)
+        chain = [whole, *(chain if same else chain[1:])]
 
     def job(
         key: int | str,

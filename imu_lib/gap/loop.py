@@ -18,6 +18,7 @@ from imu_lib.gap.preprocess import OfRecord
 from imu_lib.gap.steps import Step
 from imu_lib.gap.tilt_jumps import as_tilts
 from imu_lib.model import Model
+from imu_lib.processes import Sum
 from imu_lib.record import Record
 
 #: Called with (done, total, text).
@@ -99,10 +100,12 @@ def _report(
         ready.record,
         seconds,
         about.model is not None,
-        ready.notes,
+        (*about.said, *ready.notes),
         (ready.start, ready.stop),
         whole=whole,
         invisible=_invisible(about),
+        absent=about.gone,
+        lost=ready.lost,
     )
 
 
@@ -155,14 +158,22 @@ def _channel(about: Prepared, name: str, seed: int) -> tuple[str, ChannelResult]
     )
 
 
+def _base(about: Prepared, name: str, result: ChannelResult) -> Sum:
+    """The model that a channel started from, with what of it the record does not have."""
+    whole = about.lacking(name)
+    return result.base if whole is None else whole
+
+
 def _models(about: Prepared, results: dict[str, ChannelResult]) -> tuple[Model, Model]:
     """The model that it started from, and the grown one."""
     base = Model(
-        channels={n: r.base for n, r in results.items()}, record=about.given, rate=about.fs
+        channels={n: _base(about, n, r) for n, r in results.items()},
+        record=about.as_given,
+        rate=about.fs,
     )
     grown = Model(
         channels={n: r.model for n, r in results.items()},
-        record=base.record + about.processes,
+        record=about.given + about.processes,
         rate=about.fs,
         name=(about.model.name if about.model is not None else "") or about.ready.record.name,
         source="imu-lib gap",

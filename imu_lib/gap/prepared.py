@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from imu_lib.ensembles import ensemble
-from imu_lib.gap import fault_masking, record_level, record_vibrations
+from imu_lib.gap import absent, fault_masking, record_level, record_vibrations
+from imu_lib.gap.absent import Absent
 from imu_lib.gap.clock_rate import Pace, paced
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.model_rate import at_rate
@@ -31,7 +32,7 @@ class Prepared:
     ready : fault_masking.Ready; None in what a process is sent
         The record without its faults, and the steps that name these.
     model : Model or None
-        What was given.
+        What was given, less what the record does not have.
     raw : dict
         Channel -> samples on an even grid at `fs` Hz, NaN where one is missing.
     temperature : ndarray or None
@@ -54,6 +55,14 @@ class Prepared:
         Channels that a vibration shakes over a band.
     pace : Pace
         Whether the clock is right.
+    whole : Model or None
+        What was given.
+    gone : tuple
+        What of that the record does not have.
+    unseen : tuple
+        Vibrations of the given model that are too weak to be told.
+    said : tuple
+        Sentences on what of the given model has no place in the record.
     """
 
     ready: Any
@@ -70,11 +79,20 @@ class Prepared:
     left: str | None = None
     noise: dict[str, float] = field(default_factory=dict)
     bands: frozenset[str] = frozenset()
+    whole: Model | None = None
+    gone: tuple[Absent, ...] = ()
+    unseen: tuple[Vibration, ...] = ()
+    said: tuple[str, ...] = ()
 
     @property
     def given(self) -> tuple[Process, ...]:
-        """What the given model has on the record."""
+        """What the given model has on the record, and the record may have."""
         return () if self.model is None else tuple(self.model.record)
+
+    @property
+    def as_given(self) -> tuple[Process, ...]:
+        """What the given model has on the record."""
+        return () if self.whole is None else tuple(self.whole.record)
 
     @property
     def held(self) -> tuple[CommonMode, ...]:
@@ -92,15 +110,22 @@ class Prepared:
 
     def held_noise(self, name: str) -> float:
         """Density of the noise in common that the given model has on a channel."""
-        return float(np.sqrt(sum(p.N**2 for p in self.held if name in p.channels)))
+        held = [p for p in self.as_given if isinstance(p, CommonMode)]
+        return float(np.sqrt(sum(p.N**2 for p in held if name in p.channels)))
 
     def held_shaking(self, name: str) -> tuple[Vibration, ...]:
         """Vibrations of the given model on a channel."""
-        return _of([p for p in self.given if isinstance(p, Vibration)], name)
+        return _of([p for p in self.as_given if isinstance(p, Vibration)], name)
 
     def shaking_of(self, name: str) -> tuple[Vibration, ...]:
         """All vibrations that a channel feels."""
-        return _of([f.process for f in self.shaking], name)
+        return _of([*(f.process for f in self.shaking), *self.unseen], name)
+
+    def lacking(self, name: str) -> Sum | None:
+        """The given model of a channel, where that has not all of its terms; or None."""
+        if self.whole is None or not any(a.term and name in a.channels for a in self.gone):
+            return None
+        return self.whole[name]
 
     def alone(self, name: str) -> Prepared:
         """The same with one channel's samples only, without what was found on the way."""
@@ -152,6 +177,9 @@ def prepared(record: Record, model: Model | None, channels: Sequence[str] | None
     names = _asked(record, channels)
     pace = paced(record, model)
     record, model = pace.record, at_rate(model, pace.record.rate)
+    said: str | None = None
+    if model is not None:
+        model, said = absent.elsewhere(model, names)
     ready = fault_masking.ready(
         replace(record, channels={c: record.channels[c] for c in names}), model
     )
@@ -162,7 +190,8 @@ def prepared(record: Record, model: Model | None, channels: Sequence[str] | None
     temperature = None if even.temperature is None else np.array(even.temperature)
     if temperature is not None and np.isnan(temperature).any():
         temperature = ensemble.filled(temperature)
-    return _in_common(Prepared(ready, model, raw, even.rate, temperature, pace))
+    about = Prepared(ready, model, raw, even.rate, temperature, pace, whole=model)
+    return _in_common(replace(about, said=(said,) if said else ()))
 
 
 def _in_common(about: Prepared) -> Prepared:
@@ -172,6 +201,7 @@ def _in_common(about: Prepared) -> Prepared:
     )
     shaking, nameless = record_vibrations.parted(found)
     calm = {name: x - known.get(name, 0.0) for name, x in about.raw.items()}
+    about = _without_absent(about, found, calm)
     bases = None if about.model is None else about.model.channels
     shared, note, left = shared_noise(calm, about.fs, about.held, bases)
     noise = {
@@ -189,6 +219,25 @@ def _in_common(about: Prepared) -> Prepared:
         noise=noise,
         bands=frozenset(c for f in shaking if f.process.band for c in f.process.channels),
     )
+
+
+def _without_absent(about: Prepared, found: list[Finding], calm: dict[str, np.ndarray]) -> Prepared:
+    """With the given model less what the record does not have."""
+    model, raw, fs = about.model, about.raw, about.fs
+    if model is None:
+        return about
+    gone = [
+        *absent.of_faults(model, about.ready.findings, about.ready.record),
+        *absent.of_vibrations(model, found, raw, fs),
+        *absent.of_lines(model, raw, fs),
+        *absent.of_spikes(model, raw, fs),
+        *absent.of_common(model, calm, fs),
+    ]
+    left = absent.without(model, gone, found)
+    seen = [f.process for f in found]
+    unseen = [p for p in left.record if isinstance(p, Vibration)]
+    unseen = [p for p in unseen if not any(p is s for s in seen)]
+    return replace(about, model=left, gone=tuple(gone), unseen=tuple(unseen))
 
 
 def _asked(record: Record, channels: Sequence[str] | None) -> list[str]:

@@ -43,6 +43,8 @@ class Screening:
         s0, count, power = self.expected, self.count, self.power
         u = STRENGTHS / np.sqrt(0.5 * np.sum(count * (shape / s0) ** 2))
         s1 = s0[None, :] + u[:, None] * shape[None, :]
+        # the ends of a noise of long memory take power off: not more than there is
+        s1 = np.where(np.all(s1 > 0, axis=1, keepdims=True), s1, s0)
         gain = -0.5 * np.sum(count * np.log(s1 / s0) + power / s1 - power / s0, axis=1)
         j = int(np.argmax(gain))
         return float(gain[j]), float(u[j])

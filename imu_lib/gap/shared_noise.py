@@ -76,7 +76,7 @@ def shared_noise(
         return None, {}, None
     seen, bases = cross_spectra(channels, fs), bases or {}
     filters = [bases[name].low_pass if name in bases else None for name in seen.names]
-    passed = np.column_stack([_passed(low_pass, seen.f, fs) for low_pass in filters])
+    passed = np.column_stack([let_through(low_pass, seen.f, fs) for low_pass in filters])
     seen = _without_held(seen, held, passed)
     behind, before = _places(seen, filters, passed, fs)
     best = _likeliest(seen, behind, before)
@@ -212,7 +212,7 @@ def _largest_share(best: tuple[float, list[int], float, Place]) -> float:
     return float(density / np.min(np.mean(place.level[:, members], axis=0)))
 
 
-def _passed(low_pass: LowPass | None, f: Array, fs: float) -> Array:
+def let_through(low_pass: LowPass | None, f: Array, fs: float) -> Array:
     """Share of white noise that the low-pass filter of a channel lets through, shape of `f`."""
     return (
         np.ones(len(f))

@@ -12,6 +12,11 @@ from imu_lib.gap.steps import Step
 
 #: Columns of a terminal, or of a page of the book.
 WIDTH = 110
+#: What the last line says of the gap index.
+GAUGED = (
+    " The gap index is 1 where the measurement differs from simulations as they do among "
+    "themselves."
+)
 
 
 def _folded(indent: int, text: str) -> list[str]:
@@ -27,16 +32,17 @@ def _folded(indent: int, text: str) -> list[str]:
 def table(found: Report) -> str:
     """The whole result."""
     lines = [*wrap(" ".join(sentences(found)), WIDTH), ""]
-    lines += [f"{'channel':<9}{'gap before':>11}{'after':>7}{'held out':>15}  found"]
+    gauged = any(c.before is not None for c in found.channels.values())
+    gap = f"{'gap before':>11}{'after':>7}{'held out':>15}" if gauged else ""
+    lines += [f"{'channel':<9}{gap}  found"]
     for name, c in found.channels.items():
         r = c.result
         before = "" if c.before is None else f"{c.before.value:.2f}"
         after = "" if c.after is None else f"{c.after.value:.2f}"
         held = "" if not c.held_out else f"{c.held_out['before']:.2f} -> {c.held_out['after']:.2f}"
-        lines.append(
-            f"{name:<9}{before:>11}{after:>7}{held:>15}  "
-            f"{'' if r.steps else on_channel(found, name)}"
-        )
+        gap = f"{before:>11}{after:>7}{held:>15}" if gauged else ""
+        steps = r.steps and not any(name in a.channels for a in found.absent)
+        lines.append(f"{name:<9}{gap}  {'' if steps else on_channel(found, name)}".rstrip())
         lines += _steps(r.steps, name)
         if not found.given:
             lines += _folded(11, f"fitted base: {', '.join(t.name for t in r.base.terms)}")
@@ -50,10 +56,7 @@ def table(found: Report) -> str:
         if found.record_unexplained:
             lines += _folded(11, f"UNEXPLAINED: {found.record_unexplained}")
     lines += wrap(absorbed.sentence(found), WIDTH)
-    lines.append(
-        f"{found.seconds:.1f} s. The gap index is 1 where the measurement differs from "
-        "simulations as they do among themselves."
-    )
+    lines.append(f"{found.seconds:.1f} s." + (GAUGED if gauged else ""))
     return "\n".join(lines)
 
 
@@ -71,6 +74,9 @@ def on_channel(found: Report, name: str) -> str:
     parts = [", ".join(own)] if own else []
     if felt:
         parts.append(f"on the record: {', '.join(felt)}")
+    gone = [a.process.name for a in found.absent if name in a.channels]
+    if gone:
+        parts.append(f"without the given model's {', '.join(dict.fromkeys(gone))}")
     if not parts:
         if r.unexplained:
             return "left unexplained"

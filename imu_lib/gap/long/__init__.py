@@ -80,7 +80,7 @@ def close(
     start, fast = _part(record, model, scans, scores, say, options)
     names = [n for n in names if n in fast.channels]
     rate = fs / block
-    given = begun.with_bases(model, fast, scans, rate)
+    given = begun.with_bases(None if model is None else _there(model, fast), fast, scans, rate)
     means = views.averages(record, [of[n] for n in names], _warmth(record, runs, block))
     free = [n for n in names if model is None or n not in model]
     given = begun.between_levels(means, given, free, block, options)
@@ -100,6 +100,12 @@ def close(
     without = [fast.record_unexplained, *left, slow.record_unexplained]
     looks = _Looks(record, given, model is not None, kept, fast, slow, block)
     return looks.together(steps, notes, without, began)
+
+
+def _there(model: Model, fast: Report) -> Model:
+    """The given model less what a part at the full rate does not have of what is in every part."""
+    gone = [a.process for a in fast.absent if a.process.name in ("vibration", "common_mode")]
+    return replace(model, record=tuple(p for p in model.record if p not in gone))
 
 
 def _of_record(given: Model, steps: Iterable[Step]) -> tuple[Any, ...]:
@@ -212,6 +218,7 @@ class _Looks:
             time.perf_counter() - began,
             self.by_hand,
             notes,
+            absent=tuple(a for a in fast.absent if a.process not in given.record),
             views=(fast, slow),
         )
 

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from imu_lib import words
+from imu_lib.gap.absent import Absent
 from imu_lib.gap.steps import Step
+from imu_lib.processes import Process, Vibration
 
 if TYPE_CHECKING:
     from imu_lib.gap.found import Report
@@ -57,14 +60,16 @@ def sentence(found: Report, gone: list[tuple[str, Step]]) -> str:
     if not found.given:
         return ""
     taken = {(name, s.effect) for name, s in gone}
+    taken |= {(name, a.process.name) for a in found.absent if a.term for name in a.channels}
     lacks = [f"{_words(s.effect)} on {name}" for name, s in gone]
+    lacks += [_lacking(a) for a in found.absent]
     holds = [
         f"{_words(t.name)} on {name}"
         for name, c in found.channels.items()
         for t in (*c.result.base.terms, *c.result.base.stages)
         if t.name not in OF_SENSOR and (name, t.name) not in taken
     ]
-    holds += [_words(p.name) for p in found.base.record if p.name not in OF_SENSOR]
+    holds += [_words(p.name) for p in _seen(found) if p.name not in OF_SENSOR]
     parts = []
     if lacks:
         parts.append(f"the record does not have the given model's {', '.join(lacks)}")
@@ -72,6 +77,20 @@ def sentence(found: Report, gone: list[tuple[str, Step]]) -> str:
         parts.append(f"the given model already holds {', '.join(dict.fromkeys(holds))}")
     text = "; ".join(parts)
     return f"{text[:1].upper()}{text[1:]}." if text else ""
+
+
+def _lacking(a: Absent) -> str:
+    on = f" on {words.names(a.channels)}" if a.channels else ""
+    return f"{_words(a.process.name)}{on} ({a.why})"
+
+
+def _seen(found: Report) -> list[Process]:
+    """What the given model has on the record, without what is absent and without vibrations that
+    are too weak to be told there.
+    """
+    gone = [a.process for a in found.absent]
+    kept = [p for p in found.model.record if isinstance(p, Vibration)]
+    return [p for p in found.base.record if not any(p is q for q in (*gone, *kept))]
 
 
 def _words(name: str) -> str:

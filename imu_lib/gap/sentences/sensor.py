@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Averaging times shorter than this share of the record have an Allan deviation worth the name.
 REACHED = 0.1
+#: Confidence from which on a filter that was found is told as the sensor's.
+SURE = 0.9
 #: Averaging time below which the least Allan deviation is no bias instability without flicker
 #: noise, s.
 SHORT = 5.0
@@ -49,8 +51,17 @@ def of_sensor(found: Report) -> set[tuple[str, str]]:
             and found.model[w].find("resolution") is not None
             or s.effect == "low_pass"
             and found.model[w].low_pass is not None
+            and _filtered(found, w)
         )
     }
+
+
+def _filtered(found: Report, channel: str) -> bool:
+    """Whether a channel has a filter that is given, or found and sure."""
+    if found.model[channel].low_pass is None:
+        return False
+    own = [s for s in found.channels[channel].result.steps if s.effect == "low_pass"]
+    return all(s.confidence >= SURE for s in own)
 
 
 def sensor(found: Report) -> str:
@@ -75,8 +86,9 @@ def sensor(found: Report) -> str:
         if steps:
             unit, factor = ("deg/s", np.pi / 180) if kind == "gyro" else ("mg", 9.80665e-3)
             text += f", a resolution of {words.spread([s / factor for s in steps])} {unit}"
-        if any(found.model[c].low_pass is not None for c in channels):
-            cut = [f.cutoff for f in (found.model[c].low_pass for c in channels) if f and f.cutoff]
+        behind = [c for c in channels if _filtered(found, c)]
+        if behind:
+            cut = [f.cutoff for f in (found.model[c].low_pass for c in behind) if f and f.cutoff]
             text += f", a filter at {words.spread(cut)} Hz" if cut else ", a filter"
         out.append(text)
     if not out:

@@ -39,7 +39,7 @@ def sentences(found: Report) -> list[str]:
         sentence(
             steps,
             SURE,
-            [*_moved(found), *_left_out(found)],
+            [*_moved(found), *_left_out(found), *found.lost],
             named=bool(signals.relevant(found.steps)),
         ),
         sensor(found),
