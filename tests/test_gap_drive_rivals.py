@@ -7,10 +7,21 @@ import numpy as np
 import pytest
 
 from imu_lib.drive import from_arrays
-from imu_lib.gap.drive import columns, left, prune, select, step_time, steps, vehicle, worth
+from imu_lib.gap.drive import (
+    columns,
+    displaced,
+    left,
+    prune,
+    select,
+    step_time,
+    steps,
+    vehicle,
+    worth,
+)
 from imu_lib.gap.drive.problem import Noise
 from imu_lib.gap.drive.state import State
 from imu_lib.model import Model
+from imu_lib.navigation import earth
 
 MODEL = Model.from_json(generator.MODEL)
 
@@ -24,6 +35,39 @@ def test_a_step_of_a_bias_is_looked_for_at_its_own_time():
     assert state.step_at == pytest.approx(150.0, abs=5.0)
     kept, _ = select.best(state.reg, list(select.GROUPS), 1)
     assert kept == (columns.STEP,)
+
+
+@pytest.mark.parametrize("stays", [True, False])
+def test_fixes_that_are_displaced_and_stay_so_are_no_wild_ones(stays):
+    arrays = generator.make(43002, duration=130.0, rate=50.0, gnss_rate=1.0)
+    time, shift = arrays["gnss_time"], np.array([-8.0, 6.0, 5.0])
+    after = time > 87.0 if stays else np.abs(time - 87.0) < 0.4
+    arrays["gnss_position"][after] = earth.shift(arrays["gnss_position"][after], shift)
+    state = State(from_arrays(arrays, "x"), Noise(MODEL), np.zeros(len(columns.ALL)))
+    state.rebuild()
+    assert displaced.look(state, lambda text: None) == stays
+    if stays:
+        assert state.moved_at == pytest.approx(87.0, abs=1.0)
+        kept, _ = select.best(state.reg, list(select.GROUPS), 1)
+        assert kept == (columns.MOVED,)
+        assert state.reg.solve(columns.of(columns.MOVED))[0] == pytest.approx(shift, abs=2.0)
+
+
+@pytest.mark.parametrize("one_side", [True, False])
+def test_wild_fixes_that_follow_one_another_on_one_side_are_said(one_side):
+    rng = np.random.default_rng(7)
+    e, wild = rng.standard_normal((400, 6)), rng.random(400) < 0.03
+    if one_side:
+        wild[:] = False
+        wild[200:212] = True
+        e[wild, :3] += [-8.0, 6.0, 5.0]
+    state = SimpleNamespace(
+        noise=Noise(MODEL, fraction=0.03, scale=4.0), use=np.ones((400, 6), bool),
+        result=SimpleNamespace(e=e, wild=wild), problem=SimpleNamespace(time=np.arange(400.0)),
+    )  # fmt: skip
+    said = displaced.in_a_row(state)
+    assert bool(said) == one_side
+    assert not one_side or "follow one another on one side (11 times" in said[0]
 
 
 @pytest.mark.parametrize(("sd", "late"), [(0.6, 0.4), (0.05, None)])
@@ -108,8 +152,8 @@ def test_what_its_path_no_longer_asks_for_leaves(monkeypatch):
 
 def test_halves_that_seem_late_apart_are_chance_where_the_innovations_are_right(monkeypatch):
     monkeypatch.setattr(left.lateness, "of_halves", lambda drive: (0.0, -0.7))
-    monkeypatch.setattr(left.correct, "corrected", lambda drive, theta: drive)
-    state = SimpleNamespace(drive=None, theta=None)
+    monkeypatch.setattr(left.correct, "corrected", lambda *held: held[0])
+    state = SimpleNamespace(drive=None, theta=None, moved_at=None)
     for right, said in ((True, False), (False, True)):
         after = SimpleNamespace(right=right)
         assert (left.clocks(state, after) is not None) == said

@@ -24,6 +24,10 @@ def _three(effect: str, word: str, prior: float) -> list[Column]:
     return [Column(effect, f"{word} {a}", prior) for a in AXES]
 
 
+def _three_ways(effect: str, prior: float) -> list[Column]:
+    return [Column(effect, a, prior) for a in ("north", "east", "down")]
+
+
 def _six(effect: str, gyro: float, accel: float) -> list[Column]:
     return [Column(effect, c, gyro if c.startswith("gyro") else accel) for c in CHANNEL_NAMES]
 
@@ -51,20 +55,16 @@ SMOOTHED = (0.15, 0.4, 0.8, 1.6)
 DISPLACED = {"a third": 1 / 3, "half": 1 / 2, "two thirds": 2 / 3}
 #: What those columns are called.
 DISPLACED_AFTER = {part: f"other: fixes are displaced after {part}" for part in DISPLACED}
+#: At `State.moved_at`.
+MOVED = "other: fixes are displaced from one time on"
 FIX = (
     Column("gnss_time_offset", "offset", 0.5),
     Column("gnss_time_offset", "velocity_offset", 0.5),
     *_three("lever_arm", "arm", 1.5),
     *[Column("other: receiver's velocity is smoothed", f"{tau} s", 1.0) for tau in SMOOTHED],
-    *[
-        Column(displaced, f"{a}", 5.0)
-        for displaced in DISPLACED_AFTER.values()
-        for a in ("north", "east", "down")
-    ],
-    *[
-        Column("other: receiver's velocity is offset", f"{a}", 0.3)
-        for a in ("north", "east", "down")
-    ],
+    *[c for displaced in DISPLACED_AFTER.values() for c in _three_ways(displaced, 5.0)],
+    *_three_ways("other: receiver's velocity is offset", 0.3),
+    *_three_ways(MOVED, 5.0),
 )
 ALL = IMU + FIX
 #: Numbers of those that enter in the fixes, the clock of the readings among them.
@@ -76,7 +76,7 @@ def in_path(effect: str) -> bool:
     """Whether a path is built without what an effect does to the drive, as of all of the catalogue;
     other causes are taken out of the innovations, which is enough where they are small.
     """
-    return not effect.startswith("other") or effect in DISPLACED_AFTER.values()
+    return not effect.startswith("other") or effect in (MOVED, *DISPLACED_AFTER.values())
 
 
 def of(effect: str) -> list[int]:

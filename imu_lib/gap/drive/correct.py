@@ -42,8 +42,10 @@ def turned(drive: Drive, angles: Array) -> Drive:
     return drive.with_(gyro=c.apply(drive.gyro), accel=c.apply(drive.accel))
 
 
-def corrected(drive: Drive, theta: Array) -> Drive:
-    """The drive with the columns' values taken out (all but the velocity's own offset)."""
+def corrected(drive: Drive, theta: Array, moved_at: float | None = None) -> Drive:
+    """The drive with the columns' values taken out (all but the velocity's own offset); moved_at :
+    of `State`.
+    """
     if not np.any(theta):
         return drive
     eye = np.eye(3)
@@ -62,16 +64,21 @@ def corrected(drive: Drive, theta: Array) -> Drive:
         gyro=rate,
         accel=force,
         gnss_time=drive.gnss_time - offset,
-        gnss_position=_put_back(drive, theta, offset),
+        gnss_position=_put_back(drive, theta, (offset, moved_at)),
         lever_arm=arm + value(theta, "lever_arm"),
     )
 
 
-def _put_back(drive: Drive, theta: Array, offset: float) -> Array:
+def _put_back(drive: Drive, theta: Array, known: tuple[float, float | None]) -> Array:
     """Positions of the fixes (m, 3) without the displacement that is held after a part of the
-    drive; offset : s, by which they are late.
+    drive, or from one time on; known : s, by which they are late, and that time by their stamps.
     """
+    offset, moved_at = known
     out = np.array(drive.gnss_position, float)
+    moved = value(theta, columns.MOVED)
+    if moved_at is not None and np.any(moved):
+        after = drive.gnss_time > moved_at
+        out[after] = earth.shift(out[after], -moved)
     for part, effect in columns.DISPLACED_AFTER.items():
         moved = value(theta, effect)
         if not np.any(moved):

@@ -11,7 +11,7 @@ from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults, lateness
 from imu_lib.units import DEG
 
-from . import columns, correct, select
+from . import columns, correct, displaced, select
 from .battery import Battery
 from .effects import LINEAR
 
@@ -106,6 +106,8 @@ def unexplained(state: State, after: Battery) -> str | None:
             sizes += "" if late is None else f"; late by {late:.3g} s"
             if effect == columns.STEP and state.step_at is not None:
                 sizes += f"; at {state.step_at:.0f} s"
+            if effect == columns.MOVED and state.moved_at is not None:
+                sizes += f" m; from {state.moved_at:.1f} s on"
             parts.append(
                 f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"
             )
@@ -115,6 +117,7 @@ def unexplained(state: State, after: Battery) -> str | None:
             f"the velocities are late by {late:.3g} s and the positions are not: a receiver that "
             "smooths its velocities makes them as late, and this drive does not tell which"
         )
+    parts += displaced.in_a_row(state)
     name, z = after.worst()
     if not after.right:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
@@ -127,7 +130,7 @@ def clocks(state: State, after: Battery) -> str | None:
     """
     if after.right:
         return None
-    halves = lateness.of_halves(correct.corrected(state.drive, state.theta))
+    halves = lateness.of_halves(correct.corrected(state.drive, state.theta, state.moved_at))
     if halves is None or abs(halves[1] - halves[0]) < STEADY:
         return None
     return (

@@ -157,6 +157,17 @@ class Measured:
         for name, values in found.items():
             self.along[name][rows] = values
 
+    def displace(self, after: Array) -> None:
+        """Enter what a displacement of some fixes (f,) does to them, if any: in the place of those
+        after a part of the drive, which would be the same once more.
+        """
+        if not after.any():
+            return
+        for effect in columns.DISPLACED_AFTER.values():
+            self.d[:, :, [columns.IN_FIXES.index(k) for k in columns.of(effect)]] = 0.0
+        for i, k in enumerate(columns.of(columns.MOVED)):
+            self.d[:, i, columns.IN_FIXES.index(k)] = -1.0 * after
+
 
 def _across(arm: Array) -> Array:
     """[arm x] of (n, 3), (n, 3, 3)."""

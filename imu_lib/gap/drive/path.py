@@ -38,13 +38,14 @@ def build(
     restarts: Sequence[float] = (),
     loose: Sequence[float] | Array = (1.0, 1.0),
     step_at: float = np.inf,
+    moved_at: float = np.inf,
 ) -> Problem:
     """Run the filter over a drive (already corrected for what is held), and condense it.
 
     velocity_shift : s, by which the velocities' stamps are late beyond the positions'; restarts :
     s, times at which all that is known of the motion is forgotten (a shock); loose : by how much
     less than stated positions and velocities are trusted for the path; step_at : s, from where on
-    biases may be others
+    biases may be others; moved_at : s, from where on fixes may be displaced
     """
     turn_on = turn_on_of(noise.model)
     factors = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
@@ -66,6 +67,7 @@ def build(
     span = span_of(noise, fixes, lever)
     for leg in legs:
         measured.fill(leg, fixes, at_fixes(leg.stretch, leg.epochs, bias, span), lever, drive.time)
+    measured.displace(fixes.time > moved_at)
     nodes = [leg.at_nodes() for leg in legs]
     path = {k: np.concatenate([n[k] for n in nodes]) for k in nodes[0]}
     arrays = condense.joined(legs, bias, max(int(round(LINEAR_STEP * prepared.rate)), 1))

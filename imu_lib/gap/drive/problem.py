@@ -137,10 +137,12 @@ class Problem:
         use: Array | None = None,
         held: Array | None = None,
         asked: Array | None = None,
+        shown: Array | None = None,
     ) -> Innovations:
         """Innovations under a hypothesis; use (f, 6) bool: fixes taken (default: all); held
         (P,): values of columns taken as known; asked (k-1, count, 9): what other parameters than
-        those of `columns` do to the path, whose sensitivities are wanted in their place.
+        those of `columns` do to the path, or shown (f, 6, count): what they do to the fixes, whose
+        sensitivities are wanted in their place.
         """
         a = self.arrays
         sensors = sensor_states(
@@ -177,6 +179,10 @@ class Problem:
             none = np.zeros((len(y), 6, 0)), np.zeros(0, np.int64)
             track, fixes = track._replace(force=asked), fixes._replace(columns=none[0], of=none[1])
             count, sens = asked.shape[1], True
+        if shown is not None:
+            count, sens = shown.shape[2], True
+            track = track._replace(force=np.zeros((len(track.force), 0, 9)))
+            fixes = fixes._replace(columns=shown, of=np.arange(count))
         e, s, jac, wild, doubt = linear.innovations(track, random, fixes, count)
         good = np.isfinite(e)
         value = -0.5 * float(np.sum(e[good] ** 2 + np.log(s[good])))

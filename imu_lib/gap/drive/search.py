@@ -15,7 +15,18 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults
 
-from . import across, alone, base_model, prune, random_effects, readings, select, step_time, swap
+from . import (
+    across,
+    alone,
+    base_model,
+    displaced,
+    prune,
+    random_effects,
+    readings,
+    select,
+    step_time,
+    swap,
+)
 from .hold import held, refit
 from .problem import Problem
 from .side_by_side import each
@@ -47,6 +58,7 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
     if random:
         _start_wild(state, say)
     step_time.look(state, say)
+    displaced.look(state, say)
     seen: dict[tuple[object, ...], int] = {}
     refused: set[str] = set()
     for number in range(ROUNDS):
@@ -67,6 +79,9 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
         if random and not moved:
             refit(state)
         noise = _noise_step(state, given) if random and (not moved or _far(state)) else None
+        wild = noise is not None and noise.change.effect == "gnss_outliers"
+        if wild and displaced.look(state, say):  # the first fixes after it look wild
+            continue
         if _random_step(state, noise, promise, given, say):
             continue
         if moved and held(state, kept):

@@ -44,7 +44,8 @@ class State:
     own lacks; loose, least: trust in positions and velocities for the path, and its least factor;
     heading: rad at its start, where one is held; base: the noise without the changes that are
     held; fitted_under: what was held each time that it was fitted again; step_at:
-    s, from where on biases may be others.
+    s, from where on biases may be others; moved_at: s by the fixes' own stamps, from where on they
+    may be displaced.
     """
 
     drive: Drive
@@ -66,6 +67,7 @@ class State:
     base: Noise = NOT_YET
     fitted_under: tuple[tuple[object, ...], ...] = ()
     step_at: float | None = None
+    moved_at: float | None = None
 
     def rebuild(self) -> None:
         """The path, innovations and regression at what is held now.
@@ -109,14 +111,16 @@ class State:
 
     def _build(self, loose: Array) -> None:
         self.loose = loose
+        moved = np.inf if self.moved_at is None else self.moved_at
         self.problem = build(
-            correct.corrected(self.drive, self.theta),
+            correct.corrected(self.drive, self.theta, self.moved_at),
             self.noise,
             heading=self.heading,
             velocity_shift=correct.velocity_shift(self.theta),
             restarts=self.restarts,
             loose=loose,
             step_at=self.stepped,
+            moved_at=moved - correct.value(self.theta, "gnss_time_offset")[0],
         )
         away = np.zeros(self.problem.time.size, bool)
         for start, duration in self.withhold:
@@ -153,6 +157,7 @@ class State:
             "least",
             "heading",
             "step_at",
+            "moved_at",
         ):
             setattr(self, name, getattr(other, name))
 
