@@ -2,7 +2,7 @@
 
 # fmt: off
 CASES = [
-    ("where a car feels 9.8 m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`.",
+    ("where a car feels 9.8 m/s^2: give their unit (--accel-unit g or mg), or multiply `accel`;",
      "gap {0}/drive.npz --accel-unit mg --trust-units",
      "gap {0}/nothing.npz --accel-unit g"),
     ("times as fast as the course of the fixes: give their unit (--gyro-unit deg/s), or multiply `gyro` by pi/180.",

@@ -179,7 +179,7 @@ CASES = [
     ("and their stamps do not meet; read them one at a time with --only gyro and --only accel.",
      "check --gyro {0}/g_epoch.csv --accel {0}/a_slow.csv --gyro-unit rad/s --accel-unit m/s^2",
      "check --accel {0}/a_slow.csv --accel-unit m/s^2 --only accel"),
-    ("logs of one record have one rate: give --rate, or move the file away.",
+    ("logs of one record have one rate: move the file away.",
      "check {0}/logs",
      "check {0}/even"),
 ]

@@ -52,8 +52,7 @@ class Log:
         if abs(record.rate / self.rate - 1) > 0.01:
             raise InputError(
                 f"{file} has {record.rate:.6g} Hz, {self.first} {self.rate:.6g} Hz; logs of one "
-                f"record have one rate: {'give --rate, or ' if start is None else ''}move the file "
-                "away."
+                "record have one rate: move the file away."
             )
         begin = start, *(float(x[k]) for x in record.channels.values() for k in (0, -1))
         if begin == self.begin and not np.isnan(begin[1:]).any():
