@@ -24,6 +24,7 @@ from imu_lib.model import Model
 from imu_lib.processes import CommonMode, Process, Sinusoid, Spikes, Sum, Vibration
 from imu_lib.record import Record
 from imu_lib.samples.imputation import first_fill
+from imu_lib.units import si_unit
 
 #: Share of the power that an effect would put into the record below which it is not there.
 THERE = 0.25
@@ -94,7 +95,7 @@ def of_vibrations(
         gone = tuple(c for c, share in shares.items() if share < THERE)
         own = {c: np.sqrt(shares[c]) * p.amplitude[p.channels.index(c)] for c in gone}
         if gone:
-            least = ", ".join(f"{own[c]:.2g} {_unit(c)} on {c}" for c in gone)
+            least = ", ".join(f"{own[c]:.2g} {si_unit('amplitude', c)} on {c}" for c in gone)
             out.append(Absent(p, gone, f"at {p.frequency:.4g} Hz its amplitude is below {least}"))
     return out
 
@@ -125,7 +126,8 @@ def of_lines(model: Model, raw: dict[str, Array], fs: float) -> list[Absent]:
             share = _share(Sum((t,), behind).simulate, x, fs)
             if share < THERE:
                 least = np.sqrt(share) * t.amplitude
-                why = f"at {t.frequency:.4g} Hz its amplitude is below {least:.2g} {_unit(name)}"
+                unit = si_unit("amplitude", name)
+                why = f"at {t.frequency:.4g} Hz its amplitude is below {least:.2g} {unit}"
                 out.append(Absent(t, (name,), why, term=True))
     return out
 
@@ -181,10 +183,6 @@ def _passed(model: Model, name: str, f: Array, fs: float) -> float:
     """Share of white noise that the filter of a channel lets through at the frequencies `f`."""
     low_pass = model[name].low_pass if name in model else None
     return 1.0 if low_pass is None else float(np.mean(let_through(low_pass, f, fs)))
-
-
-def _unit(channel: str) -> str:
-    return "rad/s" if channel.startswith("gyro") else "m/s^2"
 
 
 def _share(draw: Callable[[int, float, np.random.Generator], Array], x: Array, fs: float) -> float:

@@ -72,12 +72,10 @@ def _jobs(name: str, report: ChannelReport, about: Prepared) -> list[Job]:
     given = ensemble.Beside(about.held_noise(name), about.held_shaking(name), digits)
     found = ensemble.Beside(about.noise[name], about.shaking_of(name), digits)
     chain = [r.base, *r.between, r.model] if r.steps else [r.base]
-    if (found.shared, found.vibrations) != (given.shared, given.vibrations):
-        chain = [r.base] + chain  # once as given, once beside what the record has
     whole = about.lacking(name)
-    if whole is not None:  # as given first, then without what the record does not have
-        same = (found.shared, found.vibrations) == (given.shared, given.vibrations)
-        chain = [whole, *(chain if same else chain[1:])]
+    same = (found.shared, found.vibrations) == (given.shared, given.vibrations)
+    if whole is not None or not same:  # once as given, once beside and with what the record has
+        chain = [r.base if whole is None else whole, *chain]
 
     def job(
         key: int | str,

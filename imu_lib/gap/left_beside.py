@@ -107,9 +107,11 @@ def on_record(results: dict[str, ChannelResult], left: str | None) -> dict[str, 
     """Results by channel in which a noise is no surer than beside what is `left` on the record
     where that is of its channel, too.
     """
+    if not left:
+        return results
     out = dict(results)
-    for name, result in results.items() if left else ():
-        if left is not None and name in left:
+    for name, result in results.items():
+        if name in left:
             steps = [
                 s.capped(most_sure(s.effect, s.parameters, left)) if s.effect in NOISES else s
                 for s in result.steps

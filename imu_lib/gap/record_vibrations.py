@@ -17,9 +17,6 @@ from imu_lib.record import Record
 #: Confidence at the most in a vibration of one channel that begins or ends: a faint tone whose
 #: amplitude rises looks the same (three of nine such tones 18 dB above the noise).
 ALONE = 0.8
-#: Width over frequency from which on a band that channels share may be colour as well, and the
-#: confidence in its name then.
-WIDE, EVEN = 0.3, 0.5
 
 
 @dataclass(frozen=True)

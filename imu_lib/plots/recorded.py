@@ -67,7 +67,8 @@ def recorded_curves(found, channel) -> dict:
         "model_deviation": _form(lambda: np.sqrt(noise.avar(curve.tau, fs))),
     }
     shaken = sum(_density(p, f) for p in felt if p.profile is not None)
-    out["shaken_power"] = out["model_power"] + shaken if np.any(shaken) else np.zeros(0)
+    both = out["model_power"].size and np.any(shaken)
+    out["shaken_power"] = out["model_power"] + shaken if both else np.zeros(0)
     return {k: [float(f"{v:.4g}") for v in values] for k, values in out.items()}
 
 

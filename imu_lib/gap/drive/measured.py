@@ -138,9 +138,7 @@ class Measured:
         about = np.cross(w, np.cross(w, lever)) + np.cross(turning, lever)
         antenna = acc + np.einsum("nij,nj->ni", c, about)
         slow = _smoothing(leg, f_all, fixes.time[rows]), acc
-        _columns(
-            self.d[rows], fixes.time[rows], c, w, (old.velocity + acc * step, antenna), slow, time
-        )
+        _columns(self.d[rows], fixes.time[rows], (old.velocity + acc * step, antenna), slow, time)
         sd = leg.sd[np.clip(epochs - leg.first, 0, len(leg.sd) - 1), 2]
         _arm_columns(self.d[rows], _settled(c, c_now, sd), w)
         course = np.arctan2(now.velocity[:, 1], now.velocity[:, 0])
@@ -180,15 +178,13 @@ def _across(arm: Array) -> Array:
 def _columns(
     out: Array,
     when: Array,
-    c: Array,
-    w: Array,
     moving: tuple[Array, Array],
     slow: tuple[Array, Array],
     time: Array,
 ) -> None:
     """What parameters do to fixes at times `when`, into out (n, 6, columns.IN_FIXES).
 
-    c, w : attitude and turn rate there; moving : velocity of the sensor and acceleration of the
+    moving : velocity of the sensor and acceleration of the
     antenna; slow : what smoothing takes from a velocity, and acceleration; time : the drive's, s
     """
     place = {of: k for k, of in enumerate(columns.IN_FIXES)}

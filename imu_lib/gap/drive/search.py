@@ -140,7 +140,7 @@ def _start_wild(state: State, say: Say) -> None:
     # afresh: what the path that followed them was trusted with is nothing to start from
     trial = State(
         state.drive, change.enter(state.noise, values), state.theta, state.other, state.kept,
-        withhold=state.withhold,
+        withhold=state.withhold, step_at=state.step_at, moved_at=state.moved_at,
     )  # fmt: skip
     trial.rebuild()
     gain = trial.result.log_likelihood - state.result.log_likelihood

@@ -23,7 +23,7 @@ from imu_lib import scheduler, units
 from imu_lib.arrays import Array
 from imu_lib.ensembles import ensemble
 from imu_lib.errors import InputError
-from imu_lib.gap import loop
+from imu_lib.gap import absent, loop
 from imu_lib.gap.found import Report
 from imu_lib.gap.long import begun, joined, looked_at, views
 from imu_lib.gap.long.scan import Scan, scan
@@ -104,8 +104,9 @@ def close(
 
 def _there(model: Model, fast: Report) -> Model:
     """The given model less what a part at the full rate does not have of what is in every part."""
-    gone = [a.process for a in fast.absent if a.process.name in ("vibration", "common_mode")]
-    return replace(model, record=tuple(p for p in model.record if p not in gone))
+    everywhere = ("vibration", "common_mode")
+    gone = [a for a in fast.absent if not a.term and a.process.name in everywhere]
+    return absent.without(model, gone)
 
 
 def _of_record(given: Model, steps: Iterable[Step]) -> tuple[Any, ...]:
