@@ -209,8 +209,9 @@ class Record:
         """Every gap in the time stamps: where it begins (s), how long it is (s), how many samples
         are missing. A pause of unknown length (`seams`) is none.
         """
-        found = timing.gaps(self.times(), self.slots(), self.rate)
-        anew = {float(self.times()[k - 1]) for k in self.seams}
+        time = self.times()
+        found = timing.gaps(time, self.slots(), self.rate)
+        anew = {float(time[k - 1]) for k in self.seams}
         return tuple(g for g in found if g.start not in anew)
 
     def missing(self) -> np.ndarray:

@@ -110,6 +110,14 @@ def test_manifests_as_laboratories_write_them(tmp_path):
         fleet.entries(tmp_path / "fleet.csv", record="folder")
 
 
+def test_a_line_may_take_a_part_of_a_folder_of_logs(tmp_path):
+    for k in range(3):
+        _file(tmp_path / "logs" / f"log_{k + 1}.npz", k * N / FS, seed=k)
+    (tmp_path / "fleet.csv").write_text("file,start,stop\nlogs,5,20\n")
+    rows = fleet.rows.of_record(*fleet.entries(tmp_path / "fleet.csv"))
+    assert not rows[0]["error"] and rows[0]["duration"] == pytest.approx(15.0, abs=0.1)
+
+
 def test_the_command_says_how_names_were_understood(tmp_path):
     for unit in range(3):
         for k in range(2):

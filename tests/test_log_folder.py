@@ -1,7 +1,9 @@
 """Folders of logs stranger than the world: each is one record, or one sentence."""
 
+import gc
 import gzip
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -138,3 +140,12 @@ def test_one_sentence(says, folder):
         open_folder(folder)
     assert "log_" in str(error.value)
     assert "give --rate" not in str(error.value)  # their stamps tell it
+
+
+def test_the_samples_on_the_disk_go_with_the_record(folder):
+    record = open_folder(folder)
+    (place,) = {column.source.path for column in record.columns.values()}
+    assert Path(place).is_dir()
+    del record
+    gc.collect()
+    assert not Path(place).exists()

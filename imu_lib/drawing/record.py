@@ -157,7 +157,7 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
         for x in drawn:
             part.write(at, x if first else part.read(at, at + x.size) + x)
             at += x.size
-    return _behind(sum_, parts, n, total, fs, rng, size, common, folder)
+    return _behind(sum_, parts, n, total, fs, fine, rng, size, common, folder)
 
 
 def _tailed(tails, pieces, total, sd, rng, folder):
@@ -187,7 +187,7 @@ def _add_tailed(parts, term, sum_, n, fs, rng, size, folder):
             at, known = at + y.size, known[len(known) - reach :]
 
 
-def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
+def _behind(sum_, parts, n, total, fs, fine, rng, size, common, folder):
     def read(fast):
         part = parts.get(fast)
         for low, high in bounds(total, size):
@@ -195,10 +195,7 @@ def _behind(sum_, parts, n, total, fs, rng, size, common, folder):
 
     slow, quick = read(False), read(True)
     if sum_.low_pass is not None:
-        slow, quick = (
-            _filtered(sum_.low_pass, x, fs, n, size, moves_within_steps(sum_, fs))
-            for x in (slow, quick)
-        )
+        slow, quick = (_filtered(sum_.low_pass, x, fs, n, size, fine) for x in (slow, quick))
     if TAILED in parts:
         quick = _added(quick, parts[TAILED])
     levels = [

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from imu_lib.errors import InputError
 from imu_lib.fleet import names
+from imu_lib.long_record.folder import by_numbers
 from imu_lib.readers import zarr_store
 from imu_lib.words import listed
 
@@ -101,9 +102,9 @@ def _logs(folder, rows, record, reading):
         ):
             continue
         if record is None and kind not in kinds:
-            kinds[kind] = _go_on(sorted(files, key=_numbers), reading)
+            kinds[kind] = _go_on(sorted(files, key=by_numbers), reading)
         if record is None and place == folder and kinds[kind]:
-            first, second = (file.name for file in sorted(files, key=_numbers)[:2])
+            first, second = (file.name for file in sorted(files, key=by_numbers)[:2])
             raise InputError(
                 f"{folder} is one record: the stamps of {second} go on where those of {first} end. "
                 f"`imu-lib characterise {folder}` takes it as that; --record file takes each file "
@@ -122,10 +123,6 @@ def _logs(folder, rows, record, reading):
 
 def _all_dated(files):
     return all(names.dated(_stem(file)[0])[1] for file in files)
-
-
-def _numbers(file):
-    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.name.lower())]
 
 
 def _go_on(files, reading):

@@ -97,7 +97,7 @@ def _found(entry, gap):
 
 def _opened(entry):
     """The record, in memory or, where it is long, on disk; a folder is one of consecutive logs."""
-    from imu_lib.long_record import open_converted, open_folder, open_long
+    from imu_lib.long_record import cut, open_converted, open_folder, open_long
     from imu_lib.long_record.record import SHORTEST
     from imu_lib.readers import read_record, zarr_store
     from imu_lib.stream import LONG
@@ -106,7 +106,9 @@ def _opened(entry):
     if Path(path).is_dir() and not zarr_store.is_store(path):
         logs = open_folder(path, **reading)
         if logs is not None:
-            return logs if logs.rows > LONG and logs.longest >= SHORTEST else logs.in_memory()
+            logs = cut(logs, reading.get("start"), reading.get("stop"))
+            long = logs.rows - logs.begin > LONG and logs.longest >= SHORTEST
+            return logs if long else logs.in_memory()
         return read_record(path, **reading)
     record = open_long(path, **reading) or open_converted(path, **reading)
     if record is None or record.longest < SHORTEST:

@@ -8,10 +8,11 @@ nothing is said about the time between.
 
 from __future__ import annotations
 
-import atexit
+import os
 import re
 import shutil
 import tempfile
+import weakref
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -68,6 +69,7 @@ def open_folder(path, *, rate=None, progress=None, **options):
     found, spans = _read(path, files, rate, progress, options)
     ordered = by_stamps(files, spans, found.rate)
     if ordered is not None:
+        found = None  # its samples go before they are written again
         found, _ = _read(path, ordered, rate, progress, options)
         note = (
             f"The logs were put in the order of their stamps, not of their names: "
@@ -86,8 +88,9 @@ def open_folder(path, *, rate=None, progress=None, **options):
 def _read(path, files, rate, progress, options):
     """(the LongRecord of files in this order, first and last stamp of each or None)."""
     scratch = Path(tempfile.mkdtemp(prefix="imu-lib-"))
-    atexit.register(shutil.rmtree, scratch, ignore_errors=True)
     sink = Appended(str(scratch))
+    # a fleet opens many: a record's samples go with it, and not those of a process that forked
+    weakref.finalize(sink, _removed, scratch, os.getpid())
     log = Log(path, sink)
     reading = {"columns": options.get("columns"), "topic": options.get("topic")}
     units = {k: options.get(k) for k in ("gyro_unit", "accel_unit", "time_unit")}
@@ -108,6 +111,11 @@ def _read(path, files, rate, progress, options):
         if progress is not None:
             progress(file.name)
     return record_of(log.state(), path, lambda name: (sink, name)), spans
+
+
+def _removed(scratch, process):
+    if os.getpid() == process:
+        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _logs(path):
@@ -132,9 +140,9 @@ def _logs(path):
     if len(rows) != 1 or other:
         return [], []
     beside = sorted(f.name for files in kinds.values() if len(files) == 1 for f in files)
-    return sorted(rows[0], key=_numbers), beside
+    return sorted(rows[0], key=by_numbers), beside
 
 
-def _numbers(file):
+def by_numbers(file):
     """Where a log stands in its row: by its numbers, not by their digits."""
     return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.name.lower())]

@@ -180,12 +180,16 @@ def half_in(x: Array, fs: float, low: float, high: float) -> float:
     """Share of the time in which half of the power of the band `low` to `high` Hz of `x` (n,)
     comes, in blocks of a second; of stationary noise some 0.4.
     """
-    f = np.fft.rfftfreq(len(x), 1.0 / fs)
-    band = np.fft.irfft(np.where((f >= low) & (f <= high), np.fft.rfft(x), 0.0), len(x))
-    size = max(1, int(fs))
-    power = (band[: len(x) // size * size].reshape(-1, size) ** 2).mean(axis=1)
+    power = block_power(x, fs, low, high, max(1, int(fs)))
     share = np.cumsum(np.sort(power)[::-1]) / power.sum()
     return float((np.searchsorted(share, 0.5) + 1) / len(power))
+
+
+def block_power(x: Array, fs: float, low: float, high: float, size: int) -> np.ndarray:
+    """Mean power of the band `low` to `high` Hz of `x` (n,) in blocks of `size` samples."""
+    f = np.fft.rfftfreq(len(x), 1.0 / fs)
+    band = np.fft.irfft(np.where((f >= low) & (f <= high), np.fft.rfft(x), 0.0), len(x))
+    return np.asarray((band[: len(x) // size * size].reshape(-1, size) ** 2).mean(axis=1))
 
 
 def fading(x: Array, ratio: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.processes import Vibration
 from imu_lib.vibrations.band_removal import segment_length
-from imu_lib.vibrations.behaviour import BURSTS, half_in
+from imu_lib.vibrations.behaviour import BURSTS, block_power, half_in
 
 #: Points of a profile, and density over the largest that is none: what was not taken out.
 POINTS, FAINT = 32, 1e-3
@@ -89,7 +89,7 @@ class _Excess:
         count = len(self.x) // size
         if count < BLOCKS:
             return {}
-        loud, quiet = (_blocks(v, fs, low, high, size) for v in (self.x, self.calm))
+        loud, quiet = (block_power(v, fs, low, high, size) for v in (self.x, self.calm))
         excess = loud - quiet
         mean = float(excess.mean())
         chance = float(np.mean(loud**2 + quiet**2)) / (SAMPLES + 1)
@@ -138,13 +138,6 @@ def _profile(f: Array, density: Array) -> dict[str, Any]:
         "profile_frequency": tuple(round(float(v), 6) for v in at),
         "profile": (0.0, *(round(v / max(value), 4) for v in value), 0.0),
     }
-
-
-def _blocks(x: Array, fs: float, low: float, high: float, size: int) -> np.ndarray:
-    """Mean power of a band in blocks of `size` samples."""
-    f = np.fft.rfftfreq(len(x), 1.0 / fs)
-    band = np.fft.irfft(np.where((f >= low) & (f <= high), np.fft.rfft(x), 0.0), len(x))
-    return np.asarray((band[: len(x) // size * size].reshape(-1, size) ** 2).mean(axis=1))
 
 
 def in_bursts(p: Vibration, quick: dict[str, Array], fs: float) -> str:

@@ -36,19 +36,21 @@ def widened(
     `start` and `stop` s; a line that stands in a skirt has another cause, and is left where it is.
     """
     part = x[int(start * fs) : None if stop is None else int(stop * fs)]
-    out = []
+    step, out = fs / len(part), []
+    power = np.abs(np.fft.rfft(taper(len(part)) * (part - np.mean(part)))) ** 2
     for low, high in bands:
         wide = _widened(part, fs, low, high)
         # as far as the segments in which the band is taken out tell them apart
         spared = SPARED * fs / segment_length(len(x), fs, wide[1] - wide[0])
-        out += _around(_lines(part, fs, (wide[0], low), (high, wide[1])), wide, spared)
+        out += _around(_lines(power, step, (wide[0], low), (high, wide[1])), wide, spared)
     return out
 
 
-def _lines(x: Array, fs: float, *skirts: tuple[float, float]) -> list[float]:
-    """Frequencies in Hz that stand out of the skirts (low, high) of a band."""
-    step, found = fs / len(x), []
-    power = np.abs(np.fft.rfft(taper(len(x)) * (x - np.mean(x)))) ** 2
+def _lines(power: Array, step: float, *skirts: tuple[float, float]) -> list[float]:
+    """Frequencies in Hz that stand out of the skirts (low, high) of a band, of the `power` at
+    ordinates `step` Hz apart.
+    """
+    found: list[float] = []
     for low, high in skirts:
         a, b = int(np.ceil(low / step)) + BESIDE_LINE, int(high / step) - BESIDE_LINE
         if b - a < 8 * BESIDE_LINE:
