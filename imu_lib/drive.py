@@ -155,6 +155,15 @@ class Drive:
         given = {k: getattr(self, k) for k in ("gnss_time", *names)}
         return replace(self, **{k: v[kept] for k, v in given.items() if v is not None})
 
+    def without_velocity(self) -> Drive:
+        """The drive with the positions of its fixes alone."""
+        return replace(self, gnss_velocity=None, gnss_velocity_sd=None)
+
+    @property
+    def called(self) -> str:
+        """What messages call it."""
+        return self.source or self.name or "the drive"
+
     def with_(self, **changes) -> Drive:
         return replace(self, **changes)
 

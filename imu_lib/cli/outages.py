@@ -217,9 +217,9 @@ def _frames(drive, models, velocity):
     from imu_lib.navigation import fix_faults, unfit
 
     if not velocity:
-        drive = drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+        drive = drive.without_velocity()
     if unit := fix_faults.other_unit(drive):
-        raise InputError(f"{drive.source or drive.name}: {unit} {WITHOUT}")
+        raise InputError(f"{drive.called}: {unit} {WITHOUT}")
     try:
         unfit.refuse(drive)
     except InputError as error:

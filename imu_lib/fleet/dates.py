@@ -58,7 +58,12 @@ def drift(table, channel, method, coefficient) -> Drift | None:
     dates' means: what a day has in common is then no drift (three dates show it in four of five
     such fleets; two never do).
     """
-    series = _series(by_date(coefficients(table, channel, method, coefficient)))
+    return drift_of(by_date(coefficients(table, channel, method, coefficient)))
+
+
+def drift_of(dated) -> Drift | None:
+    """As `drift`, of one logarithm a sensor and date (`questions.by_date`)."""
+    series = _series(dated)
     if len(series) < LEAST:
         return None
     day = _day_variance(series)
@@ -80,12 +85,17 @@ def drift(table, channel, method, coefficient) -> Drift | None:
 def without_drift(table, channel, method, coefficient) -> str:
     """Why no drift of a coefficient is told, in a sentence."""
     rows = coefficients(table, channel, method, coefficient)
+    return without_drift_of(rows, by_date(rows))
+
+
+def without_drift_of(rows, dated) -> str:
+    """As `without_drift`, of the rows of a coefficient and `questions.by_date` of them."""
     if not rows.date.notna().any():
         return (
             "no record has a date; it is read from the names (unit1_2024-05-01.npz) or from a "
             "manifest's column `date`"
         )
-    several = len(_series(by_date(rows)))
+    several = len(_series(dated))
     if rows.date.dropna().nunique() == 1:
         return f"all records are of one date, {rows.date.dropna().iloc[0]}"
     many = "no sensor shows" if not several else f"only {several} sensor{'s' * (several > 1)} show"
@@ -176,7 +186,12 @@ def sensor_and_day(table, channel, method, coefficient) -> dict | None:
         "record".
     """
     rows = coefficients(table, channel, method, coefficient)
-    of, dated = "date", by_date(rows)
+    return sensor_and_day_of(rows, by_date(rows))
+
+
+def sensor_and_day_of(rows, dated) -> dict | None:
+    """As `sensor_and_day`, of the rows of a coefficient and `questions.by_date` of them."""
+    of = "date"
     if not dated.sensor.duplicated().any() or dated.date.isna().any():
         of, dated = "record", by_date(rows.assign(date=None))
     groups = [(own.y.to_numpy(), own.s.to_numpy()) for _, own in dated.groupby("sensor", sort=True)]

@@ -34,7 +34,12 @@ def outliers(table, channel, method, coefficient, *, level=0.05) -> pd.DataFrame
     ----------
     Rosner 1983, Technometrics 25, 165.
     """
-    one = by_sensor(coefficients(table, channel, method, coefficient))
+    rows = coefficients(table, channel, method, coefficient)
+    return outliers_of(by_sensor(rows), level=level)
+
+
+def outliers_of(one, *, level=0.05) -> pd.DataFrame:
+    """As `outliers`, of one estimate a sensor (`questions.by_sensor`)."""
     y, s = spreads.logarithms(one.value, one.low, one.high)
     good = np.flatnonzero(np.isfinite(y) & np.isfinite(s) & (s > 0))
     return _named(y[good], s[good], one.index[good], level).drop(columns="place")
@@ -52,7 +57,12 @@ def steps(table, channel, method, coefficient, *, level=0.05) -> pd.DataFrame:
     DataFrame
         Index sensor; before, after (dates), ratio, expected, p_value; most extreme first.
     """
-    pairs = _pairs(by_date(coefficients(table, channel, method, coefficient)))
+    return steps_of(by_date(coefficients(table, channel, method, coefficient)), level=level)
+
+
+def steps_of(dated, *, level=0.05) -> pd.DataFrame:
+    """As `steps`, of one logarithm a sensor and date (`questions.by_date`)."""
+    pairs = _pairs(dated)
     columns = ["before", "after", "ratio", "expected", "p_value"]
     groups = [own for _, own in pairs.groupby(["before", "after"]) if len(own) >= LEAST]
     found = []

@@ -52,12 +52,13 @@ def by_date(rows) -> pd.DataFrame:
     return pd.DataFrame(found, columns=["sensor", "date", "y", "s"])
 
 
-def by_sensor(rows) -> pd.DataFrame:
-    """One estimate a sensor: the mean of its dates' logarithms, with the scatter from date to date
-    where it has several (index sensor; columns value, low, high).
+def by_sensor(rows, dated=None) -> pd.DataFrame:
+    """One estimate a sensor: the mean of its dates' logarithms (`dated`: `by_date` of the rows,
+    where that is at hand), with the scatter from date to date where it has several (index sensor;
+    columns value, low, high).
     """
+    dated = by_date(rows) if dated is None else dated
     high = rows.high.to_numpy(float)
-    dated = by_date(rows)
     shown = dict(zip(*_places(dated.sensor), strict=True))
     y, s = dated.y.to_numpy(float), dated.s.to_numpy(float)
     names, own = _places(rows.sensor)
@@ -90,7 +91,12 @@ def _places(names):
 
 def spread(table, channel, method, coefficient) -> spreads.Spread | None:
     """The Spread of a coefficient over the sensors, None where fewer than three show it."""
-    one = by_sensor(coefficients(table, channel, method, coefficient))
+    rows = coefficients(table, channel, method, coefficient)
+    return spread_of(by_sensor(rows))
+
+
+def spread_of(one) -> spreads.Spread | None:
+    """As `spread`, of one estimate a sensor (`by_sensor`)."""
     return spreads.of_units(one.value, one.low, one.high) if len(one) else None
 
 

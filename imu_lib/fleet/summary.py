@@ -76,23 +76,25 @@ def summary(table, notes=()) -> Summary:
     spreads, without, odd, steps, drifts, no_drift, days = {}, {}, [], [], {}, {}, {}
     for channel in [c for c in CHANNELS if (good.channel == c).any()]:
         for method, coefficient in questions.KEYS:
-            asked = (good, channel, method, coefficient)
             key = f"{method} {coefficient}"
-            if (found := questions.spread(*asked)) is None:
+            rows = questions.coefficients(good, channel, method, coefficient)
+            dated = questions.by_date(rows)
+            one = questions.by_sensor(rows, dated)
+            if (found := questions.spread_of(one)) is None:
                 continue
             about = {"channel": channel, "method": method, "coefficient": coefficient}
             spreads.setdefault(channel, {})[key] = found
-            strange = outlying.outliers(*asked)
+            strange = outlying.outliers_of(one)
             odd += _rows(strange, about)
             if len(strange):
-                left = good[~good.sensor.isin(strange.index)]
-                without.setdefault(channel, {})[key] = questions.spread(left, *asked[1:])
-            steps += _rows(outlying.steps(*asked), about)
-            if (change := dates.drift(*asked)) is not None:
+                left = questions.spread_of(one.drop(strange.index))
+                without.setdefault(channel, {})[key] = left
+            steps += _rows(outlying.steps_of(dated), about)
+            if (change := dates.drift_of(dated)) is not None:
                 drifts.setdefault(channel, {})[key] = change
             else:
-                no_drift.setdefault(channel, {})[key] = dates.without_drift(*asked)
-            if (two := dates.sensor_and_day(*asked)) is not None:
+                no_drift.setdefault(channel, {})[key] = dates.without_drift_of(rows, dated)
+            if (two := dates.sensor_and_day_of(rows, dated)) is not None:
                 days.setdefault(channel, {})[key] = two
     shares = questions.shares(good)
     return Summary(

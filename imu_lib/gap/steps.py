@@ -123,12 +123,19 @@ def step_of(f: Finding) -> Step:
     name, parameters = f.process.name, process_parameters(f.process)
     gain = None if f.gain is None or not np.isfinite(f.gain) else float(f.gain)
     sure = reliability.share(f.effect.name) if gain is None else reliability.odds(gain, f.places)
-    step = detected(
-        name, parameters, f.where, float(sure), intervals=f.intervals, cause=f.effect.cause
+    return Step(
+        name,
+        parameters,
+        f.intervals or {},
+        f.where,
+        min(float(sure), 0.5) if f.doubt else float(sure),
+        {"effect": "none", "confidence": round(1 - float(sure), 4)},
+        [],
+        gain=gain,
+        cause=f.effect.cause,
+        detected=gain is None,
+        evidence=f.evidence or (f.where if gain is None else ""),
     )
-    if gain is not None:
-        step = replace(step, gain=gain, detected=False, evidence="")
-    return replace(step.capped(0.5 if f.doubt else 1.0), evidence=f.evidence or step.evidence)
 
 
 def steps_of_items(state: State, rivals: list[dict[str, float]]) -> list[Step]:

@@ -96,7 +96,7 @@ def _time(drive, late):
         return []
     flags = f"--latency {offset:.1f}"
     if drive.gnss_velocity is not None:
-        alone, sure = lateness.late(drive.with_(gnss_velocity=None, gnss_velocity_sd=None))
+        alone, sure = lateness.late(drive.without_velocity())
         if sure > 0.5 and abs(alone - offset) > LATE:
             flags = f"--latency {alone:.1f} --velocity-latency {offset:.1f}"
     return [

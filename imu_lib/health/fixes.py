@@ -22,15 +22,12 @@ def velocities(drive: Drive) -> tuple[list[str], Drive]:
     """What is said of the fixes' velocities, and the drive without them where they are not those
     at which the positions move.
     """
-    if drive.gnss_velocity is None:
+    if drive.gnss_velocity is None or fix_faults.positions_swapped(drive):
         return [], drive
-    positions = fix_faults.positions_swapped(drive)
-    said = None if positions else fix_faults.unusable(drive) or fix_faults.other_unit(drive)
-    if said is None and not positions:
-        return _contradicted(drive)
+    said = fix_faults.unusable(drive) or fix_faults.other_unit(drive)
     if said is None:
-        return [], drive
-    return [sentence(said)], drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+        return _contradicted(drive)
+    return [sentence(said)], drive.without_velocity()
 
 
 def _contradicted(drive):
@@ -43,7 +40,7 @@ def _contradicted(drive):
             f"The fixes' velocities are {ratio:.3g} times those at which their positions move: one "
             "of the two is in another unit or of another solution."
         )
-        return [said], drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+        return [said], drive.without_velocity()
     apart = preparation.disagreement(drive)
     wrong = [code for code, size in apart.items() if size > preparation.VELOCITY_TRUST]
     if not wrong:
@@ -55,7 +52,7 @@ def _contradicted(drive):
         "another frame, or none; they are not used."
     )
     if len(wrong) == len(apart):
-        return [said], drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+        return [said], drive.without_velocity()
     left = np.where(np.isin(drive.gnss_fix, wrong)[:, None], np.nan, drive.gnss_velocity)
     return [said], drive.with_(gnss_velocity=left)
 

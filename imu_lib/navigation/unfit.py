@@ -18,10 +18,9 @@ def refuse(drive: Drive) -> None:
     """InputError where fixes and IMU do not overlap, or one of them is in other axes, signs or
     units than a drive's.
     """
-    name = drive.source or drive.name or "the drive"
     windows.overlapping(drive)
     if wrong := fix_faults.unusable(drive) or _readings(drive):
-        raise InputError(f"{name}: {wrong}")
+        raise InputError(f"{drive.called}: {wrong}")
 
 
 def _readings(drive):

@@ -53,7 +53,7 @@ def overlapping(drive: Drive):
         return
     apart = max(fixes[0] - last, first - fixes[-1])
     raise InputError(
-        f"{drive.source or drive.name or 'the drive'}: the fixes ({fixes[0]:.6g} to "
+        f"{drive.called}: the fixes ({fixes[0]:.6g} to "
         f"{fixes[-1]:.6g} s) and the IMU ({first:.6g} to {last:.6g} s) "
         f"do not overlap: they lie {apart:.4g} s apart; bring both to one clock: --gnss-offset S, "
         "the IMU's time of the first fix, in s from its first sample."

@@ -21,12 +21,12 @@ def check(drive: Drive) -> None:
     fixes = int((np.isfinite(drive.gnss_position).all(axis=1) & inside).sum())
     if drive.duration < SHORTEST or fixes < FEWEST:
         raise InputError(
-            f"{drive.source or drive.name or 'the drive'}: {drive.duration:.3g} s with {fixes} "
+            f"{drive.called}: {drive.duration:.3g} s with {fixes} "
             f"fixes are too few for a search; it needs {SHORTEST:.0f} s and {FEWEST} fixes."
         )
     if not (windows.speeds(drive)[1] > MOVING).any():
         raise InputError(
-            f"{drive.source or drive.name or 'the drive'} never moves faster than {MOVING:g} m/s: "
+            f"{drive.called} never moves faster than {MOVING:g} m/s: "
             "neither its heading nor what grows with motion shows; a search needs a drive that "
             "moves."
         )
@@ -81,7 +81,7 @@ def one_solution(drive: Drive, notes: list[str]) -> Drive:
         return drive
     if unit := fix_faults.other_unit(drive):
         notes.append(f"{unit[0].upper()}{unit[1:-1]}; until then positions alone are used.")
-        return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+        return drive.without_velocity()
     share = float(np.mean(fix_motion.contradicted(drive)))
     if share < CONTRADICTED:
         return drive
@@ -89,4 +89,4 @@ def one_solution(drive: Drive, notes: list[str]) -> Drive:
         f"{100 * share:.0f} % of the velocities are not those at which the positions move: "
         "positions alone are used."
     )
-    return drive.with_(gnss_velocity=None, gnss_velocity_sd=None)
+    return drive.without_velocity()

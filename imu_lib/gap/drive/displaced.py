@@ -84,15 +84,7 @@ def _gains(state: State, rows: Array) -> tuple[Array, Array, Array]:
     for i in range(3):
         shown[:, i, i::3] = -1.0 * which
     result = state.problem.evaluate(state.noise, use=state.use, held=state.other, shown=shown)
-    good = state.use & np.isfinite(result.e)
-    e, j = result.e[good], np.asarray(result.jac)[good]
-    prior = select.PRIOR[columns.of(columns.MOVED)]
-    gains, sizes = np.zeros(which.shape[1]), np.zeros((which.shape[1], 3))
-    for k in range(which.shape[1]):
-        part = j[:, 3 * k : 3 * k + 3] * prior
-        b = part.T @ e / state.reg.temper
-        x = np.linalg.solve(part.T @ part / state.reg.temper + np.eye(3), b)
-        gains[k], sizes[k] = 0.5 * float(b @ x), prior * x
+    gains, sizes = select.gains(state, result, select.PRIOR[columns.of(columns.MOVED)])
     return gains[: rows.size], sizes[: rows.size], gains[rows.size :]
 
 

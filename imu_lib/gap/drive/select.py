@@ -23,6 +23,7 @@ from . import columns
 
 if TYPE_CHECKING:
     from .problem import Innovations, Problem
+    from .state import State
 
 PER_PARAMETER = 1.5  # nats; chance alone gains 0.5 each
 PER_EFFECT = 5.0  # nats: about eighteen effects are tried at once
@@ -137,6 +138,23 @@ class Regression:
         x = cho_solve(factor, b)
         cov = cho_solve(factor, np.eye(index.size)) * np.outer(prior, prior)
         return x * prior, cov, 0.5 * float(b @ x)
+
+
+def gains(state: State, result: Innovations, prior: Array) -> tuple[Array, Array]:
+    """Nats that each of some effects asked about in turn gains alone, (k,), and its values, (k, p):
+    `result` has sensitivities to the p parameters of each, of these prior widths, side by side.
+    """
+    good = state.use & np.isfinite(result.e)
+    assert result.jac is not None, "innovations without sensitivities"
+    e, j = result.e[good], result.jac[good]
+    width, temper = prior.size, state.reg.temper
+    found, values = np.zeros(j.shape[1] // width), np.zeros((j.shape[1] // width, width))
+    for k in range(found.size):
+        part = j[:, width * k : width * (k + 1)] * prior
+        b = part.T @ e / temper
+        x = np.linalg.solve(part.T @ part / temper + np.eye(width), b)
+        found[k], values[k] = 0.5 * float(b @ x), prior * x
+    return found, values
 
 
 def regression(problem: Problem, result: Innovations, theta: Array, use: Array) -> Regression:

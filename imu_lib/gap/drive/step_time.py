@@ -50,13 +50,4 @@ def _gains(state: State, times: Array) -> Array:
     force = arrays["force"][:, BIASES]
     asked = (after[:, :, None, None] * force[:, None]).reshape(len(force), -1, force.shape[-1])
     result = state.problem.evaluate(state.noise, use=state.use, held=state.other, asked=asked)
-    good = state.use & np.isfinite(result.e)
-    e, j = result.e[good], np.asarray(result.jac)[good]
-    prior = select.PRIOR[columns.of(columns.STEP)]
-    out = np.zeros(times.size)
-    for k in range(times.size):
-        part = j[:, 6 * k : 6 * k + 6] * prior
-        b = part.T @ e / state.reg.temper
-        a = part.T @ part / state.reg.temper + np.eye(6)
-        out[k] = 0.5 * float(b @ np.linalg.solve(a, b))
-    return out
+    return select.gains(state, result, select.PRIOR[columns.of(columns.STEP)])[0]
