@@ -231,6 +231,20 @@ def test_uneven_steps_leave_the_power_of_a_signal_as_it_is(seed):
     assert steps.rounded(x.mean() + before).var() == pytest.approx(x.var(), rel=0.008)
 
 
+@pytest.mark.parametrize("sd", [0.4, 1.0, 6.0])
+def test_a_level_that_moves_between_two_temperatures_makes_no_steps_uneven(sd):
+    """A thermostat: the signal dwells at many levels, and these are occupied as it dwells there."""
+    rng = np.random.default_rng(29)
+    t = np.arange(30_000) / 25.0
+    level = 60.0 * np.sign(np.sin(t / 60)) * (1 - np.exp(-(t % 188) / 60)) + 20 * np.sin(t / 200)
+    x = level + sd * rng.standard_normal(len(t))
+    assert uneven(np.rint(x), 1.0, 0.0) is None
+    # and where they are, the widths are as large as they are
+    edges = np.cumsum(np.tile([1.3, 0.7], 100)) - 100.0
+    seen = uneven(np.searchsorted(edges, 0.2 * level + x - level).astype(float), 1.0, 0.0)
+    assert sd < 1.0 or seen.scatter == pytest.approx(0.3, abs=0.05)
+
+
 def test_a_range_that_is_switched_is_said_and_makes_no_drop_outs():
     x = np.rint(20 * np.random.default_rng(14).standard_normal(N))
     x[13_000:] = 32 * np.rint(x[13_000:] / 32)

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from imu_lib.arrays import Array
 
@@ -15,6 +16,8 @@ from imu_lib.arrays import Array
 MANY, LEVELS, FEW = 200, 5, 20
 #: Order of the smooth density in its logarithm, and points of it a step.
 ORDER, POINTS = 4, 40
+#: Samples to whose mean the slow part of the signal is taken.
+BLOCK = 32
 #: By how much the widths scatter before they are uneven, in steps and in what the counts scatter;
 #: beyond the most it is another grid.
 UNEVEN, CHANCE, MOST = 0.06, 4.0, 0.7
@@ -66,7 +69,7 @@ def uneven(x: Array, step: float, offset: float) -> Uneven | None:
     seen = np.arange(often[0], often[-1] + 1)
     if count[seen].min() < FEW:  # a code that hardly occurs among those that do
         return None
-    density, fine = _density(count, seen, piled)
+    density, fine = _density(count, seen, piled, (x - offset) / step - first - piled[0])
     between = np.cumsum(density) / np.sum(density)
     edges = np.interp(np.cumsum(count)[:-1] / count.sum(), between, fine)
     level = np.searchsorted(edges, fine)
@@ -84,21 +87,34 @@ def uneven(x: Array, step: float, offset: float) -> Uneven | None:
     return Uneven(edges, first, scatter, variance)
 
 
-def _density(count: Array, seen: Array, piled: tuple[int, int]) -> tuple[Array, Array]:
+def _density(count: Array, seen: Array, piled: tuple[int, int], u: Array) -> tuple[Array, Array]:
     """The smooth density behind the counts of the levels, and the places, in steps, at which it
-    is; at an end at which the range is limited (`piled`) it ends with the last level.
+    is; at an end at which the range is limited (`piled`) it ends with the last level. `u` are the
+    samples in steps from the first level.
+
+    It is that of the fast noise about the slow part of the signal, which may dwell at several
+    levels, corrected by a polynomial for what the noise has that a normal one has not.
     """
     at = np.arange(len(count))
     middle, size = at[seen].mean(), max(np.ptp(at[seen]) / 2.0, 1.0)
-    order = min(ORDER, len(seen) - 2)
-    fit = np.polyfit((at[seen] - middle) / size, np.log(count[seen]), order, w=np.sqrt(count[seen]))
     ends = (piled[0] - 1) * POINTS, (len(count) + 1 - piled[1]) * POINTS
     fine = (np.arange(*ends) + 0.5) / POINTS - 0.5
-    z = (fine - middle) / size
-    inside = np.clip(z, -1.1, 1.1)
-    # beyond the levels that tell it falls off as it does at their ends
-    slope = np.polyval(np.polyder(fit), inside)
-    log = np.polyval(fit, inside) + np.where(z > 0, np.minimum(slope, -1), np.maximum(slope, 1)) * (
-        z - inside
-    )
+    about = np.log(_about_means(u, fine))
+    order = min(ORDER, len(seen) - 2)
+    rest = np.log(count[seen]) - np.interp(at[seen], fine, about)
+    fit = np.polyfit((at[seen] - middle) / size, rest, order, w=np.sqrt(count[seen]))
+    # beyond the levels that tell it falls off as the fast noise does
+    log = about + np.polyval(fit, np.clip((fine - middle) / size, -1.0, 1.0))
     return np.exp(log - log.max()), fine
+
+
+def _about_means(u: Array, fine: Array) -> Array:
+    """Density at the places `fine` (even) of normal noise about the means of blocks of `u`."""
+    blocks = u[: len(u) // BLOCK * BLOCK].reshape(-1, BLOCK)
+    mean = blocks.mean(axis=1)
+    sd = np.sqrt(max(np.median(np.var(blocks, axis=1)), 1 / 12))  # a jump lies in few blocks
+    cell = fine[1] - fine[0]
+    edges = np.append(fine - cell / 2, fine[-1] + cell / 2)
+    many = np.histogram(np.clip(mean, fine[0], fine[-1]), edges)[0]
+    # the floor keeps the logarithm where no sample lies
+    return gaussian_filter1d(many / many.sum(), sd / cell, mode="constant", truncate=8.0) + 1e-12
