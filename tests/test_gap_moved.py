@@ -6,11 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from imu_lib.gap import close
 from imu_lib.gap.channel import ChannelResult
 from imu_lib.gap.sentences import data_faults
 from imu_lib.gap.steps import Step
+from imu_lib.gap.table import on_channel
 from imu_lib.gap.tilt_jumps import as_tilts
 from imu_lib.processes import Sum
+from imu_lib.record import Record
 
 FS, N, G = 50.0, 20_000, 9.80665
 
@@ -86,3 +89,20 @@ def test_jumps_are_told_and_not_denied():
     text = data_faults.sentence(steps, 0.9)
     assert "jumped on accel_x at 70 s (or it was tilted by 1 mrad)" in text
     assert "between two values on gyro_y, 3 times a minute" in text and "nobody" not in text
+
+
+def test_the_gap_after_a_slow_tilt_is_measured_with_its_course():
+    """Gravity goes over from one axis to two others within 40 s, as half a cosine."""
+    fs, n = 25.0, 6000
+    rng, t = np.random.default_rng(5), np.arange(n) / fs
+    done = 0.5 - 0.5 * np.cos(np.pi * np.clip((t - 110.0) / 40.0, 0.0, 1.0))
+    change = {"accel_x": 8e-3, "accel_y": -5e-3, "accel_z": 0.0}
+    raw = {c: a * done + 5e-3 * rng.standard_normal(n) for c, a in change.items()}
+    raw["accel_z"] += G
+    found = close(Record(raw, fs), simulations=12, jobs=1)
+    assert [s.effect for s in found.record_steps] == ["tilt"]
+    for c in ("accel_x", "accel_y"):
+        assert found.channels[c].before.value > 2.0 and found.channels[c].after.value < 1.35
+        assert found.channels[c].result.unexplained is None
+        assert on_channel(found, c) == "on the record: tilt"
+    assert on_channel(found, "accel_z") == "nothing: simulation and measurement agree"

@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from imu_lib.ensembles import ensemble
 from imu_lib.gap import axes, gauge, knock_jumps, left_beside
@@ -71,12 +72,14 @@ def close(
     base, grown = _models(about, results)
     results = left_beside.on_record(axes.agreed(results), about.left)
     results = knock_jumps.with_causes(results, about)
-    results, moved = as_tilts(results, about)
     reports = {name: ChannelReport(result) for name, result in results.items()}
     if simulations:
         reports = gauge.measured(
             reports, about, simulations, seed, jobs, lambda _: told.one("simulations")
         )
+    # the jumps stay in the models of their channels, which the gap is measured with
+    results, moved = as_tilts({name: r.result for name, r in reports.items()}, about)
+    reports = {name: replace(reports[name], result=result) for name, result in results.items()}
     seconds = time.perf_counter() - started
     # at the rate that the clock really has
     steps, whole = [*about.steps, *moved], about.pace.record.duration

@@ -9,6 +9,8 @@ from imu_lib.gap.sentences import absorbed
 from imu_lib.gap.sentences.parameters import describe
 from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.steps import Step
+from imu_lib.model import Model
+from imu_lib.processes import Step as Jump
 
 #: Columns of a terminal, or of a page of the book.
 WIDTH = 110
@@ -71,6 +73,8 @@ def on_channel(found: Report, name: str) -> str:
         for s in found.record_steps
         if name in s.parameters.get("channels", ()) and s.effect not in own
     )
+    if _jumps(found.model, name) > _jumps(found.base, name) + own.count(Jump.name):
+        felt["tilt"] = None  # whose change of level its model has
     parts = [", ".join(own)] if own else []
     if felt:
         parts.append(f"on the record: {', '.join(felt)}")
@@ -84,6 +88,11 @@ def on_channel(found: Report, name: str) -> str:
             return "nothing found; no gap index was asked for"
         return "nothing: simulation and measurement agree"
     return "; ".join(parts)
+
+
+def _jumps(model: Model, name: str) -> int:
+    """How many jumps the model of a channel has."""
+    return sum(t.name == Jump.name for t in model[name].terms) if name in model else 0
 
 
 def _steps(steps: list[Step], name: str) -> list[str]:
