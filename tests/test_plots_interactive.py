@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from imu_lib import allan, plots, units
-from imu_lib.plots.interactive import POINTS, Explorable, described
+from imu_lib.plots.interactive import POINTS, Explorable, _range, described
 from imu_lib.processes import RandomWalk, WhiteNoise
 
 matplotlib.use("Agg")
@@ -25,6 +25,13 @@ def drawn(ax):
     figure = described(ax.figure)
     matplotlib.pyplot.close(ax.figure)
     return figure
+
+
+def test_an_end_of_an_axis_beside_zero_has_no_digits_beyond_the_others():
+    # 1.04961 and 1.04962, of two processors: the logarithm's last digits were those of rounding
+    assert _range(0.0210324, 2.2328, True) == _range(0.0210348, 2.2328, True) == [0.021, 2.2328]
+    assert _range(-0.0123412, 99.0, False) == _range(-0.0123467, 99.0, False) == [-0.012, 99.0]
+    assert _range(-1.0, 1.0, False) == [-1.0, 1.0] and _range(2.0, 2.0, False) == [2.0, 2.0]
 
 
 def test_values_are_those_of_the_curve_in_datasheet_units(curve):

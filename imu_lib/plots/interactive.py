@@ -89,7 +89,7 @@ def _axis(ax, which, key):
     axis = {
         "title": {"text": label},
         "type": "log" if log else "linear",
-        "range": [float(f"{np.log10(v) if log else v:.5g}") for v in (low, high)],
+        "range": _range(*(np.log10([low, high]) if log else (low, high)), log),
         "domain": _domain(ax, which),
         "anchor": f"{'y' if which == 'x' else 'x'}{key}",
     }
@@ -102,6 +102,14 @@ def _axis(ax, which, key):
     if which == "y" and ax.get_aspect() != "auto":
         axis["scaleanchor"] = f"x{key}"
     return axis, SI.get(label.rpartition(", ")[2])
+
+
+def _range(low, high, log):
+    """The ends of an axis: five digits, and no more than a ten-thousandth of a decade or of the
+    axis, which an end that happens to lie beside zero has many times over.
+    """
+    places = 4 if log else 4 - int(np.floor(np.log10(abs(high - low) or 1.0)))
+    return [round(float(f"{v:.5g}"), places) + 0.0 for v in (low, high)]
 
 
 def _domain(ax, which):
