@@ -78,8 +78,8 @@ def test(arguments):
         PYTHON,
         "-m",
         "pytest",
+        *filter(None, notebooks),  # the longest files first: the last ones fill the two workers
         "tests",
-        *filter(None, notebooks),
         "-n",
         "2",
         "--dist",

@@ -74,7 +74,7 @@ def _spectrum(entries, models, fs, n) -> dict:
     frequency at once, and where it is furthest off.
     """
     f = np.geomspace(2 * fs / n, 0.49 * fs, FREQUENCIES)
-    true = np.log(generator._base_psd(entries, f, fs))
+    true = np.log(generator.base_psd(entries, f, fs))
     log = np.log([m.psd(f, fs) for m in models])
     middle, sd = log.mean(axis=0), np.hypot(log.std(axis=0), ACCURACY)
     width = np.quantile(np.max(np.abs(log - middle) / sd, axis=1), 0.95)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from itertools import accumulate
 
 import numpy as np
+from gap_noises import base_psd, gain_drift, gain_line, gain_spectral, noise, spectrum, strength
 from gap_unknowns import UNKNOWN, unknown
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
@@ -52,107 +53,6 @@ class Case:
         np.savez(path, **keys)
 
 
-# -- spectra of samples, one-sided ----------------------------------------------------------------
-
-
-def _spectrum(entry, f, fs):
-    kind = entry["process"]
-    w = 2 * np.sin(np.pi * f / fs) * fs
-    if kind == "white_noise":
-        return np.full(f.shape, 2 * entry["N"] ** 2)
-    if kind == "random_walk":
-        return 2 * entry["K"] ** 2 / w**2
-    if kind == "quantization":
-        return 2 * entry["Q"] ** 2 * w**2 / fs
-    if kind == "flicker":
-        return entry["B"] ** 2 / (np.pi * f)
-    if kind == "gauss_markov":
-        a = np.exp(-1 / (fs * entry["correlation_time"]))
-        return (
-            2
-            * entry["sigma"] ** 2
-            * (1 - a * a)
-            / fs
-            / np.abs(1 - a * np.exp(-2j * np.pi * f / fs)) ** 2
-        )
-    if kind == "gauss_markov_2":
-        b = 2.146193220620583 / entry["correlation_time"]
-        return 8 * entry["sigma"] ** 2 * b**3 / (w**2 + b * b) ** 2
-    if kind == "telegraph":
-        tc = 0.5 / entry["rate"]
-        return _spectrum(
-            {"process": "gauss_markov", "sigma": entry["amplitude"] / 2, "correlation_time": tc},
-            f,
-            fs,
-        )
-    if kind == "autoregressive":
-        z = np.exp(-2j * np.pi * f / fs)
-        den = 1 - sum(p * z ** (i + 1) for i, p in enumerate(entry["phi"]))
-        return 2 * entry["sigma"] ** 2 / fs / np.abs(den) ** 2
-    raise KeyError(kind)
-
-
-def _noise(entry, n, fs, rng):
-    """A realisation, by filtering step by step or through the spectrum of a record twice as long."""
-    kind = entry["process"]
-    w = rng.standard_normal(n)
-    if kind == "white_noise":
-        return entry["N"] * np.sqrt(fs) * w
-    if kind == "random_walk":
-        return np.cumsum(w) * entry["K"] / np.sqrt(fs)
-    if kind == "quantization":
-        u = rng.uniform(-0.5, 0.5, n + 1) * np.sqrt(12) * entry["Q"]
-        return np.diff(u) * fs
-    if kind == "telegraph":
-        flips = np.cumsum(rng.random(n) < -np.expm1(-entry["rate"] / fs)) + rng.integers(2)
-        return entry["amplitude"] * (flips % 2 - 0.5)
-    m = 2 * n
-    f = np.arange(1, m // 2 + 1) * fs / m
-    z = (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f))) * np.sqrt(
-        _spectrum(entry, f, fs) * m * fs / 4
-    )
-    return np.fft.irfft(np.concatenate([[0], z]), m)[:n]
-
-
-def _base_psd(entries, f, fs):
-    return sum(_spectrum(e, f, fs) for e in entries if e["process"] != "constant")
-
-
-def _gain_spectral(s0, s1):
-    r = s1 / s0
-    return float(np.sum(r - np.log1p(r)))
-
-
-def _gain_drift(d, base, fs):
-    """Half the squared signal-to-noise ratio of a drift, from differenced block means and their
-    dense covariance.
-    """
-    m = max(1, len(d) // 450)
-    k = len(d) // m
-    f = (
-        (np.arange(4096 * 16) + 0.5) / (4096 * 16) * fs / 2 / np.sqrt(m)
-    )  # beyond this the blocks see nothing
-    f = f if m > 1 else f * np.sqrt(m)
-    y = np.diff(d[: k * m].reshape(k, m).mean(axis=1))
-    h = (
-        (np.sin(np.pi * f * m / fs) / (m * np.sin(np.pi * f / fs))) ** 2
-        * 4
-        * np.sin(np.pi * f * m / fs) ** 2
-    )
-    density = _base_psd(base, f, fs) * h * (f[1] - f[0])
-    step = np.exp(2j * np.pi * f * m / fs)
-    turn, c = np.ones_like(step), np.empty(k - 1)
-    for j in range(k - 1):
-        c[j] = np.sum(density * turn.real)
-        turn = turn * step
-    lag = np.abs(np.subtract.outer(np.arange(k - 1), np.arange(k - 1)))
-    return float(0.5 * y @ np.linalg.solve(c[lag], y))
-
-
-def _gain_line(d, s0, fs):
-    return float(np.sum(np.abs(np.fft.rfft(d))[1:] ** 2 * 2 / (fs * len(d)) / s0))
-
-
 # -- base models ----------------------------------------------------------------------------------
 
 
@@ -175,20 +75,11 @@ def _base(channel, rng, kind):
     return out
 
 
-def _strength(gain_of, target):
-    """The strength at which `gain_of` reaches the target (it grows with strength)."""
-    low, high = 1e-9, 1e9
-    for _ in range(80):
-        mid = np.sqrt(low * high)
-        low, high = (low, mid) if gain_of(mid) > target else (mid, high)
-    return np.sqrt(low * high)
-
-
 def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
     """Adds `effect` to the samples; returns (samples, truth)."""
     n = len(x)
     f = np.arange(1, n // 2 + 1) * fs / n
-    s0 = _base_psd(base, f, fs)
+    s0 = base_psd(base, f, fs)
     t = np.arange(n) / fs
     white = base[0]["N"] * np.sqrt(fs)
     target = gain or 10 ** rng.uniform(np.log10(15), 3)
@@ -202,8 +93,8 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
         )
         name = "N" if base[i]["process"] == "white_noise" else "sigma"
         entry = base[i]
-        own = _spectrum(entry, f, fs)
-        c = _strength(lambda c: _gain_spectral(s0, own * c), target)
+        own = spectrum(entry, f, fs)
+        c = strength(lambda c: gain_spectral(s0, own * c), target)
         truth.update(
             effect="parameter_change",
             parameters={
@@ -214,10 +105,10 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
             },
         )
         more = {**entry, name: entry[name] * np.sqrt(c)}
-        return x + _noise(more, n, fs, rng), {
+        return x + noise(more, n, fs, rng), {
             **truth,
             "noise": more,
-            "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own * c),
+            "seen": lambda around: gain_spectral(base_psd(around, f, fs), own * c),
         }
     if effect in SPECTRAL:
         entry = {"process": effect}
@@ -230,8 +121,8 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
             )
             entry["rate"] = fs
         name = {"quantization": "Q", "flicker": "B", "random_walk": "K"}.get(effect, "sigma")
-        shape = _spectrum({**entry, name: 1.0}, f, fs)
-        entry[name] = _strength(lambda a: _gain_spectral(s0, a * a * shape), target)
+        shape = spectrum({**entry, name: 1.0}, f, fs)
+        entry[name] = strength(lambda a: gain_spectral(s0, a * a * shape), target)
         truth["parameters"] = entry
         own = entry[name] ** 2 * shape
         if (
@@ -242,23 +133,23 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
             return np.diff(np.round(angle / step)) * step * fs, {
                 **truth,
                 "noise": entry,
-                "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own),
+                "seen": lambda around: gain_spectral(base_psd(around, f, fs), own),
             }
-        return x + _noise(entry, n, fs, rng), {
+        return x + noise(entry, n, fs, rng), {
             **truth,
             "noise": entry,
-            "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own),
+            "seen": lambda around: gain_spectral(base_psd(around, f, fs), own),
         }
     if effect == "telegraph":
         entry = {"process": "telegraph", "rate": 10 ** rng.uniform(np.log10(8 / duration), -0.7)}
-        shape = _spectrum({**entry, "amplitude": 1.0}, f, fs)
-        entry["amplitude"] = _strength(lambda a: _gain_spectral(s0, a * a * shape), 3 * target)
+        shape = spectrum({**entry, "amplitude": 1.0}, f, fs)
+        entry["amplitude"] = strength(lambda a: gain_spectral(s0, a * a * shape), 3 * target)
         truth["parameters"] = entry
         own = entry["amplitude"] ** 2 * shape
-        return x + _noise(entry, n, fs, rng), {
+        return x + noise(entry, n, fs, rng), {
             **truth,
             "noise": entry,
-            "seen": lambda around: _gain_spectral(_base_psd(around, f, fs), own) / 3,
+            "seen": lambda around: gain_spectral(base_psd(around, f, fs), own) / 3,
         }
     if effect in DRIFTS:
         p = {}
@@ -289,8 +180,8 @@ def _hide(effect, x, base, fs, rng, temperature, gain=None, rounded=False):
 
         def one(around):
             if effect == "sinusoid":
-                return _gain_line(d, _base_psd(around, f, fs), fs)
-            return _gain_drift(d, around, fs)
+                return gain_line(d, base_psd(around, f, fs), fs)
+            return gain_drift(d, around, fs)
 
         a = np.sqrt(target / one(base))
         sign = -1 if truth["effect"] != "sinusoid" and rng.random() < 0.5 else 1
@@ -394,7 +285,7 @@ def make(
     for c in channels:
         kind = base or rng.choice(["gm", "gm", "walk", "gm+walk", "flicker", "white"])
         model[c] = _base(c, rng, kind)
-        x[c] = sum(_noise(e, n, fs, rng) for e in model[c]) + (
+        x[c] = sum(noise(e, n, fs, rng) for e in model[c]) + (
             -9.8 if c == "accel_z" else rng.normal() * 0.01
         )
     case = Case(seed, fs, x, model, temperature=temperature)

@@ -183,6 +183,7 @@ def test_real_records(data_dir, name, tmp_path):
             [
                 "characterise",
                 str(data_dir / "static" / name),
+                *("--stop", "200"),
                 "--json",
                 str(tmp_path / "r.json"),
                 "--workers",

@@ -78,7 +78,7 @@ def test_a_parameter_that_is_off_is_named_with_its_value(name, factor):
     ]
     rng = np.random.default_rng(52)
     x = sum(
-        generator._noise(e, int(FS * DURATION), FS, rng)
+        generator.noise(e, int(FS * DURATION), FS, rng)
         for e in [entries[0], {**entries[1], name: factor * entries[1][name]}]
     )
     found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in entries))
@@ -129,7 +129,7 @@ def test_two_levels_that_stand_out_of_the_noise_leave_nothing_behind(rate, ampli
     base = made.base["gyro_x"]
     size = amplitude * base[0]["N"] * np.sqrt(FS)
     entry = {"process": "telegraph", "rate": rate, "amplitude": size}
-    x = made.channels["gyro_x"] + generator._noise(
+    x = made.channels["gyro_x"] + generator.noise(
         entry, int(FS * DURATION), FS, np.random.default_rng(62)
     )
     found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in base))
@@ -165,7 +165,7 @@ def test_a_tone_that_moves_is_no_resonance(kind):
     rng = np.random.default_rng(74)
     t = np.arange(360_000) / FS
     f = 4.0 + 3.0 * t / t[-1] if kind == "sweep" else 6.0 * (1 + 0.05 * np.sin(2 * np.pi * t / 400))
-    x = generator._noise(base[0], len(t), FS, rng) + 1.5e-3 * np.sin(2 * np.pi * np.cumsum(f) / FS)
+    x = generator.noise(base[0], len(t), FS, rng) + 1.5e-3 * np.sin(2 * np.pi * np.cumsum(f) / FS)
     found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in base))
     assert found.unexplained
     assert all(s.confidence < 0.9 for s in found.steps)
@@ -180,7 +180,7 @@ def test_a_resonance_is_one_and_its_strength_has_an_interval():
         "sigma": 4e-4,
     }
     rng = np.random.default_rng(75)
-    x = sum(generator._noise(e, 360_000, FS, rng) for e in (base[0], entry))
+    x = sum(generator.noise(e, 360_000, FS, rng) for e in (base[0], entry))
     found = analyse("gyro_x", x, FS, Sum.of(from_json(e) for e in base))
     (step,) = found.steps
     low, high = step.intervals["sigma"]
@@ -280,7 +280,7 @@ def test_a_free_base_leaves_the_filter_of_the_sensor_to_be_named():
 
 def test_filled_in_samples_have_the_spectrum_of_the_rest():
     rng = np.random.default_rng(10)
-    x = generator._noise(
+    x = generator.noise(
         {"process": "gauss_markov", "sigma": 1.0, "correlation_time": 0.2}, 60_000, FS, rng
     )
     bad = np.zeros(60_000, bool)
@@ -305,6 +305,6 @@ def test_a_resonance_alone_leaves_no_drift_for_a_telegraph_to_hide_in():
     slow.
     """
     base = [{"process": "white_noise", "N": 1e-4}]
-    x = generator._noise(base[0], int(FS * DURATION), FS, np.random.default_rng(76))
+    x = generator.noise(base[0], int(FS * DURATION), FS, np.random.default_rng(76))
     found = analyse("gyro_x", x + 0.3 * np.roll(x, 20), FS, Sum.of(from_json(e) for e in base))
     assert found.unexplained

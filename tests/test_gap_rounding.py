@@ -45,7 +45,7 @@ def test_the_noise_before_a_coarse_grid_is_recovered(step, offset):
 @pytest.mark.parametrize("step", [1.4, 3.0])
 def test_a_coarse_grid_leaves_nothing_else_to_be_named(step):
     base = [{"process": "white_noise", "N": 1e-4}]
-    x = generator._noise(base[0], 360_000, FS, np.random.default_rng(4)) + 3e-4
+    x = generator.noise(base[0], 360_000, FS, np.random.default_rng(4)) + 3e-4
     lsb = step * 1e-3
     found = analyse("gyro_x", np.rint(x / lsb) * lsb, FS, Sum.of(from_json(e) for e in base))
     assert [s.effect for s in found.steps] == ["resolution"] and found.unexplained is None
@@ -69,7 +69,7 @@ def test_frozen_samples_are_told_from_chance_runs_on_a_coarse_grid():
 
 def test_a_grid_so_wide_that_rounding_quiets_the_noise_is_no_error():
     base = [{"process": "white_noise", "N": 2e-4}, {"process": "random_walk", "K": 1e-7}]
-    x = sum(generator._noise(e, N, FS, np.random.default_rng(7)) for e in base)
+    x = sum(generator.noise(e, N, FS, np.random.default_rng(7)) for e in base)
     smooth = np.convolve(np.concatenate([np.full(2, x[0]), x]), np.ones(3) / 3, "valid")
     lsb = 4.5 * 2e-3 / np.sqrt(3)
     for model in (Sum.of(from_json(e) for e in base), None):

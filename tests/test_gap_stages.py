@@ -50,7 +50,7 @@ def test_a_filter_is_named_by_its_make_and_leaves_nothing_behind(stage):
 def test_spikes_in_noise_that_is_not_white_are_counted_once():
     """Their neighbours are surprised, too, where noise is differenced: these are shadows."""
     rng = np.random.default_rng(2)
-    x = generator._noise({"process": "white_noise", "N": 2e-4}, N, FS, rng) + generator._noise(
+    x = generator.noise({"process": "white_noise", "N": 2e-4}, N, FS, rng) + generator.noise(
         {"process": "quantization", "Q": 2e-5}, N, FS, rng
     )
     hit = rng.random(N) < 0.0015
@@ -71,7 +71,7 @@ def test_spikes_in_noise_that_is_not_white_are_counted_once():
 def test_clipping_before_a_coarse_grid_is_named_without_a_change_of_noise(step):
     """Steps in standard deviations of the noise."""
     x = (
-        generator._noise({"process": "white_noise", "N": 2e-4}, N, FS, np.random.default_rng(3))
+        generator.noise({"process": "white_noise", "N": 2e-4}, N, FS, np.random.default_rng(3))
         + 1e-3
     )
     lsb = step * SD

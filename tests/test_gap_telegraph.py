@@ -80,11 +80,11 @@ def test_levels_lost_in_the_noise_are_told_from_a_gauss_markov_process(rate, see
     """
     base = [{"process": "white_noise", "N": 2e-4}]
     rng = np.random.default_rng(seed)
-    x = generator._noise(base[0], N, FS, rng)
+    x = generator.noise(base[0], N, FS, rng)
     f = np.arange(1, N // 2 + 1) * FS / N
-    shape = generator._spectrum({"process": "telegraph", "rate": rate, "amplitude": 1.0}, f, FS)
-    a = generator._strength(
-        lambda v: generator._gain_spectral(generator._base_psd(base, f, FS), v * v * shape), 300
+    shape = generator.spectrum({"process": "telegraph", "rate": rate, "amplitude": 1.0}, f, FS)
+    a = generator.strength(
+        lambda v: generator.gain_spectral(generator.base_psd(base, f, FS), v * v * shape), 300
     )
     truth = {
         "telegraph": {"process": "telegraph", "rate": rate, "amplitude": a},
@@ -93,7 +93,7 @@ def test_levels_lost_in_the_noise_are_told_from_a_gauss_markov_process(rate, see
     for name, entry in truth.items():
         found = analyse(
             "gyro_x",
-            x + generator._noise(entry, N, FS, rng),
+            x + generator.noise(entry, N, FS, rng),
             FS,
             Sum.of(from_json(e) for e in base),
         )
@@ -111,7 +111,7 @@ def test_levels_beside_a_changed_parameter_are_not_taken_for_it(flips):
     parts = [white, {**slow, "sigma": 1.2e-4}]
     if flips:
         parts += [{"process": "telegraph", "amplitude": 4e-4, "rate": 0.02}]
-    x = sum(generator._noise(entry, n, fs, rng) for entry in parts)
+    x = sum(generator.noise(entry, n, fs, rng) for entry in parts)
     found = analyse("gyro_x", x, fs, Sum.of(from_json(e) for e in (white, slow)))
     sure = {s.effect for s in found.steps if s.confidence > 0.9}
     assert sure == ({"telegraph"} if flips else set())

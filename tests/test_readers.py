@@ -2,42 +2,13 @@
 
 import numpy as np
 import pytest
+from still_sensor import RATE, N, record, same, still, table
 
 from imu_lib import units
 from imu_lib.errors import InputError
-from imu_lib.readers import names, read_drive, read_record
+from imu_lib.readers import names, read_record
 from imu_lib.readers.plausibility import gravity
-from imu_lib.record import Record
 from imu_lib.writers import write_record
-
-RATE, N = 50.0, 600
-
-
-def still(n=N, seed=1):
-    """A plausible sensor at rest: deg/s of noise and bias, gravity down."""
-    rng = np.random.default_rng(seed)
-    gyro = rng.normal(scale=2e-3, size=(n, 3)) + [0.01, -0.02, 0.005]
-    accel = rng.normal(scale=2e-2, size=(n, 3)) - [0, 0, units.G]
-    return gyro, accel
-
-
-def record(n=N):
-    gyro, accel = still(n)
-    channels = {
-        f"{k}_{a}": v[:, i]
-        for k, v in (("gyro", gyro), ("accel", accel))
-        for i, a in enumerate("xyz")
-    }
-    return Record(channels, RATE, temperature=np.linspace(20, 25, n))
-
-
-def same(found, rtol=1e-9):
-    gyro, accel = still(found.n)
-    assert found.rate == pytest.approx(RATE, rel=1e-6)
-    assert np.allclose(found["gyro"], gyro, rtol=rtol, atol=1e-12) and np.allclose(
-        found["accel"], accel, rtol=rtol, atol=1e-12
-    )
-    return True
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv", ".tsv", ".txt", ".parquet"])
@@ -47,31 +18,6 @@ def test_round_trip(tmp_path, suffix):
     assert same(found) and np.allclose(found.temperature, record().temperature)
     part = read_record(tmp_path / f"r{suffix}", start=2.0, stop=4.0)
     assert part.n == 100 and np.array_equal(part["gyro_x"], found["gyro_x"][100:200])
-
-
-def table(
-    path,
-    *,
-    delimiter=",",
-    header=True,
-    decimal=".",
-    comment="",
-    gyro=1.0,
-    accel=1.0,
-    time=None,
-    preamble="",
-):
-    g, a = still()
-    t = np.arange(N) / RATE if time is None else time
-    rows = [
-        delimiter.join(f"{v:.12g}".replace(".", decimal) for v in row)
-        for row in np.column_stack([t, g / gyro, a / accel])
-    ]
-    head = [delimiter.join(["time", "gx", "gy", "gz", "ax", "ay", "az"])] if header else []
-    path.write_text(
-        "\n".join([preamble] * bool(preamble) + [comment] * bool(comment) + head + rows) + "\n"
-    )
-    return path
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", " ", "|", "   "])
@@ -293,109 +239,6 @@ def test_gravity_is_told_from_noise():
     turned = rng.normal(size=(20, 3))
     turned *= 9.8 / np.linalg.norm(turned, axis=1, keepdims=True)
     assert gravity(np.repeat(turned, 100, axis=0)) == pytest.approx(9.8)
-
-
-def test_drive_of_imu_and_gnss_files(tmp_path):
-    g, a = still()
-    t = 1.7e9 + np.arange(N) / RATE  # UTC
-    np.savetxt(
-        tmp_path / "imu.csv",
-        np.column_stack([t, g, a]),
-        delimiter=",",
-        fmt="%.12f",
-        comments="",
-        header="time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s^2],ay [m/s^2],az [m/s^2]",
-    )
-    rows = [
-        "% program   : RTKLIB",
-        "%  GPST  latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)",
-    ]
-    for k in range(10):
-        s = np.datetime64(int((1.7e9 + k + 18) * 1000), "ms")  # GPS time is 18 s ahead of UTC
-        rows.append(
-            f"{str(s.astype('datetime64[D]')).replace('-', '/')} {str(s).split('T')[1]} 45.0{k} 7.5 250.0 1 12 0.01 0.02 0.03"
-        )
-    (tmp_path / "g.pos").write_text("\n".join(rows) + "\n")
-    drive = read_drive(tmp_path / "imu.csv", gnss=tmp_path / "g.pos")
-    assert np.allclose(drive.gnss_time, np.arange(10), atol=1e-3) and np.allclose(
-        np.degrees(drive.gnss_position[:, 0]), 45 + 0.01 * np.arange(10)
-    )
-    assert np.allclose(drive.gnss_position_sd, [0.01, 0.02, 0.03]) and np.allclose(drive.gyro, g)
-    nmea = []
-    for k in range(10):
-        clock = str(np.datetime64(int(1.7e9) + k, "s")).split("T")[1].replace(":", "")
-        for body in (
-            f"GPGGA,{clock}.00,4500.0000,N,00730.0000,E,4,12,0.8,200.0,M,50.0,M,,",
-            f"GPRMC,{clock}.00,A,4500.0,N,00730.0,E,10.0,90.0,141123,,,A",
-        ):
-            nmea.append(
-                f"${body}*{np.bitwise_xor.reduce(np.frombuffer(body.encode(), np.uint8)):02X}"
-            )
-    nmea.insert(4, nmea[4].replace("4500", "4600"))  # a wrong checksum is left out
-    (tmp_path / "g.nmea").write_text("\r\n".join(nmea) + "\r\n")
-    drive = read_drive(tmp_path / "imu.csv", gnss=tmp_path / "g.nmea")
-    assert np.allclose(drive.gnss_time, np.arange(10)) and np.allclose(
-        drive.gnss_position, np.tile([np.pi / 4, np.radians(7.5), 250.0], (10, 1))
-    )
-    assert np.allclose(drive.gnss_velocity, [0, 10 * 1852 / 3600, 0], atol=1e-9) and set(
-        drive.gnss_fix
-    ) == {4}
-
-
-REAL = {
-    "adis16405_1.npz": (1_000_000, 100.0, {}),
-    "hipnuc_ch104.npz": (321_253, 100.0, {}),
-    "hipnuc_ch104_original.mat": (
-        321_253,
-        100.0,
-        {"rate": 100, "gyro_unit": "deg/s", "accel_unit": "g"},
-    ),
-    "mpu6050_10min.npz": (65_067, 99.3, {}),
-    "mpu6050_raw_counts.csv": (
-        44_930,
-        100.0,
-        {"gyro_unit": "counts:131", "accel_unit": "counts:16384"},
-    ),
-    "mtig_gyro_x.npz": (500_000, 100.0, {}),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_static_records(data_dir, name):
-    n, rate, options = REAL[name]
-    found = read_record(data_dir / "static" / name, **options)
-    assert found.n == n and found.rate == pytest.approx(rate, rel=1e-3)
-    if "accel_z" in found:
-        assert 8.8 < gravity(found["accel"]) < 10.3  # m/s^2: the MPU-6050 is 8 % off
-
-
-def test_real_two_files_and_calibration(data_dir):
-    found = read_record(
-        gyro=data_dir / "static/phone_gyro.txt",
-        accel=data_dir / "static/phone_accel.txt",
-        gyro_unit="rad/s",
-        accel_unit="m/s^2",
-    )
-    assert found.rate == pytest.approx(5.0, rel=1e-3) and any(
-        "do not overlap" in note for note in found.notes
-    )
-    for i in range(3):
-        assert read_record(data_dir / f"calibration/mpu9150_{i}.npz").rate == 100.0
-    ferraris = read_record(
-        data_dir / "calibration/ferraris_session.csv",
-        rate=204.8,
-        gyro_unit="deg/s",
-        accel_unit="m/s^2",
-    )
-    assert ferraris.n == 10_376
-    with pytest.raises(InputError, match="counts"):
-        read_record(data_dir / "calibration/xsens_mti_poses.npz")
-
-
-def test_real_drives(data_dir):
-    gaps = {"span_a": 3, "span_b": 2, "span_c": 0, "kth_car": 1}
-    for name, count in gaps.items():
-        assert len(read_drive(data_dir / f"drive/{name}.npz").imu().gaps()) == count
 
 
 LOGS = {
