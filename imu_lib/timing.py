@@ -1,4 +1,6 @@
-"""Time stamps: the rate they tell, the samples they miss, the stamps that repeat."""
+"""Time stamps: the rate they tell, the samples they miss, the stamps that repeat; and where
+sampling shows a frequency.
+"""
 
 from __future__ import annotations
 
@@ -35,6 +37,11 @@ class Bursts(NamedTuple):
     size: int
     rate: float
     period: float
+
+
+def folded(frequency: np.ndarray | float, fs: float) -> np.ndarray | float:
+    """Where samples at `fs` Hz show lines of `frequency` Hz."""
+    return np.abs(frequency - fs * np.rint(np.divide(frequency, fs)))
 
 
 def bursts(time: np.ndarray) -> Bursts | None:

@@ -67,6 +67,22 @@ def test_a_folder_of_consecutive_logs_is_one_record(tmp_path):
     assert {row["sensor"] for row in rows} == {"Ü 0"}
 
 
+def test_a_file_is_read_once_for_its_stamps(tmp_path, monkeypatch):
+    # where the unit was open each was read twice
+    from imu_lib.readers import opening
+
+    read, seen = opening.read_raw, []
+    monkeypatch.setattr(
+        opening, "read_raw", lambda path, **how: seen.append(path.name) or read(path, **how)
+    )
+    for k in range(2):
+        rows = np.column_stack([k * 10 + np.arange(N) / FS, np.full((N, 3), 0.1 * k)])
+        path = tmp_path / "unit" / f"log_{k}.csv"
+        path.parent.mkdir(exist_ok=True)
+        np.savetxt(path, rows, delimiter=",", header="time,gx,gy,gz", comments="")
+    assert list(_told(tmp_path)) == ["unit"] and seen == ["log_0.csv", "log_1.csv"]
+
+
 def test_stamps_that_begin_anew_are_said(tmp_path):
     for unit in range(2):
         for k in range(2):

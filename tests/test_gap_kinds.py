@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from imu_lib import faults
+from imu_lib import faults, timing
 from imu_lib.faults import Finding
 from imu_lib.gap import knock_jumps
 from imu_lib.gap.channel import ChannelResult, analyse
@@ -88,7 +88,7 @@ def test_levels_that_never_come_back_are_steps():
 
 
 def test_where_the_sampling_folds_the_mains_to():
-    assert mains.folded(150.0, 128.0) == pytest.approx(22.0)
+    assert timing.folded(150.0, 128.0) == pytest.approx(22.0)
     assert mains.unfolded(10.02, 60.0) == pytest.approx(49.98)
     assert mains.unfolded(50.1, 500.0) == pytest.approx(50.1)
     assert mains.unfolded(23.0, 500.0) is None

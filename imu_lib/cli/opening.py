@@ -63,24 +63,13 @@ def open_on_disk(args: argparse.Namespace, *, least: int | None = None):
     """The record of parsed flags where it stays on disk: a long file that is read by pieces, at
     once or after it was converted, or a folder of logs; else None.
     """
-    from imu_lib.long_record import cut, open_converted, open_folder, open_long
-    from imu_lib.readers.zarr_store import is_store
+    from imu_lib.long_record import on_disk
 
-    options = record_options(args)
-    start, stop = options.pop("start", None), options.pop("stop", None)
-    if start is not None and stop is not None and stop <= start:
-        raise InputError(f"--stop {stop:g} is not after --start {start:g}.")
-    if Path(args.file).is_dir() and not is_store(args.file):
-        record = open_folder(args.file, **options)
-    else:
-        record = open_long(args.file, least=least, **options)
-        if record is None:
-            bar = Share(f"converting {Path(args.file).name}")
-            try:
-                record = open_converted(args.file, progress=bar.at, **options)
-            finally:
-                bar.close()
-    return None if record is None else cut(record, start, stop)
+    bar = Share(f"converting {Path(args.file).name}")
+    try:
+        return on_disk(args.file, least=least, progress=bar.at, **record_options(args))
+    finally:
+        bar.close()
 
 
 def open_either(args: argparse.Namespace, *, one_rate: bool = True, least: int | None = None):
@@ -88,7 +77,7 @@ def open_either(args: argparse.Namespace, *, one_rate: bool = True, least: int |
     into memory all the same is said. `least` is the number of rows above which a file that need not
     be converted first counts as long, `stream.LONG` where it is None.
     """
-    from imu_lib.long_record.record import SHORTEST
+    from imu_lib.long_record import worth_it
     from imu_lib.stream import LONG
 
     if args.file and not (args.gyro or args.accel or getattr(args, "only", None)):
@@ -96,12 +85,10 @@ def open_either(args: argparse.Namespace, *, one_rate: bool = True, least: int |
         if record is not None:
             for note in record.notes:
                 print(f"note: {note}", file=sys.stderr)
-            if record.rows - record.begin <= (least or LONG):
-                return record.in_memory()
-            if record.longest >= SHORTEST:
-                return record
-            _told_whole(args.file, record.rows - record.begin, "its gaps leave no long part")
-            return record.in_memory()
+            found = worth_it(record, least)
+            if found is not record and record.rows - record.begin > (least or LONG):
+                _told_whole(args.file, record.rows - record.begin, "its gaps leave no long part")
+            return found
     record = open_record(args, one_rate=one_rate)
     if record.n > LONG:
         _told_whole(

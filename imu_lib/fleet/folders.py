@@ -140,20 +140,14 @@ def _go_on(files, reading):
 
 def _span(file, reading):
     """(first stamp, end, length, half a sample) of a file, s; TypeError where it has no stamps."""
-    from imu_lib.readers.assemble import assemble
     from imu_lib.readers.opening import read_raw
+    from imu_lib.readers.stamps import settle
 
-    told = {"rate": reading.get("rate"), "time_unit": reading.get("time_unit"), "trust": True}
-    units = {k: reading.get(k) for k in ("gyro_unit", "accel_unit")}
-    columns = {k: reading.get(k) for k in ("columns", "topic")}
-    try:
-        raw = read_raw(file, **columns)
-        record = assemble(raw, **told, **units)
-    except InputError:  # a unit that is open is no matter of the stamps
-        raw = read_raw(file, **columns)
-        record = assemble(raw, **told, gyro_unit="rad/s", accel_unit="m/s^2")
-    length = (int(record.slots()[-1]) + 1) / record.rate
-    return raw.start, raw.start + length, length, 0.5 / record.rate
+    raw = read_raw(file, **{k: reading.get(k) for k in ("columns", "topic")})
+    found = settle(raw, reading.get("rate"), time_unit=reading.get("time_unit"), trust=True)
+    n = len(found.keep)
+    length = (n if found.time is None else found.time[-1] * found.rate + 1) / found.rate
+    return raw.start, raw.start + length, length, 0.5 / found.rate
 
 
 def _of_logs(folder, place):

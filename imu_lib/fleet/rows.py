@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 from imu_lib.errors import InputError
 from imu_lib.estimate import Estimate
@@ -97,23 +96,13 @@ def _found(entry, gap):
 
 def _opened(entry):
     """The record, in memory or, where it is long, on disk; a folder is one of consecutive logs."""
-    from imu_lib.long_record import cut, open_converted, open_folder, open_long
-    from imu_lib.long_record.record import SHORTEST
-    from imu_lib.readers import read_record, zarr_store
-    from imu_lib.stream import LONG
+    from imu_lib.long_record import on_disk, worth_it
+    from imu_lib.readers import read_record
 
-    path, reading = entry.path, entry.reading
-    if Path(path).is_dir() and not zarr_store.is_store(path):
-        logs = open_folder(path, **reading)
-        if logs is not None:
-            logs = cut(logs, reading.get("start"), reading.get("stop"))
-            long = logs.rows - logs.begin > LONG and logs.longest >= SHORTEST
-            return logs if long else logs.in_memory()
-        return read_record(path, **reading)
-    record = open_long(path, **reading) or open_converted(path, **reading)
-    if record is None or record.longest < SHORTEST:
-        record = read_record(path, **reading)
-    return record
+    record = on_disk(entry.path, **entry.reading)
+    if record is None:
+        return read_record(entry.path, **entry.reading)
+    return worth_it(record)
 
 
 def _numbers(estimate):

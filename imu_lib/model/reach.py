@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from imu_lib import units
 from imu_lib.processes import Process, Sinusoid, Vibration
+from imu_lib.timing import folded
 
 if TYPE_CHECKING:
     from imu_lib.model import Model
@@ -31,12 +32,12 @@ def _of(process: Process, rate: float, duration: float) -> list[str]:
     out = []
     if isinstance(process, (Sinusoid, Vibration)):
         lines = process.harmonics if isinstance(process, Vibration) else 1
-        folded = [f for k in range(lines) if (f := (k + 1) * process.frequency) > rate / 2]
-        if folded:
-            at = abs(folded[0] - rate * round(folded[0] / rate))
-            more = ", with its lines above it," if len(folded) > 1 else ""
+        above = [f for k in range(lines) if (f := (k + 1) * process.frequency) > rate / 2]
+        if above:
+            at = folded(above[0], rate)
+            more = ", with its lines above it," if len(above) > 1 else ""
             out.append(
-                f"the {process.name} of {folded[0]:.6g} Hz{more} lies above half the sampling rate "
+                f"the {process.name} of {above[0]:.6g} Hz{more} lies above half the sampling rate "
                 f"and is seen folded, at {at:.6g} Hz."
             )
     for key in BEGINS:

@@ -11,6 +11,7 @@ from scipy.special import ndtr
 
 from imu_lib.arrays import Array
 from imu_lib.errors import InputError
+from imu_lib.timing import folded
 
 from .base import FREE, Parameter, Process
 from .gauss_markov import GaussMarkov
@@ -225,8 +226,8 @@ class Vibration(Process):
         size = next_fast_len(finer * n, real=True)
         loud, active = self.loudness(n, fs, rng), self.active(n, fs)
         # lines above half the rate are folded
-        folded = np.abs(self.frequencies - fs * np.rint(self.frequencies / fs))
-        at = np.minimum(np.rint(folded / fs * size).astype(int), size // 2)
+        seen = folded(self.frequencies, fs)
+        at = np.minimum(np.rint(seen / fs * size).astype(int), size // 2)
         out = {}
         for channel, amplitude in zip(self.channels, self.amplitude):
             z = np.zeros(size // 2 + 1, complex)

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 
 from imu_lib.arrays import Array
 from imu_lib.processes import Vibration
-from imu_lib.vibrations.mains import folded
+from imu_lib.timing import folded
 
 #: Segments of the record, ordinates of each, and bands that the spectrum is divided into.
 LENGTH, BANDS = 256, 32

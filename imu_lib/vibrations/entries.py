@@ -12,10 +12,10 @@ import numpy as np
 from imu_lib import words
 from imu_lib.arrays import Array
 from imu_lib.processes import Vibration as Process
+from imu_lib.timing import folded
 from imu_lib.vibrations.coherent_band import Band
 from imu_lib.vibrations.families import weak_lines
 from imu_lib.vibrations.forest import Forest
-from imu_lib.vibrations.mains import folded
 from imu_lib.vibrations.multiples import order_of
 from imu_lib.vibrations.patterns import Line, alike, factors, faint, noise_of
 from imu_lib.vibrations.sources import Source, examined

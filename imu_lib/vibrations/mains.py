@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from imu_lib.timing import folded
+
 #: Frequencies of the mains, Hz, and share by which they (EN 50160: 1 % in 99.5 % of a year, in
 #: minutes a tenth of that) and the clock of a record may be off.
 MAINS, MAINS_OFF = (50.0, 60.0), 5e-3
@@ -17,11 +19,6 @@ ALONE_OFF, ALONE, SLOWEST = 2e-3, (1, 2, 3), 0.5
 def of_mains(frequency: float, harmonics: int) -> bool:
     """Whether a family of lines is the hum of the mains."""
     return harmonics > 1 and any(abs(frequency / f - 1) < MAINS_OFF for f in MAINS)
-
-
-def folded(frequency: float, fs: float) -> float:
-    """Where samples at `fs` Hz show a line of `frequency` Hz."""
-    return float(abs(frequency - fs * np.round(frequency / fs)))
 
 
 def unfolded(seen: float, fs: float) -> float | None:

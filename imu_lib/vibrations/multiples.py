@@ -4,6 +4,7 @@ where the sampling folds them to.
 
 from __future__ import annotations
 
+from imu_lib.timing import folded
 from imu_lib.vibrations import mains
 from imu_lib.vibrations.sources import Source
 from imu_lib.vibrations.transforms import Transforms
@@ -58,7 +59,7 @@ def _folded_order(
             continue
         near = off_by(s, transforms) + order * slack
         chance += 2 * near / (0.5 * fs)
-        if found is None and abs(mains.folded(order * f0, fs) - s.frequency) < near:
+        if found is None and abs(folded(order * f0, fs) - s.frequency) < near:
             found = order
     return None if found is None else (found, min(chance, 1.0))
 
@@ -76,7 +77,7 @@ def multiple(
     else:
         half = max(2.0 / transforms.duration, max(s.bandwidth for s in family))
         low, high = order * f0 - half, order * f0 + half
-    ends = sorted(mains.folded(f, transforms.fs) for f in (low, high))
+    ends = sorted(folded(f, transforms.fs) for f in (low, high))
     return ends[0], ends[1]
 
 

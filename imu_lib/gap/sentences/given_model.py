@@ -88,9 +88,9 @@ def _seen(found: Report) -> list[Process]:
     """What the given model has on the record, without what is absent and without vibrations that
     are too weak to be told there.
     """
-    gone = [a.process for a in found.absent]
-    kept = [p for p in found.model.record if isinstance(p, Vibration)]
-    return [p for p in found.base.record if not any(p is q for q in (*gone, *kept))]
+    untold = [a.process for a in found.absent]
+    untold += [p for p in found.model.record if isinstance(p, Vibration)]
+    return [p for p in found.base.record if p not in untold]
 
 
 def _words(name: str) -> str:
