@@ -82,8 +82,8 @@ def load_arrays(path) -> dict[str, np.ndarray]:
                 return dict(pool.map(one, members))
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise InputError(
-            f"{path} is not a whole .npz file ({error}); it is cut off or damaged: write or fetch "
-            "it again."
+            f"{path} is not a whole {Path(path).suffix or '.npz'} file ({error}); it is cut off or "
+            "damaged: write or fetch it again."
         ) from None
 
 

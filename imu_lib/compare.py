@@ -129,8 +129,9 @@ def compare(
     many = sum(parts[i].n for i, _ in jobs) > 100_000
     workers = min(len(jobs), scheduler.cores()) if many else 1
     sides = {}
-    for i, c, side in tell(scheduler.shared(_side, tasks, workers), total=len(jobs)):
-        sides[i, c] = side
+    if jobs:
+        for i, c, side in tell(scheduler.shared(_side, tasks, workers), total=len(jobs)):
+            sides[i, c] = side
     for i, x in enumerate(parts):
         if isinstance(x, Model):
             sides |= {(i, c): _of_model(x[c], tau, rate or fs) for c in common}

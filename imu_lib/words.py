@@ -12,6 +12,11 @@ def seconds(x: float) -> str:
     return f"{x / 60:.3g} min" if x < 7200 else f"{x / 3600:.3g} h"
 
 
+def number(n: int, noun: str) -> str:
+    """1 sensor, 2 sensors."""
+    return f"{n:,} {noun}{'s' * (n != 1)}"
+
+
 def listed(parts: list[str]) -> str:
     """a, b and c."""
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"

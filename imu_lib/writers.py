@@ -21,6 +21,11 @@ def check_folder(folder, given=None) -> None:
     """
     folder = Path(folder).resolve()
     there = next(path for path in (folder, *folder.parents) if path.exists())
+    if not there.is_dir():
+        raise InputError(
+            f"{folder if given is None else given} cannot be written: {there} is a file, not a "
+            "folder; choose another place."
+        )
     effective = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
     try:  # permissions do not tell all: file systems refuse as well
         if not os.access(there, os.W_OK | os.X_OK, **effective):

@@ -182,7 +182,9 @@ def test_compare_two_models(capsys, tmp_path):
             preset(name)["gyro_x"].find("white_noise").N
         )
     assert run("compare", "preset:isis-imu", "preset:isis-imu") == 0
-    assert "No difference beyond sampling" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "No difference beyond sampling" in said.out
+    assert "the same model" in said.err and "fits" not in said.err  # nothing is fitted
 
 
 def test_compare_two_records(capsys, tmp_path):
@@ -194,7 +196,10 @@ def test_compare_two_records(capsys, tmp_path):
             time=np.arange(8000) / 50,
         )
     assert run("compare", tmp_path / "a.npz", tmp_path / "b.npz") == 0
-    assert "No difference beyond sampling" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "No difference beyond sampling" in said.out and "same samples" not in said.err
+    assert run("compare", tmp_path / "a.npz", tmp_path / "a.npz") == 0
+    assert "are the same samples: that they agree says nothing" in capsys.readouterr().err
     assert run("compare", tmp_path / "a.npz", tmp_path / "c.npz") == 0
     assert "differ beyond sampling in gyro_x" in capsys.readouterr().out
     assert run("compare", tmp_path / "a.npz", "preset:rga300ca") == 2
@@ -238,8 +243,12 @@ def test_results_appear_whole_or_not_at_all(tmp_path):
         (part / "figures").mkdir()
         (part / "figures" / "x").write_text("whole")
     assert (tmp_path / "out/figures/x").read_text() == "whole"
-    with pytest.raises(InputError, match="no folder"):
+    with pytest.raises(InputError, match="no folder .*none; make it first"):
         common.check_writable(tmp_path / "none" / "x.json")
+    # where a file stands no folder can be made: the remedy was to make it
+    for check, name in ((common.check_writable, "x.json"), (common.check_out, "new")):
+        with pytest.raises(InputError, match="r.json is a file, not a folder"):
+            check(target / name)
 
 
 def test_table_and_numbers():

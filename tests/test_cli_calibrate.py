@@ -95,11 +95,12 @@ def test_refusals(record, tmp_path, capsys):
         moving, time=np.arange(3000) / 50.0, accel=rng.normal(0, 4.0, (3000, 3)) + [0, 0, -9.81]
     )
     np.savez(tmp_path / "gyro.npz", time=data["time"], gyro=data["gyro"])
-    assert "1 poses at rest do not determine 9" in refusal(capsys, still)
+    assert "1 pose at rest cannot determine 9" in refusal(capsys, still)
     assert "never at rest" in refusal(capsys, moving)
     assert "need three accelerometers" in refusal(capsys, tmp_path / "gyro.npz")
     assert "poses cannot be read" in refusal(capsys, record, "--poses", tmp_path / "none.csv")
     assert "is a file" in refusal(capsys, record, "--out", record)
+    assert "not that of any place on Earth" in refusal(capsys, record, "--gravity", 1)
     assert "not both" in refusal(capsys, record, "--gravity", 9.8, "--latitude", 51)
     assert "between -90 and 90" in refusal(capsys, record, "--latitude", 91)
     assert "needs --latitude" in refusal(capsys, record, "--height", 100)

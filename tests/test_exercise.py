@@ -123,6 +123,9 @@ def test_on_the_command_line(tmp_path, capsys):
     out = tmp_path / "class"
     call = ["exercise", "new", "--class", "2", "--seed", "3", "--minutes", "5", "--out", str(out)]
     assert main(call) == 0
+    assert "2 students in" in capsys.readouterr().out
+    call[3], call[-1] = "1", str(tmp_path / "alone")
+    assert main(call) == 0 and "1 student in" in capsys.readouterr().out
     assert main(["exercise", "mark", str(out), "--out", str(tmp_path / "marks")]) == 0
     assert "mean 0.0 of 100" in capsys.readouterr().out
     assert (tmp_path / "marks/marks.csv").read_text().splitlines()[1].startswith("01,0.0")

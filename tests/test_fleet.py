@@ -10,6 +10,7 @@ import time
 import numpy as np
 import pandas as pd
 import pytest
+from ending_task import dies
 
 from imu_lib import InputError, fleet, scheduler
 from imu_lib.cli.main import main
@@ -55,7 +56,8 @@ def test_table(table):
     assert len(white) == 6
     assert np.all((white.low < white.value) & (white.value < white.high))
     assert white.value.to_numpy() == pytest.approx(1e-4, rel=0.15)  # 2 % is one standard error
-    assert json.loads((table[1] / "fleet.json").read_text())["sensors"] == 4
+    told = json.loads((table[1] / "fleet.json").read_text())
+    assert told["sensors"] == 3 and any("1 sensor (broken)" in note for note in told["notes"])
     assert Model.load(table[1] / "model.json")["gyro_x"].find("white_noise")
 
 
@@ -105,19 +107,10 @@ def _children(pid):
     return [child for child, text in said.items() if "popen_loky" in text]
 
 
-def _dies(task, folder):
-    """A task that ends its process, for task 1, or once, for task 2."""
-    mark = os.path.join(folder, "died")
-    if task == 1 or task == 2 and not os.path.exists(mark):
-        open(mark, "w").close()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return task
-
-
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no kill -9")
 def test_a_task_that_ends_its_workers_is_told_apart(tmp_path):
     tasks = [(n, str(tmp_path)) for n in range(5)]
-    found = dict(scheduler.run(_dies, tasks, workers=2))
+    found = dict(scheduler.run(dies, tasks, workers=2))
     assert isinstance(found.pop(1), scheduler.Lost)
     assert found == {0: 0, 2: 2, 3: 3, 4: 4}
 
@@ -136,7 +129,7 @@ def test_dask_makes_the_same_table(folder, table, tmp_path):
     ("text", "says"),
     [
         ("name\na.npz\n", "no column `file`"),
-        ("file,mood\na.npz,fine\n", "`mood`"),
+        ("file,gyro units\na.npz,deg/s\n", "where `gyro_unit` is meant"),
         ("file,rate\na.npz,quick\n", "line 2"),
         ("file\na.npz\na.npz\n", "line 3"),
         ("file,date\na.npz,yesterday\n", "2024-05-01"),
@@ -164,8 +157,16 @@ def test_manifest_and_names(tmp_path):
         {"rate": 100.0, "gyro_unit": "deg/s"},
     )
     assert (two.sensor, two.date, two.reading) == ("b", "", {"gyro_unit": "deg/s"})
+    assert not one.note and not two.note
     with pytest.raises(InputError, match="no record"):
         fleet.entries(_made(tmp_path / "empty"))
+
+
+def test_columns_of_a_manifest_that_say_nothing_are_told(tmp_path):
+    (tmp_path / "fleet.csv").write_text("file,operator,temperature,sensor\na.npz,Ann,21,left\n")
+    (one,) = fleet.entries(tmp_path / "fleet.csv")
+    assert one.sensor == "left" and one.reading == {}
+    assert "no use for `operator` and `temperature`" in one.note
 
 
 def test_the_table_of_an_earlier_run_is_no_record(folder, table, tmp_path):

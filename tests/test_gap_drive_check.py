@@ -101,6 +101,14 @@ def test_fixes_are_found_that_are_most_of_a_minute_late():
     assert abs(late - 40.0) < 0.2 and likeness > 0.7
 
 
+def test_a_gyro_that_is_not_connected_hides_no_late_stamps():
+    # its correlation was a division by zero, and the accelerations' was lost in it
+    drive = from_arrays(generator.make(9, duration=240.0), "x")
+    dead = drive.with_(gyro=np.full_like(drive.gyro, 0.01))
+    late, likeness, _ = lateness.best_match(dead.with_(gnss_time=drive.gnss_time + 3.0))
+    assert abs(late - lateness.best_match(dead)[0] - 3.0) < 0.05 and likeness > 0.5
+
+
 def test_a_noise_that_no_sensor_has_is_said():
     parameters = {"channel": "gyro_x", "process": "white_noise", "name": "N", "from": 1e-4}
     found = [{"effect": "bias_model", "parameters": {**parameters, "to": 2e-3}}]

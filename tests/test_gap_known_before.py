@@ -1,10 +1,14 @@
 """What the verdict says of a given model: its events of another day, and what it already holds."""
 
+from types import SimpleNamespace
+
 import numpy as np
 
 from imu_lib import gap
+from imu_lib.gap.sentences import given_model
 from imu_lib.gap.sentences.summary import sentences
 from imu_lib.model import Model
+from imu_lib.processes import CommonMode
 from imu_lib.record import Record
 
 FS, N = 50.0, 15_000
@@ -38,3 +42,17 @@ def test_a_transient_that_the_model_holds_is_said():
     )
     assert "The given model already holds warm up on gyro_x" in text
     assert "it shows nothing more" in text
+
+
+def test_what_is_absent_is_not_held_where_it_was_made_anew():
+    """A long record's views make their models anew: equal processes are one, not the same object."""
+
+    def common(N):
+        return CommonMode(N=N, channels=("gyro_x", "gyro_y"))
+
+    found = SimpleNamespace(
+        absent=(SimpleNamespace(process=common(1e-4)),),
+        model=SimpleNamespace(record=()),
+        base=SimpleNamespace(record=(common(1e-4), common(2e-4))),
+    )
+    assert given_model._seen(found) == [common(2e-4)]

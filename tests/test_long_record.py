@@ -53,6 +53,17 @@ def saved(record, path):
     return path
 
 
+def test_a_part_of_a_long_file_stays_on_disk(signals, tmp_path):
+    # a manifest's line with start and stop read the whole file into memory
+    path = saved(Record(signals, FS), tmp_path / "r.npz")
+    part = long_record.on_disk(path, start=100.0, stop=1500.0, least=LEAST)
+    assert part.rows - part.begin == 1400 * FS and long_record.worth_it(part, LEAST) is part
+    short = long_record.worth_it(long_record.on_disk(path, stop=100.0, least=LEAST), LEAST)
+    assert np.array_equal(short["gyro_x"], signals["gyro_x"][: int(100 * FS)])
+    with pytest.raises(InputError, match="not after"):
+        long_record.on_disk(path, start=5.0, stop=5.0)
+
+
 def holed(signals):
     """A record with a long gap, a short one and a few numbers missing."""
     keep = np.ones(N, dtype=bool)

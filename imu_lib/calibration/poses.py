@@ -21,6 +21,7 @@ from scipy.optimize import least_squares
 
 from ..errors import InputError
 from ..units import G
+from ..words import number
 from .triad import AXES, Triad
 
 #: Elements of M (row by row) that Eq. (2) determines.
@@ -111,8 +112,8 @@ def from_gravity(reading: np.ndarray, *, gravity: float = G, nominal: float | No
     y = np.asarray(reading, float)
     if len(y) <= PARAMETERS:
         raise InputError(
-            f"{len(y)} poses at rest do not determine {PARAMETERS} parameters; record at least "
-            f"{PARAMETERS + 1}, better 24 or more, with each axis up, down and level."
+            f"{number(len(y), 'pose')} at rest cannot determine {PARAMETERS} parameters; record at "
+            f"least {PARAMETERS + 1}, better 24 or more, with each axis up, down and level."
         )
     start = _sphere(y)
     unexcited(y, start[9:], np.mean(start[[0, 4, 8]]) * gravity)

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..units import DEG
+from ..units import DEG, G
 from .triad import AXES
 
 GROUPS = {
@@ -61,8 +61,9 @@ def read_poses(path: str | Path, fs: float) -> list[Section]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
+        why = getattr(error, "strerror", None) or "not text"
         raise InputError(
-            f"{path}: the poses cannot be read ({getattr(error, 'strerror', None) or 'not text'})."
+            f"{path}: the poses cannot be read ({why}); name a CSV or JSON file of poses."
         ) from None
     return (
         _json_sections(path, text, fs)
@@ -100,11 +101,9 @@ def _json_sections(path: Path, text: str, fs: float) -> list[Section]:
 
 
 def _csv_sections(path: Path, text: str) -> list[Section]:
-    rows = list(
-        csv.DictReader(
-            line for line in text.splitlines() if line.strip() and not line.startswith("#")
-        )
-    )
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    between = max(",;\t", key=lines[0].count) if lines else ","
+    rows = list(csv.DictReader(lines, delimiter=between))
     if not rows:
         raise InputError(
             f"{path}: no pose in the file; a header and one row per pose are expected."
@@ -114,9 +113,16 @@ def _csv_sections(path: Path, text: str) -> list[Section]:
         raise InputError(
             f"{path}: the columns start and stop (s) are needed; found {', '.join(sorted(names))}."
         )
-    return [
+    found = [
         _section(path, number, _numbers(path, number, row)) for number, row in enumerate(rows, 2)
     ]
+    sizes = [np.linalg.norm(s.force) for s in found if s.force is not None]
+    if sizes and np.all(np.abs(np.divide(sizes, G) - 1.0) < 0.05):
+        raise InputError(
+            f"{path}: x, y, z are in g, and those of every row are {np.mean(sizes):.3g} together, "
+            f"as in m/s^2; divide them by {G:g}."
+        )
+    return found
 
 
 def _numbers(path: Path, number: int, row: dict) -> dict[str, float]:
@@ -128,11 +134,13 @@ def _numbers(path: Path, number: int, row: dict) -> dict[str, float]:
             if cell is None or not cell.strip():
                 continue
             try:
-                values[key] = float(cell)
+                values[key] = float(cell.replace(",", "."))
             except ValueError:
+                values[key] = np.nan
+            if not np.isfinite(values[key]):
                 raise InputError(
                     f"{path}: row {number}, column {key}: {cell.strip()!r} is not a number."
-                ) from None
+                )
     return values
 
 

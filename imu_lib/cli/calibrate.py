@@ -47,10 +47,11 @@ def add_arguments(parser):
 def run(args):
     common.check_writable(args.json)
     common.check_out(args.out)
+    gravity = local_gravity(args)
     record = common.open_record(args)
     from imu_lib import calibration
 
-    found = calibration.calibrate_record(record, poses=args.poses, gravity=local_gravity(args))
+    found = calibration.calibrate_record(record, poses=args.poses, gravity=gravity)
     result = {"record": record.source or record.name, **found.to_json()}
     if args.out:
         with common.atomic_folder(args.out) as folder:
@@ -69,11 +70,18 @@ def local_gravity(args) -> float:
     if args.latitude is None:
         if args.height is not None:
             raise InputError("--height needs --latitude.")
+        if args.gravity is not None and not 9.7 < args.gravity < 9.9:
+            raise InputError(
+                f"--gravity {args.gravity:g} is not that of any place on Earth, 9.76 to 9.84 "
+                "m/s^2; give it in m/s^2, or --latitude and --height."
+            )
         return units.G if args.gravity is None else args.gravity
     if args.gravity is not None:
         raise InputError("Give --gravity, or --latitude with --height, not both.")
     if abs(args.latitude) > 90:
         raise InputError(f"--latitude {args.latitude:g} is not between -90 and 90 degrees.")
+    if args.height is not None and not -500 <= args.height <= 10_000:
+        raise InputError(f"--height {args.height:g} is not between -500 and 10,000 m.")
     return float(earth.gravity(args.latitude * units.DEG, args.height or 0.0))
 
 

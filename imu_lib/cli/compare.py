@@ -37,6 +37,11 @@ def run(args):
     a, b = (_open(args, path) for path in (args.a, args.b))
     for path, opened in ((args.a, a), (args.b, b)):
         _told_moving(path, opened)
+    if same := _same(a, b):
+        print(
+            f"note: {args.a} and {args.b} are {same}: that they agree says nothing.",
+            file=sys.stderr,
+        )
     try:
         result = compare(
             a,
@@ -63,6 +68,23 @@ def _open(args, path):
         return Model.load(path)
     args.file = path
     return common.open_either(args, least=SUMMED)
+
+
+def _same(a, b):
+    """In which way A and B are one thing, in words; nothing where they are two."""
+    import numpy as np
+
+    from imu_lib.model import Model
+    from imu_lib.record import Record
+
+    if isinstance(a, Model) and isinstance(b, Model):
+        return "the same model" if a.to_json() == b.to_json() else ""
+    if isinstance(a, Record) and isinstance(b, Record):
+        common = [c for c in a.channel_names if c in b.channel_names]
+        alike = [np.array_equal(a[c], b[c], equal_nan=True) for c in common]
+        return "the same samples" if alike and all(alike) else ""
+    one = not isinstance(a, Model) and not isinstance(b, Model) and a.source == b.source
+    return "the same record" if one else ""
 
 
 def _told_moving(path, opened):

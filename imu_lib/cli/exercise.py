@@ -7,6 +7,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
+from imu_lib import words
 from imu_lib.cli import common, named
 from imu_lib.errors import InputError
 
@@ -54,12 +55,12 @@ def new(args) -> int:
         (args.rate, 10.0, 400.0, "--rate"),
     ):
         if not least <= value <= most:
-            raise InputError(f"{flag} is {value:g}; it has to lie from {least:g} to {most:g}.")
+            raise InputError(f"{flag} is {value:g}; it has to lie from {least:g} to {most:.10g}.")
     out = args.out or f"exercise_{args.seed}"
     key = write_class(
         out, args.count, args.seed, kind=args.kind, minutes=args.minutes, rate=args.rate
     )
-    print(f"{args.count} students in {out}; the key, for the teacher alone: {key}")
+    print(f"{words.number(args.count, 'student')} in {out}; the key, for the teacher alone: {key}")
     return 0
 
 

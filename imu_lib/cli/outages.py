@@ -170,6 +170,10 @@ def run(args):
         raise InputError("Give --windows, or --duration and --every, not both.")
     if args.start is not None and args.stop is not None and args.stop <= args.start:
         raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
+    if args.no_velocity:
+        common.refuse_without_effect(
+            args, ("velocity_latency",), "--no-velocity leaves these out; leave one of the two out."
+        )
     common.check_writable(args.json)
     common.check_out(args.out)
     names = tuple(n.strip() for n in args.models.split(",") if n.strip())
@@ -180,7 +184,10 @@ def run(args):
     windows = outages.windows_from(args.windows) if args.windows else None
     arm = outages_models.arm(args.lever_arm)
     drive = drives.opened(args.drive, args)
-    if windows is None:
+    _refuse_late(args, drive)
+    if windows is not None:
+        windows = outages.measured(drive, windows)  # what cannot be is said before the work
+    else:
         duration = args.duration or 30.0
         windows = outages.regular_windows(drive, duration=duration, every=args.every or duration)
     models = outages_models.models(args, names, drive, arm)
@@ -204,6 +211,16 @@ def run(args):
     common.write_json(study, args.json)
     if args.json != "-":
         print(outages_report.text(study, drive))
+
+
+def _refuse_late(args, drive):
+    """InputError where a lateness that the call gives leaves no fix beside the IMU."""
+    for flag, late in (("--latency", args.latency), ("--velocity-latency", args.velocity_latency)):
+        if late is not None and abs(late) > drive.time[-1]:
+            raise InputError(
+                f"{flag} {late:g} moves the fixes out of the drive, which lasts "
+                f"{drive.time[-1]:.1f} s; give seconds, and --gnss-offset where the clocks differ."
+            )
 
 
 def _frames(drive, models, velocity):

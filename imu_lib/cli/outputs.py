@@ -117,15 +117,15 @@ def check_writable(path) -> None:
     final = target(path)
     if final.is_dir():
         raise InputError(f"{path} is a directory; name a file to write.")
-    if not final.parent.is_dir():
-        raise InputError(f"{final.parent} is no folder to write {path} into; make it first.")
     _folder(final.parent, path)
 
 
-def _folder(folder, given) -> None:
+def _folder(folder: Path, given) -> None:
     from imu_lib.writers import check_folder
 
     check_folder(folder, given)
+    if not folder.is_dir():
+        raise InputError(f"{given}: there is no folder {folder}; make it first.")
 
 
 def check_out(path) -> None:
@@ -137,8 +137,6 @@ def check_out(path) -> None:
     path = Path(path)
     if (path.exists() or path.is_symlink()) and not path.is_dir():
         raise InputError(f"{path} is a file; --out names a folder.")
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"{path.parent} is no folder to make {path.name} in; make it first.")
     _folder(path.resolve().parent, path)  # it is filled beside and then moved
     if path.is_dir():
         _folder(path, path)

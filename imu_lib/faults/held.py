@@ -224,8 +224,8 @@ def constant(channels: dict, time: np.ndarray) -> list[Finding]:
                     float(time[-1]),
                     {"value": float(good[0])},
                     {"rows": len(x)},
-                    f"{name} never changes ({good[0]:.6g} in SI units): it is not connected, or "
-                    "nothing was written to it.",
+                    f"{name} never changes ({good[0] + 0.0:.6g} in SI units): it is not connected, "
+                    "or nothing was written to it.",
                     "The channel says nothing and is left out.",
                 )
             )

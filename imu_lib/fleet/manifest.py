@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from imu_lib.errors import InputError
 from imu_lib.fleet import folders, names
 from imu_lib.fleet.folders import SUFFIXES
+from imu_lib.words import listed
 
 #: Columns of a manifest that say how to read the file, and what makes of its text an option.
 OPTIONS = {
@@ -22,6 +24,9 @@ OPTIONS = {
     "start": float,
     "stop": float,
 }
+COLUMNS = ("file", "sensor", "date", *OPTIONS)
+#: Likeness of two names from which one is taken for the other misspelt.
+ALIKE = 0.75
 
 
 @dataclass(frozen=True)
@@ -102,12 +107,7 @@ def _of_table(path, options):
         raise InputError(
             f"{path} has no column `file`; a manifest names one record a line: file, sensor, date."
         )
-    unknown = [k for k in known if k not in ("file", "sensor", "date", *OPTIONS)]
-    if unknown:
-        raise InputError(
-            f"{path} has the column `{unknown[0]}`; known are file, sensor, date, "
-            f"{', '.join(OPTIONS)}. Remove it."
-        )
+    left = _left_out(path, known)
     if not rows:
         raise InputError(f"{path} names no record; a line is one: file, sensor, date.")
     out, seen = [], {}
@@ -121,7 +121,31 @@ def _of_table(path, options):
             raise InputError(f"{where}: {one.file} stands on line {seen[file]} already.")
         seen[file] = line
         out.append(one)
-    return out
+    return [replace(one, note=left) for one in out]
+
+
+def _left_out(path, known):
+    """The sentence on columns that a fleet has no use for; InputError where one looks like a
+    misspelt one that it has.
+    """
+    ours = {_letters(k): k for k in COLUMNS}
+    left = [k for k in known if k and k not in COLUMNS]
+    for name in left:
+        near = difflib.get_close_matches(_letters(name), ours, 1, ALIKE)
+        near += [own for own in ours if _letters(name).endswith(own)]
+        if near:
+            raise InputError(
+                f"{path} has the column `{name}`; where `{ours[near[0]]}` is meant, rename it, "
+                f"else remove it (known are {listed(list(COLUMNS))})."
+            )
+    if not left:
+        return ""
+    some = listed([f"`{name}`" for name in left])
+    return f"{path}: a fleet has no use for {some}; known columns are {listed(list(COLUMNS))}."
+
+
+def _letters(name):
+    return "".join(filter(str.isalpha, name.lower()))
 
 
 def _of_line(path, where, row, options) -> Entry:

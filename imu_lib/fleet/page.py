@@ -6,22 +6,18 @@ import numpy as np
 
 from imu_lib import units
 from imu_lib.fleet.spread import CONFIDENCE, CONTENT
-from imu_lib.words import listed
+from imu_lib.words import listed, number
 
 
 def text(summary) -> str:
     """Spreads, outliers and what they do to these, changes over dates, notes."""
     lines = [
-        f"{_number(summary.sensors, 'sensor')}, {_number(summary.records, 'record')}, "
+        f"{number(summary.sensors, 'sensor')}, {number(summary.records, 'record')}, "
         f"{len(summary.errors)} left out",
         "",
     ]
     lines += _spreads(summary) + _outliers(summary) + _dates(summary) + _changes(summary)
     return "\n".join(lines + [f"note: {note}" for note in summary.notes])
-
-
-def _number(n, noun):
-    return f"{n} {noun}{'s' * (n != 1)}"
 
 
 def _table(rows):

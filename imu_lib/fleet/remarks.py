@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from imu_lib.record import CHANNELS
-from imu_lib.words import listed
+from imu_lib.words import listed, number
 
 
 def of_table(table) -> tuple[str, ...]:
@@ -17,8 +17,8 @@ def of_table(table) -> tuple[str, ...]:
     lost = set(table.sensor) - set(good.sensor)
     if lost:
         found.append(
-            f"{len(lost)} of {table.sensor.nunique()} sensors have no record that could be used"
-            f"{_some(sorted(lost))}."
+            f"What was left out is all there is of {number(len(lost), 'sensor')}"
+            f"{_some(sorted(lost))}, not counted here."
         )
     return tuple(found)
 

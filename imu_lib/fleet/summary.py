@@ -99,7 +99,7 @@ def summary(table, notes=()) -> Summary:
     shares = questions.shares(good)
     return Summary(
         int(table.file.nunique()),
-        int(table.sensor.nunique()),
+        int(good.sensor.nunique()),
         tuple(table.error.dropna()),
         spreads,
         without,

@@ -116,7 +116,7 @@ def _turns(drive, late):
         return []
     steps = int(round(late / fix_motion.STEP))
     expected, felt = np.roll(m.expected[:, 2], -steps)[m.moving], m.readings[m.moving, 2]
-    if np.corrcoef(expected, felt)[0, 1] < 0.7:
+    if not fix_motion.changes(felt) or np.corrcoef(expected, felt)[0, 1] < 0.7:
         return []
     slope = float(np.std(felt) / np.std(expected))
     for factor, unit in ((1.0 / DEG, "deg/s"), (DEG, "rad/s twice converted")):

@@ -74,6 +74,11 @@ def motion(drive: Drive) -> Motion | None:
     return Motion(grid, expected, readings, moving & hole)
 
 
+def changes(felt: np.ndarray) -> bool:
+    """Whether a sensor has felt anything; one that is not connected is like nothing."""
+    return bool(np.std(felt) > 1e-9 * np.abs(felt).max())
+
+
 def contradicted(drive: Drive):
     """Which velocities (m,) are not those at which the positions move: another solution's, or with
     axes that change from fix to fix.

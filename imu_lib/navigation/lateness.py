@@ -6,7 +6,7 @@ import numpy as np
 
 from imu_lib.drive import Drive
 
-from .fix_motion import STEP, WIDTH, motion
+from .fix_motion import STEP, WIDTH, changes, motion
 
 LATEST, FURTHEST = 12.0, 90.0  # s: where a match is looked for, and where else if there is none
 MATCHED = 2.0  # nats: chance alone, of one shift, exceeds them once in twenty
@@ -36,7 +36,11 @@ def _match(m):
     """As `best_match`, of a drive's `fix_motion.Motion` or None."""
     if m is None or m.moving.sum() < 200:
         return 0.0, 0.0, 0.0
-    seen = [k for k, least in ((2, 0.015), (3, 0.15)) if np.std(m.expected[m.moving, k]) > least]
+    seen = [
+        k
+        for k, least in ((2, 0.015), (3, 0.15))
+        if np.std(m.expected[m.moving, k]) > least and changes(m.readings[m.moving, k])
+    ]
     if not seen:
         return 0.0, 0.0, 0.0
     found = None

@@ -64,7 +64,7 @@ def compare(
     InputError
         If a window lies outside the drive, or no GNSS or whole IMU data are there to start it.
     """
-    windows = _fit_for_drive(drive, windows)
+    windows = measured(drive, windows)
     engines, solutions, notes = {}, {}, list(notes)
     for name in progress(models) if progress else models:
         model = models[name]
@@ -83,7 +83,7 @@ def compare(
     return replace(study, notes=(*study.notes, *_warnings(study, trust)))
 
 
-def _fit_for_drive(drive, windows):
+def measured(drive, windows):
     """The windows, measured; InputError where one cannot be asked of the drive."""
     windows = tuple(
         w if isinstance(w, Window) else Window(float(w[0]), float(w[1])) for w in windows
@@ -95,7 +95,7 @@ def _fit_for_drive(drive, windows):
         if w.start + w.duration > drive.time[-1] + 1e-6:
             raise InputError(
                 f"the outage from {w.start:g} s for {w.duration:g} s ends after the drive, which "
-                f"lasts {drive.time[-1]:.1f} s"
+                f"lasts {drive.time[-1]:.1f} s; choose an earlier one"
             )
         if broken(drive, w):
             raise InputError(

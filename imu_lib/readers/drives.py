@@ -94,12 +94,15 @@ def read_drive(
         drive = drive_units.check(drive, *units, tuple(factor))
     if start is not None or stop is not None:
         try:
-            drive = drive.slice(start, stop)
-        except ValueError as error:
+            part = drive.slice(start, stop)
+        except ValueError:
+            given = {"--start": start, "--stop": stop}
+            flags = [f"{flag} {s:.10g}" for flag, s in given.items() if s is not None]
             raise InputError(
-                f"{drive.source}: --start {start} and --stop {stop} leave too little of the drive "
-                f"({str(error).replace('`', '')})."
+                f"{drive.source}: {' and '.join(flags)} would leave too little of the drive, which "
+                f"lasts {drive.time[-1]:.1f} s; choose a longer part of it."
             ) from None
+        drive = part
     return drive
 
 
