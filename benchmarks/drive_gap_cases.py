@@ -25,7 +25,9 @@ from imu_lib.navigation import outages  # noqa: E402
 from imu_lib.navigation.filter_model import FilterModel  # noqa: E402
 
 MODEL = Model.from_json(generator.MODEL)
-UNKNOWN = ("velocity_low_pass", "second_half_offset", "temperature_bias", "pothole")
+UNKNOWN = (
+    "velocity_low_pass", "second_half_offset", "temperature_bias", "pothole", "velocity_correlated",
+)  # fmt: skip
 PERMUTATIONS = (("+y", "-x", "+z"), ("-x", "-y", "+z"), ("+y", "+x", "-z"), ("-y", "+x", "+z"))
 
 
@@ -111,7 +113,7 @@ def case(kind, seed, judged=False, given=True):
         "duration": float(rng.choice([300.0, 420.0])),
         "moving_start": bool(rng.random() < 0.2),
     }
-    if kind == "velocity_low_pass" or any("velocity_offset" in p for _, p in effects):
+    if kind.startswith("velocity_") or any("velocity_offset" in p for _, p in effects):
         options["velocity"] = True
     if any(p.get("of") == "velocity" for _, p in effects):
         options["velocity"] = True

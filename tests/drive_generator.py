@@ -192,6 +192,8 @@ def make(
             ratio[e["of"]] = e["ratio"]
     error = rng.standard_normal((q, 3)) * psd * ratio["position"] * (not noiseless)
     v_error = rng.standard_normal((q, 3)) * vsd * ratio["velocity"] * (not noiseless)
+    if "velocity_correlated" in unknown:
+        v_error += np.stack([gauss_markov(q, 1 / gnss_rate, 0.2, 4.0, rng) for _ in "ned"], -1)
     if "gnss_correlated" in found:
         e = found["gnss_correlated"]
         error += np.stack(

@@ -164,13 +164,13 @@ def test_steps_that_do_not_help_are_said():
 def test_an_interval_goes_where_the_path_has_moved_the_likelihood():
     # fitted at 0.51 on a path since built anew: the likelihood now lies at 0.486, and narrow
     def evaluate(x):
-        return SimpleNamespace(log_likelihood=-0.5 * ((np.log(x) - np.log(0.486)) / 0.004) ** 2)
+        return SimpleNamespace(by_fix=np.array([-0.5 * (np.log(x / 0.486) / 0.004) ** 2]))
 
-    state = SimpleNamespace(evaluate=evaluate, noise=None, problem=SimpleNamespace(long=False))
     change = SimpleNamespace(
         start=(0.51,), enter=lambda noise, v: float(v[0]), describe=lambda v: {"ratio": float(v[0])}
     )
     found = SimpleNamespace(change=change, values=np.array([0.51]))
+    state = SimpleNamespace(evaluate=evaluate, noise=None, free=False, changes=[found])
     low, high = posterior.intervals(state, found)["ratio"]
     assert low < found.values[0] < high
     assert (low, high) == pytest.approx(

@@ -12,6 +12,7 @@ from imu_lib.gap.drive import (
     alone,
     base_model,
     columns,
+    joint,
     left,
     path,
     posterior,
@@ -285,8 +286,9 @@ def test_a_vibration_tells_the_density_of_the_noise_fitted_last(monkeypatch):
     state.noise = vibration.enter(loud, [1e-4])
     state.weigh()
     monkeypatch.setattr(base_model, "fit", lambda *_: vibration.enter(right, [1e-4]))
-    state.base = loud
+    monkeypatch.setattr(joint, "climb", lambda together: together.start)
+    state.base, state.free = loud, True
     assert base_model.anew(state)
-    assert state.base.model is state.changes[0].before.model is right.model
+    assert state.base.model is state.changes[0].before.model is state.noise.model
     told = state.changes[0].change.describe([1e-4])
     assert told["N"] == pytest.approx(0.03)

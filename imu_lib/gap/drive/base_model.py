@@ -12,87 +12,89 @@ import numpy as np
 from scipy.optimize import minimize
 
 from imu_lib.arrays import Array
-from imu_lib.drive import Drive
-from imu_lib.model import Model
-from imu_lib.navigation.tuning import vehicle_model
 
-from . import random_effects, worth
+from . import joint, levels, random_effects, worth
 from .select import PER_EFFECT, PER_PARAMETER
 
 if TYPE_CHECKING:
     from .problem import Noise
     from .state import State
 
-START = (1e-3, 0.03, 3e-5, 1e-3)  # a low-cost unit in a car: gyro N, accel N, gyro K, accel K
 TRIES = 70
-
-
-def guess(drive: Drive) -> Model:
-    """The model to start with."""
-    return vehicle_model(*START, name="fitted in motion")
+PRICE = PER_PARAMETER * len(levels.START) + PER_EFFECT
+LEAST = 0.1  # nats that levels fitted at the end gain
 
 
 def fit(state: State, say: Callable[[str], object] = lambda text: None) -> Noise:
     """The noise of a state with its four levels and the fixes' two ratios fitted."""
     use, problem, noise = state.use, state.problem.brief(), state.noise
-
-    of = [
-        name
-        for k, name in ((0, "position"), (3, "velocity"))
-        if use[:, k].any() and getattr(problem.drive, f"gnss_{name}_sd") is None
-    ]  # nothing is stated there that could be wrong
-
-    def enter(x: Array) -> Noise:
-        levels = np.exp(np.clip(x, -25.0, 3.0))
-        gyro_n, accel_n, gyro_k, accel_k = levels[:4]
-        ratios = {name: float(levels[4 + k]) for k, name in enumerate(of)}
-        model = vehicle_model(gyro_n, accel_n, gyro_k, accel_k, name="fitted in motion")
-        return noise.with_(model=model, **ratios)
+    ratios = levels.unstated(state)
 
     def loss(x: Array) -> float:
-        value = problem.evaluate(enter(x), use=use).log_likelihood
-        pull = 0.5 * float(np.sum(((x[:4] - np.log(START)) / np.log(30.0)) ** 2))
+        value = problem.evaluate(levels.entered(noise, x, ratios), use=use).log_likelihood
+        pull = 0.5 * float(np.sum(((x[:4] - np.log(levels.START)) / levels.PRIOR) ** 2))
         return -value + pull if np.isfinite(value) else 1e12
 
-    start = np.log((*START, *[0.5] * len(of)))
+    start = levels.start(ratios)
     simplex = np.vstack([start, start + np.eye(start.size)])
+    tries = TRIES + 30 * len(ratios)
     found = minimize(
         loss, start, method="Nelder-Mead",
-        options={
-            "initial_simplex": simplex, "maxfev": TRIES + 30 * len(of), "xatol": 0.05, "fatol": 0.5,
-        },
+        options={"initial_simplex": simplex, "maxfev": tries, "xatol": 0.05, "fatol": 0.5},
     )  # fmt: skip
     say("noise of the sensors fitted")
-    return enter(found.x)
+    return levels.entered(noise, found.x, ratios)
 
 
 def anew(state: State, say: Callable[[str], object] = lambda text: None) -> bool:
-    """Fit the noise again where effects were found, and hold it if that is worth its price and
+    """Fit the noise again where something was found, and hold it if that is worth its price and
     outages do not say otherwise: what was fitted before held their errors too, and hides whatever
     is smaller than they were. Whether it was held.
     """
-    under = (frozenset(state.kept), *(c.change.key for c in state.changes))
-    if not state.kept or under in state.fitted_under:
+    under = (frozenset(state.kept), state.restarts, *(c.change.key for c in state.changes))
+    if not any(under) or under in state.fitted_under:
         return False
     state.fitted_under = (*state.fitted_under, under)
-    found = fit(state, say)
-    gain = state.evaluate(found).log_likelihood - state.result.log_likelihood
-    if not gain > PER_PARAMETER * len(START) + PER_EFFECT:
+    short = replace(state, problem=state.problem.brief())
+    far = replace(short, noise=fit(state, say))
+    started = [s.evaluate(s.noise).log_likelihood for s in (short, far)]
+    return _taken(state, short if started[0] >= started[1] else far, PRICE, say)
+
+
+def settle(state: State, say: Callable[[str], object] = lambda text: None) -> None:
+    """All that is random fitted at once, at the end of the search."""
+    if state.changes or (state.free and (state.kept or state.restarts)):
+        _taken(state, replace(state, problem=state.problem.brief()), LEAST, say)
+
+
+def _taken(state: State, short: State, least: float, say: Callable[[str], object]) -> bool:
+    """Hold levels and the changes' values as they climb from a start, on a part of a long drive, if
+    they gain as much and outages do not say otherwise: whether they were held.
+    """
+    together = joint.Joint.of(short)
+    x = joint.climb(together)
+    found = together.entered(x)
+    if not state.evaluate(found).log_likelihood - state.result.log_likelihood > least:
         return False
     before = state.copy()
     changed = {c.change.key for c in state.changes}
     fitted = {
         of: getattr(found, of)
         for of in ("position", "velocity")
-        if ("gnss_noise", of) not in changed
+        if state.free and ("gnss_noise", of) not in changed
     }
     told = {c.key: c.describe for c in random_effects.changes(state.problem, found, False)}
-    for change in state.changes:
+    for part, change in zip(together.parts, state.changes):
+        change.values = np.exp(x[part])
+        if not state.free:
+            continue
         change.before = change.before.with_(model=found.model)
         # a vibration tells the density that it is added to
         key = change.change.key
         change.change = replace(change.change, describe=told.get(key, change.change.describe))
-    state.noise, state.base = found, state.base.with_(model=found.model, **fitted)
+    state.noise = found
+    if state.free:
+        state.base = state.base.with_(model=found.model, **fitted)
     if not worth.no_worse(before, state):
         say("the noise fitted again does not help in outages: taken back")
         state.noise, state.base, state.changes = before.noise, before.base, before.changes

@@ -11,9 +11,9 @@ from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults, lateness
 from imu_lib.units import DEG
 
-from . import columns, correct, displaced, select
+from . import columns, correct, displaced, readings, select
 from .battery import Battery
-from .effects import LINEAR
+from .effects import CATALOGUE, LINEAR
 
 if TYPE_CHECKING:
     from .state import State
@@ -111,6 +111,7 @@ def unexplained(state: State, after: Battery) -> str | None:
             parts.append(
                 f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"
             )
+    parts += _unnamed(state)
     late = late_or_smoothed(state)
     if late is not None:
         parts.append(
@@ -122,6 +123,17 @@ def unexplained(state: State, after: Battery) -> str | None:
     if not after.right:
         parts.append(f"{name} ({abs(z):.0f} standard deviations from what a right filter shows)")
     return "; ".join(parts) or None
+
+
+def _unnamed(state: State) -> list[str]:
+    """What is said of changes of what is random that have no name in the catalogue."""
+    return [
+        f"{c.change.effect.removeprefix('other: ')} from fix to fix ({c.values[0]:.2g} m/s over "
+        f"{c.values[1]:.2g} s, beside {c.values[2]:.2g} times the stated errors), which is no "
+        "effect of the catalogue"
+        for c in state.changes
+        if c.change.effect not in CATALOGUE
+    ]
 
 
 def clocks(state: State, after: Battery) -> str | None:
@@ -144,14 +156,17 @@ def _index(state: State) -> list[int]:
     return [i for e in state.kept for i in select.GROUPS[e]]
 
 
-def absurd(found: Sequence[dict[str, Any]]) -> str | None:
+def absurd(found: Sequence[dict[str, Any]], state: State, after: Battery) -> str | None:
     """What is said where the only noise that accounts for the innovations is one that no sensor
-    has, or None.
+    has, or None: not of a white noise that the readings show as well, nor of one that is slower
+    where the innovations are those of a right filter with it.
     """
     for step in found:
         p = step["parameters"]
         if step["effect"] == "bias_model" and p["name"] != "correlation_time" and p["from"]:
-            if p["to"] > ABSURD * p["from"]:
+            white = p["process"] == "white_noise"
+            shown = readings.shows(state.problem, p["channel"], p["to"]) if white else after.right
+            if p["to"] > ABSURD * p["from"] and not shown:
                 return (
                     f"{p['process']} of {p['channel']} would be {p['to'] / p['from']:.0f} times "
                     "the model's, which is no noise of a sensor: "

@@ -2,9 +2,9 @@
 what each parameter does to them.
 
 States are errors: 9 of navigation, then those of the sensors, then three Gauss-Markov errors of the
-positions where there are some. Each sensor state belongs to one channel, and the transition of the
-sensor states is nearly diagonal: products run over its blocks. The innermost loops run along the
-rows of arrays, which is what a processor does several at a time.
+positions and of the velocities where there are some. Each sensor state belongs to one channel, and
+the transition of the sensor states is nearly diagonal: products run over its blocks. The innermost
+loops run along the rows of arrays, which is what a processor does several at a time.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["Fixes", "Out", "Random", "Track", "innovations"]
 def innovations(track: Track, random: Random, fixes: Fixes, count: int) -> Out:
     """The filter over the nodes: `Out`. count: parameters to carry, 0 or all."""
     m = random.weight.size
-    n = 9 + m + (3 if random.sigma > 0.0 else 0)
+    n = 9 + m + random.of.size
     shape = fixes.y.shape
     out = Out(
         np.full(shape, np.nan),
@@ -41,7 +41,7 @@ def innovations(track: Track, random: Random, fixes: Fixes, count: int) -> Out:
     )  # fmt: skip
     room.p[9 : 9 + m, 9 : 9 + m] = random.sensors
     for i in range(9 + m, n):
-        room.p[i, i] = random.sigma * random.sigma
+        room.p[i, i] = random.sigma[random.of[i - 9 - m]] ** 2
     for node in range(track.begins.size):
         if track.begins[node]:
             _restart(room, random.start)
@@ -84,7 +84,7 @@ def _predict_covariance(room: Room, track: Track, random: Random, node: int) -> 
             p[9 + a, 9 + b] = v
             p[9 + b, 9 + a] = v
     if p.shape[0] > 9 + m:
-        _predict_fix_errors(room, m, random.decay[k], random.sigma)
+        _predict_fix_errors(room, m, random, random.decay[k])
 
 
 @njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
@@ -163,21 +163,23 @@ def _navigation(room: Room, track: Track, random: Random, node: int, s: Array) -
 
 
 @njit(cache=True, nogil=True)
-def _predict_fix_errors(room: Room, m: int, decay: float, sigma: float) -> None:
-    """Covariance of the positions' Gauss-Markov errors over an interval, after the other
+def _predict_fix_errors(room: Room, m: int, random: Random, decay: Array) -> None:
+    """Covariance of the Gauss-Markov errors of the fixes over an interval, after the other
     states'.
     """
     p, n = room.p, room.p.shape[0]
     for i in range(9 + m, n):
+        of = random.of[i - 9 - m]
+        own, sigma = decay[of], random.sigma[of]
         for r in range(9):
-            p[r, i] = decay * room.top[r, i]
+            p[r, i] = own * room.top[r, i]
             p[i, r] = p[r, i]
         for a in range(m):
-            p[9 + a, i] = decay * room.low[a, i]
+            p[9 + a, i] = own * room.low[a, i]
             p[i, 9 + a] = p[9 + a, i]
         for j in range(9 + m, n):
-            p[i, j] *= decay * decay
-        p[i, i] += sigma * sigma * (1.0 - decay * decay)
+            p[i, j] *= own * decay[random.of[j - 9 - m]]
+        p[i, i] += sigma * sigma * (1.0 - own * own)
 
 
 @njit(cache=True, nogil=True, inline="always", fastmath={"reassoc", "contract"})
@@ -204,7 +206,7 @@ def _predict_states(room: Room, track: Track, random: Random, node: int) -> None
             v += s[a, b] * x[9 + b]
         new[9 + a] = v
     for i in range(9 + m, n):
-        new[i] = random.decay[k] * x[i]
+        new[i] = random.decay[k, random.of[i - 9 - m]] * x[i]
     x[:] = new
 
 
@@ -220,5 +222,5 @@ def _predict_parameters(room: Room, track: Track, random: Random, node: int) -> 
             zt[i, j] += force[j, i]
     for i in range(9 + m, z.shape[0]):
         for j in range(count):
-            zt[i, j] = random.decay[k] * z[i, j]
+            zt[i, j] = random.decay[k, random.of[i - 9 - m]] * z[i, j]
     z[:, :] = zt

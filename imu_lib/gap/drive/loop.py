@@ -118,7 +118,8 @@ def close(
     original = known.original.with_drive(tuple(fitted))
     whole = noise.model if model is None else known.original
     whole = whole.with_drive((*fitted, *_effects(found)))
-    told = [left.absurd(found), None, left.clocks(state, after), left.unexplained(state, after)]
+    doubt, clocks = left.absurd(found, state, after), left.clocks(state, after)
+    told = [doubt, None, clocks, left.unexplained(state, after)]
     result = None
     if known.windows and judge:
         say("outages before and after")

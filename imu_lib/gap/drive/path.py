@@ -27,6 +27,9 @@ from .problem import Noise, Problem, for_search, turn_on_of
 JOLT = 1e6  # times the white noise, about a shock: readings that clip say nothing
 GATE = 1.0 - 1e-9  # probability that a right fix passes
 LINEAR_STEP = 0.05  # s of one linear step
+# standard deviations of fixes, m and m/s: the best of a receiver, and what a path follows
+BEST = (0.001, 0.001)
+FOLLOWED = np.repeat([0.02, 0.005], 3)
 
 
 def build(
@@ -55,6 +58,8 @@ def build(
     engine = _engine(replace_sd(tame, *factors), noise, turn_on, heading, velocity_shift, gate)
     prepared = engine.prepared
     fixes = prepared.fixes
+    stated = fixes.variance / np.repeat(np.square(factors), 3)
+    fixes.variance[:] = np.maximum(fixes.variance, FOLLOWED**2)
     _trust_velocities(fixes, split=bool(velocity_shift))
     _jolted(prepared.stretches, restarts)
     end = min(float(drive.time[-1]), float(fixes.time[-1])) - 1.0
@@ -79,9 +84,9 @@ def build(
     return Problem(
         drive=drive, attitude_sd=solution.sd[len(solution.sd) // 3 :: 50, 6:9], turn_on=turn_on,
         rate=prepared.rate, time=fixes.time, use=measured.use, y=measured.y,
-        stated=fixes.variance / np.repeat(np.square(factors), 3), course=along["course"],
-        speed=along["speed"], turn=along["turn"], ahead=along["ahead"], aside=along["aside"],
-        warmth=along["warmth"], path=path, arrays=arrays, notes=solution.notes,
+        stated=stated, course=along["course"], speed=along["speed"], turn=along["turn"],
+        ahead=along["ahead"], aside=along["aside"], warmth=along["warmth"], path=path,
+        arrays=arrays, notes=solution.notes,
     )  # fmt: skip
 
 
@@ -128,8 +133,8 @@ def _engine(
 ) -> LooselyCoupled:
     """The filter that makes the path."""
     gnss = Gnss(
-        position_floor=0.02,
-        velocity_floor=0.005,
+        position_floor=BEST[0],
+        velocity_floor=BEST[1],
         gate=gate,
         velocity_latency=-velocity_shift if velocity_shift else None,
     )

@@ -16,7 +16,7 @@ from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
 from imu_lib.arrays import Array
 
-from . import random_effects
+from . import joint, random_effects
 from .side_by_side import each
 
 if TYPE_CHECKING:
@@ -36,27 +36,23 @@ LEVELS = (0.025, 0.975)
 
 def intervals(state: State, found: Change) -> dict[str, list[float]]:
     """95 % intervals of the parameters of an accepted change, {name: [low, high]}; its values
-    become the medians where they were fitted to a part of the drive, or on a path that has moved
-    since.
+    become the medians. Levels and other changes that are fitted to the same fixes follow the
+    likelihood's ridge.
     """
     start = np.log(found.values)
+    together = joint.Joint.of(state)
+    along = together.follow(together.parts[state.changes.index(found)])
 
     def at(x: Array) -> float:
-        noise = found.change.enter(state.noise, np.exp(x))
-        pull = 0.5 * float(np.sum(((x - np.log(found.change.start)) / random_effects.PRIOR) ** 2))
-        value = state.evaluate(noise).log_likelihood - pull
-        return value if np.isfinite(value) else -1e12
+        return together.value(together.start + along @ (x - start))
 
     centre, axes = _maximum(at, start)
-    near = np.all(np.abs(np.linalg.solve(axes, start - centre)) < 1.0)
     if _normal(at, centre, axes):
         sd = np.sqrt(np.sum(axes**2, axis=1))
         bounds, medians = np.stack([centre - 1.96 * sd, centre + 1.96 * sd], axis=1), centre
     else:
         bounds, medians = _of_grid(at, centre, axes)
-    outside = (start < bounds[:, 0]) | (start > bounds[:, 1])
-    if not near or outside.any() or state.problem.long:
-        found.values = np.exp(medians)
+    found.values = np.exp(medians)  # of a skewed likelihood the maximum is too small
     low, high = (found.change.describe(np.exp(b)) for b in bounds.T)
     return {k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]}
 

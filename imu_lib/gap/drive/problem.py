@@ -36,7 +36,8 @@ class Noise:
 
     model : Model of the six channels; per_speed (6,) growth of the white noise with speed;
     position, velocity : ratio of the fixes' true standard deviation to the stated one; sigma, tau :
-    first-order Gauss-Markov error of the positions, m and s; fraction, scale : wild fixes, m
+    first-order Gauss-Markov error of the positions, m and s, and velocity_sigma, velocity_tau of
+    the velocities, m/s and s; fraction, scale : wild fixes, m
     """
 
     model: Model
@@ -46,6 +47,8 @@ class Noise:
     velocity: float = 1.0
     sigma: float = 0.0
     tau: float = 30.0
+    velocity_sigma: float = 0.0
+    velocity_tau: float = 10.0
     fraction: float = 0.0
     scale: float = 0.0
 
@@ -56,14 +59,20 @@ class Noise:
 @dataclass(frozen=True)
 class Innovations:
     """Whitened innovations e (f, 6), their variances s, what a parameter does to each (f, 6, P)
-    (None where not asked for), the log-likelihood, and which positions are taken for wild (f,).
+    (None where not asked for), the log-likelihood of each fix (f,), nats, and which positions are
+    taken for wild (f,).
     """
 
     e: np.ndarray
     s: np.ndarray
     jac: np.ndarray | None
-    log_likelihood: float
+    by_fix: np.ndarray
     wild: np.ndarray
+
+    @property
+    def log_likelihood(self) -> float:
+        """Of all fixes, nats."""
+        return float(self.by_fix.sum())
 
 
 @dataclass
@@ -158,8 +167,7 @@ class Problem:
             *_blocks(of_steps[0]),
             density,
             np.asarray(noise.per_speed, float) ** 2,
-            np.exp(-a["gap"] / max(noise.tau, 1e-3)),
-            float(noise.sigma),
+            *_of_fixes(noise, a["gap"], 9 + sensors.count),
             float(noise.fraction),
             float(noise.scale),
         )
@@ -184,14 +192,25 @@ class Problem:
             track = track._replace(force=np.zeros((len(track.force), 0, 9)))
             fixes = fixes._replace(columns=shown, of=np.arange(count))
         e, s, jac, wild, doubt = linear.innovations(track, random, fixes, count)
-        good = np.isfinite(e)
-        value = -0.5 * float(np.sum(e[good] ** 2 + np.log(s[good])))
+        by_fix = -0.5 * np.nansum(e**2 + np.log(s), axis=1)
         if noise.fraction > 0.0:
             seen = np.isfinite(e[:, 0])
             share = np.where(wild[seen], noise.fraction, 1.0 - noise.fraction)
             # a fix may be either: the density is the sum of both
-            value += float(np.log(share).sum() + np.log1p(np.exp(-doubt[seen])).sum())
-        return Innovations(e, s, jac if sens else None, value, wild)
+            by_fix[seen] += np.log(share) + np.log1p(np.exp(-doubt[seen]))
+        return Innovations(e, s, jac if sens else None, by_fix, wild)
+
+
+def _of_fixes(noise: Noise, gap: Array, first: int) -> tuple[Array, Array, Array, Array]:
+    """`decay`, `sigma`, `of` and `place` of `linear.Random`; gap (k-1,) s, first: number of the
+    first state after those of the sensors.
+    """
+    sigma = np.array([noise.sigma, noise.velocity_sigma], float)
+    tau = np.maximum([noise.tau, noise.velocity_tau], 1e-3)
+    of = np.repeat(np.flatnonzero(sigma > 0.0), 3)
+    place = np.full(6, -1)
+    place[np.repeat(sigma > 0.0, 3)] = first + np.arange(of.size)
+    return np.exp(-gap[:, None] / tau), sigma, of, place
 
 
 def _powers(sensors: SensorStates, counts: Array) -> tuple[Array, Array]:

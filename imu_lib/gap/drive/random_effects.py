@@ -25,6 +25,9 @@ _TRIES = 35
 #: Nats for one of three parameters of six channels, and for one of six channels.
 ALIKE = {"bias_model": float(np.log(18.0)), "vibration": float(np.log(6.0))}
 LEAST = 0.02  # ratio of errors of fixes to the stated ones: what is below is no noise of a receiver
+#: Of no name in the catalogue.
+VELOCITY_LASTS = "other: errors of the receiver's velocities last"
+LASTING = (1.0, 10.0)  # s, to start with
 PRIOR = 2.0  # of the logarithm of a parameter: a factor of seven is usual, a million is none
 
 
@@ -99,6 +102,8 @@ def _of_fixes(problem: Problem, noise: Noise) -> list[Change]:
     """Changes of the errors of the fixes: their size, their memory, and wild ones."""
     measured = [of for k, of in ((0, "position"), (3, "velocity")) if problem.use[:, k].any()]
     out = [_size_of_fixes(of, noise) for of in measured]
+    if "velocity" in measured:
+        out += [_lasting_velocity(tau, problem, noise) for tau in LASTING]
     if not problem.use[:, 0].any():
         return out
     typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2])))
@@ -134,6 +139,24 @@ def _size_of_fixes(of: str, noise: Noise) -> Change:
         return {"ratio": max(float(v[0]), LEAST), "of": of}
 
     return Change("gnss_noise", ("gnss_noise", of), (getattr(noise, of),), enter, describe)
+
+
+def _lasting_velocity(tau: float, problem: Problem, noise: Noise) -> Change:
+    """Errors of the velocities that last, in the place of a part of those that do not."""
+    typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 3], 3:5])))
+
+    def enter(n: Noise, v: Array) -> Noise:
+        ratio = max(float(v[2]), LEAST)
+        return n.with_(velocity_sigma=float(v[0]), velocity_tau=float(v[1]), velocity=ratio)
+
+    def describe(v: Array) -> dict[str, Any]:
+        names = ("sigma", "correlation_time", "ratio")
+        return dict(zip(names, (float(v[0]), float(v[1]), max(float(v[2]), LEAST))))
+
+    start = noise.velocity_sigma or typical, noise.velocity_tau, noise.velocity
+    if not noise.velocity_sigma:
+        start = start[0], tau, start[2]
+    return Change(VELOCITY_LASTS, (VELOCITY_LASTS,), start, enter, describe)
 
 
 def _of_processes(noise: Noise) -> list[Change]:

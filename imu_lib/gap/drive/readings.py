@@ -39,6 +39,14 @@ def densities(problem: Problem) -> tuple[Array, Array]:
     return np.maximum(np.median(square, axis=1) / 0.455, 1e-30), speed**2
 
 
+def shows(problem: Problem, channel: str, density: float) -> bool:
+    """Whether the readings of a channel have a white noise N of about that density, and not less:
+    within FOUR of its square.
+    """
+    own = np.median(densities(problem)[0][:, CHANNELS.index(channel)])
+    return bool(np.log(own) > 2.0 * np.log(density) - FOUR)
+
+
 def evidence(change: Change, values: Array, measured: tuple[Array, Array]) -> float:
     """Nats, at most 0, by which a change of white noise is not what the readings show; 0 for
     others.

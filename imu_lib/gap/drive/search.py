@@ -20,6 +20,7 @@ from . import (
     alone,
     base_model,
     displaced,
+    hidden,
     prune,
     random_effects,
     readings,
@@ -37,6 +38,7 @@ Say = Callable[[str], object]
 ROUNDS = 14
 FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
+STANDS_OUT = 3.0  # times the usual size: from here on a shock is tried
 LEAST_FAR = 0.06  # of the logarithm of the innovations' size
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
@@ -96,6 +98,7 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
         again = alone.exchange(state, say)
         if random and state.reg.temper < FAR:  # nothing small is told apart far from a right model
             names = candidates(state.problem)
+            again |= state.free and hidden.look(state, names, say)
             again |= across.exchange(state, names, lambda s: _noise_step(s, given), say)
         if not again:
             break
@@ -140,7 +143,7 @@ def _start_wild(state: State, say: Say) -> None:
     # afresh: what the path that followed them was trusted with is nothing to start from
     trial = State(
         state.drive, change.enter(state.noise, values), state.theta, state.other, state.kept,
-        withhold=state.withhold, step_at=state.step_at, moved_at=state.moved_at,
+        withhold=state.withhold, step_at=state.step_at, moved_at=state.moved_at, free=state.free,
     )  # fmt: skip
     trial.rebuild()
     gain = trial.result.log_likelihood - state.result.log_likelihood
@@ -215,7 +218,7 @@ def _shock_step(state: State) -> tuple[float, float] | None:
     total = np.bincount(block, nis) / np.maximum(np.bincount(block, freedom), 1)
     usual = np.median(total)
     worst = int(np.argmax(total))
-    if total[worst] < 6.0 * max(usual, 1.0):
+    if total[worst] < STANDS_OUT * max(usual, 1.0):
         return None
     inside = np.flatnonzero((block >= worst - 1) & (block <= worst))
     level = nis[inside] / freedom[inside]

@@ -92,7 +92,8 @@ def _about(
     """
     windows, random = asked
     theta, noise, given, original = start.held(drive, model, notes)
-    state = State(drive, noise, theta, withhold=tuple((w.start, w.duration) for w in windows))
+    away = tuple((w.start, w.duration) for w in windows)
+    state = State(drive, noise, theta, withhold=away, free=not given)
     start.in_time(state, say)
     first = replace(state, theta=np.zeros_like(theta), kept=())
     first.rebuild()
@@ -108,4 +109,5 @@ def _about(
         if not base_model.anew(state, say):
             break
         search.run(state, given=given, random=random, say=say)
+    base_model.settle(state, say)
     return state, first, state.base, original

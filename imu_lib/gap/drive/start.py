@@ -15,7 +15,7 @@ from imu_lib.model import Model
 from imu_lib.navigation import lateness
 from imu_lib.navigation.held import Held
 
-from . import base_model, columns, correct
+from . import columns, correct, levels
 from .problem import Noise
 from .state import NOT_YET, State
 
@@ -27,7 +27,7 @@ def held(drive: Drive, model: Model | None, notes: list[str]) -> tuple[Array, No
     """Values, noise, whether a model was given, and the model without what it holds."""
     theta = np.zeros(len(columns.ALL))
     if model is None:
-        plain = base_model.guess(drive)
+        plain = levels.guess()
         return theta, Noise(plain), False, plain
     missing = [c for c in columns.CHANNEL_NAMES if c not in model]
     if missing:

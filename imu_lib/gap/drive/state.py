@@ -45,7 +45,7 @@ class State:
     heading: rad at its start, where one is held; base: the noise without the changes that are
     held; fitted_under: what was held each time that it was fitted again; step_at:
     s, from where on biases may be others; moved_at: s by the fixes' own stamps, from where on they
-    may be displaced.
+    may be displaced; free: whether the noise of the sensors is fitted to the drive.
     """
 
     drive: Drive
@@ -68,6 +68,7 @@ class State:
     fitted_under: tuple[tuple[object, ...], ...] = ()
     step_at: float | None = None
     moved_at: float | None = None
+    free: bool = False
 
     def rebuild(self) -> None:
         """The path, innovations and regression at what is held now.

@@ -118,8 +118,10 @@ KNOWN_WELL = (0.8, 1.25)
 
 def usual(state: State, found: Change) -> bool:
     """Whether a change is the size of errors of which the file states none, or states nearly the
-    right one: fitted, and no finding.
+    right one, or has no name in the catalogue: fitted, and no finding.
     """
+    if found.change.effect not in CATALOGUE:
+        return True
     if found.change.effect != "gnss_noise":
         return False
     nearly = KNOWN_WELL[0] < float(found.values[0]) < KNOWN_WELL[1]

@@ -1,7 +1,7 @@
 """What the compiled linear filter is given and gives back, as named tuples of arrays.
 
 n states: 9 errors of navigation, m of the sensors, then three Gauss-Markov errors of the positions
-where there are some; P parameters (`columns`).
+and of the velocities where there are some; P parameters (`columns`).
 """
 
 from __future__ import annotations
@@ -69,8 +69,9 @@ class Random(NamedTuple):
     m, m): transition and noise of the sensor states over an interval; channel (m,) of each state,
     its weight (m,) there, and first, last (m,) of the states that it follows from: from, to before;
     density, per_speed (6,): white noise N^2 and its growth with speed^2;
-    decay (k-1,), sigma m: of the positions' Gauss-Markov errors; fraction, scale m: of wild
-    positions.
+    decay (k-1, 2), sigma (2,) m, m/s: of the Gauss-Markov errors of positions and velocities; of
+    (t,) which of the two each state after the sensors' is, and place (6,) which state is the error
+    of each number of a fix, -1 where none; fraction, scale m: of wild positions.
     """
 
     start: np.ndarray
@@ -84,7 +85,9 @@ class Random(NamedTuple):
     density: np.ndarray
     per_speed: np.ndarray
     decay: np.ndarray
-    sigma: float
+    sigma: np.ndarray
+    of: np.ndarray
+    place: np.ndarray
     fraction: float
     scale: float
 

@@ -1,0 +1,97 @@
+"""Noises of a drive fitted together: what one takes, the others must give."""
+
+from types import SimpleNamespace
+
+import drive_generator as generator
+import numpy as np
+import pytest
+
+from imu_lib.drive import from_arrays
+from imu_lib.gap.drive import base_model, columns, joint, left, levels, random_effects, readings
+from imu_lib.gap.drive.problem import Noise
+from imu_lib.gap.drive.state import Change, State
+from imu_lib.model import Model
+
+MODEL = Model.from_json(generator.MODEL)
+SD = 0.06
+
+
+def state_of(noise, effects=(), free=False, **options):
+    arrays = generator.make(
+        61007, effects=effects, **{"duration": 120.0, "velocity_sd": (SD,) * 3, **options}
+    )
+    state = State(from_arrays(arrays, "x"), noise, np.zeros(len(columns.ALL)), free=free)
+    state.base = noise
+    state.rebuild()
+    return state
+
+
+def change_of(state, effect, of=None):
+    options = random_effects.changes(state.problem, state.noise, not state.free)
+    return next(c for c in options if c.effect == effect and of in (None, *c.key))
+
+
+def test_errors_of_velocities_without_memory_are_a_larger_white_one():
+    state = state_of(Noise(MODEL))
+    forgets = Noise(MODEL, velocity_sigma=0.08, velocity_tau=1e-3)
+    white = Noise(MODEL, velocity=float(np.hypot(SD, 0.08) / SD))
+    one, other = (state.evaluate(n, sens=True) for n in (forgets, white))
+    np.testing.assert_allclose(one.by_fix, other.by_fix, atol=1e-6)
+    np.testing.assert_allclose(one.jac, other.jac, atol=1e-5)
+    both = Noise(MODEL, velocity_sigma=0.08, velocity_tau=1e-3, sigma=1.0, tau=20.0)
+    plain = Noise(MODEL, velocity=white.velocity, sigma=1.0, tau=20.0)
+    one, other = (state.evaluate(n).log_likelihood for n in (both, plain))
+    assert one == pytest.approx(other, abs=1e-5)
+
+
+def test_a_noise_of_fixes_is_not_left_small_by_levels_fitted_without_it():
+    # the accelerometers' noise held the rest: 1.41 for a ratio of 1.6
+    effects = [("gnss_noise", {"ratio": 1.6, "of": "velocity"})]
+    state = state_of(Noise(levels.guess()), effects, free=True)
+    loud = levels.of(state.noise, ()) + np.array([0.0, np.log(6.0), 0.0, 0.0])
+    state.base = state.noise = levels.entered(state.noise, loud, ())
+    state.weigh()
+    change = change_of(state, "gnss_noise", "velocity")
+    alone, gain, noise = change.fitted(state, state.noise, state.result.log_likelihood)
+    state.changes, state.noise = [Change(change, alone, gain, state.noise)], noise
+    state.weigh()
+    assert alone[0] < 1.5
+    base_model.settle(state)
+    assert 1.5 < state.changes[0].values[0] < 1.7
+    assert state.noise.velocity == state.changes[0].values[0]
+    assert state.base.model is state.changes[0].before.model is state.noise.model
+
+
+def test_values_follow_the_ridge_of_the_likelihood():
+    # of two with correlation -0.8 the second moves by its slope on the first
+    information = np.array([[4.0, 3.2], [3.2, 4.0]])
+    together = joint.Joint(None, (), np.zeros(2), np.zeros(2), np.ones(2), ())
+    object.__setattr__(together, "slope", lambda x: (np.zeros(2), information))
+    np.testing.assert_allclose(together.follow(slice(1, 2)), [[-0.8], [1.0]])
+
+
+def test_a_white_noise_that_the_readings_show_is_not_absurd(monkeypatch):
+    step = {
+        "effect": "bias_model",
+        "parameters": {
+            "channel": "gyro_z", "process": "white_noise", "name": "N", "from": 1e-6, "to": 1e-3,
+        },
+    }  # fmt: skip
+    after = SimpleNamespace(right=True)
+    for shown, doubted in ((1e-3, False), (1e-5, True)):
+        measured = np.full((9, 6), shown**2), np.zeros(9)
+        monkeypatch.setattr(readings, "densities", lambda problem, m=measured: m)
+        told = left.absurd([step], SimpleNamespace(problem=None), after)
+        assert (told is not None) == doubted
+    step["parameters"] |= {"process": "random_walk", "name": "K"}
+    for right in (True, False):
+        told = left.absurd([step], SimpleNamespace(problem=None), SimpleNamespace(right=right))
+        assert (told is None) == right
+
+
+def test_centimetre_fixes_have_the_size_that_they_state():
+    # a floor of 2 cm made fixes of 8 mm look four times better than stated
+    state = state_of(Noise(MODEL), position_sd=(0.008, 0.008, 0.012), duration=60.0)
+    seen = state.use[:, :3]
+    assert np.sqrt(np.median(state.problem.stated[:, 0])) == pytest.approx(0.008)
+    assert 0.8 < np.nanmean(state.result.e[:, :3][seen] ** 2) < 1.25
