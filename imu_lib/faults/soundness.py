@@ -32,25 +32,28 @@ def breaks(findings) -> list[tuple[float, float]]:
     return sorted(out)
 
 
+def stretches(
+    record: Record, findings, between: tuple[float, float] | None = None
+) -> list[tuple[float, float]]:
+    """Start and stop (s) of the parts without a disturbance, tilt, restart or long hole, the
+    longest first.
+
+    Drop-outs and short gaps may lie in them. `between` (s): where something is measured at all.
+    """
+    at, end = between or (0.0, record.duration)
+    out = []
+    for low, high in [*breaks(findings), (end, end)]:
+        if min(low, end) > at:
+            out.append((at, min(low, end)))
+        at = max(at, high)
+    return sorted(out, key=lambda part: part[0] - part[1]) or [between or (0.0, record.duration)]
+
+
 def longest_stretch(
     record: Record, findings, between: tuple[float, float] | None = None
 ) -> tuple[float, float]:
-    """Start and stop (s) of the longest part without a disturbance, tilt, restart or long hole.
-
-    Drop-outs and short gaps may lie in it. `between` (s): where something is measured at all.
-    """
-    at, end = between or (0.0, record.duration)
-    best = at, end
-    spans = breaks(findings)
-    if not spans:
-        return best
-    length = -1.0
-    for low, high in [*spans, (end, end)]:
-        low = min(low, end)
-        if low - at > length:
-            best, length = (at, low), low - at
-        at = max(at, high)
-    return best
+    """The longest of the `stretches`."""
+    return stretches(record, findings, between)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +61,8 @@ class Sound:
     """A record made ready by `sound`.
 
     record : Record, NaN where a sample is no measurement. start, stop : the stretch of the record
-    given that it is, s. cut : whether it is a part. masked : samples that were made NaN, of all
+    given that it is, s. cut : whether it is a part. others : the sound stretches (start, stop)
+    beside it, s, the longest first. masked : samples that were made NaN, of all
     channels. left_out : channels without a measurement. notes : sentences on what was done.
     """
 
@@ -70,6 +74,7 @@ class Sound:
     masked: int
     left_out: tuple[str, ...]
     notes: tuple[str, ...]
+    others: tuple[tuple[float, float], ...] = ()
 
 
 def sound(
@@ -127,8 +132,9 @@ def sound(
         )
         start, stop = first, last
         out = out.slice(start, stop)
+    others: list[tuple[float, float]] = []
     if cut:
-        start, stop = longest_stretch(record, ending, (start, stop))
+        (start, stop), *others = stretches(record, ending, (start, stop))
         out = replace(record, channels=channels).slice(start, stop)
         notes.append(
             f"The longest stretch without a tilt, a restart or a long hole is taken: "
@@ -145,7 +151,8 @@ def sound(
             "measured, so white noise comes out at "
             f"{np.sqrt(1 / burst.evidence['share_recorded']):.3g} times the sensor's N."
         )
-    return Sound(out, tuple(findings), start, stop, cut, masked, dead, tuple(notes))
+    told = tuple(notes), tuple(others)
+    return Sound(out, tuple(findings), start, stop, cut, masked, dead, *told)
 
 
 def _measured(record: Record) -> tuple[float, float]:

@@ -23,6 +23,7 @@ from imu_lib.long_record import LongRecord
 from imu_lib.model import Model
 from imu_lib.record import Record
 
+from . import left_out
 from .effects import CATALOGUE
 from .found import ChannelReport, Report
 from .loop import close as _of_record
@@ -62,4 +63,4 @@ def close(
         from .long import close as of_long
 
         return of_long(measured, model, **options)
-    return _of_record(measured, model, **options)
+    return left_out.looked_at(_of_record(measured, model, **options), measured, model, **options)

@@ -42,7 +42,7 @@ class Ready:
     record : Record, masked and cut. start, stop : the stretch of the given record that it is, s.
     steps : of the record, with times of the given record. processes : the same for a model's
     `record`. left_out : channel -> why. notes : sentences. doubt : a sentence where the time stamps
-    do what has no name.
+    do what has no name. others : the other sound stretches, s, the longest first.
     """
 
     record: Record
@@ -54,6 +54,7 @@ class Ready:
     notes: tuple[str, ...]
     doubt: str | None
     findings: tuple[Finding, ...] = ()
+    others: tuple[tuple[float, float], ...] = ()
 
     @property
     def lost(self) -> tuple[str, ...]:
@@ -115,6 +116,7 @@ def ready(record: Record, model: Model | None = None) -> Ready:
         tuple(_notes(left_out, sound, travelling.sentence(masked))),
         doubt,
         findings,
+        sound.others,
     )
 
 

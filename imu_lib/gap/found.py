@@ -65,6 +65,8 @@ class Report:
     notes: tuple[str, ...] = ()
     #: The stretch of the record that was looked at, s from its first sample; None: all of it.
     stretch: tuple[float, float] | None = None
+    #: The other stretches without a tilt, a restart or a long hole, s, the longest first.
+    others: tuple[tuple[float, float], ...] = ()
     #: Length of the whole record, s; None: that of the stretch.
     whole: float | None = None
     #: Effects that nothing in the record tells of: {"effect", "parameter", "why"} each.

@@ -105,6 +105,7 @@ def _report(
         about.model is not None,
         (*about.said, *ready.notes),
         (ready.start, ready.stop),
+        others=ready.others,
         whole=whole,
         invisible=_invisible(about),
         absent=about.gone,
