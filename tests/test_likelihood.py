@@ -33,6 +33,7 @@ from imu_lib.processes import (
     Saturation,
     Sinusoid,
     Step,
+    Sum,
     Temperature,
     WarmUp,
     WhiteNoise,
@@ -81,6 +82,22 @@ def test_expected_ordinates_are_the_exact_variances(name):
     exact = 2 / fs * np.diag(exact_covariance(MODELS[name], n, fs))
     assert np.allclose(expected[:40], exact[:40], rtol=6e-3)
     assert np.allclose(expected[40:], exact[40:], rtol=6e-3 if name != "second order" else 3e-2)
+
+
+def test_quantization_behind_a_filter_has_its_own_ends():
+    """Those of the bare one would take more from the first ordinates than the filter leaves. What
+    they share with the filtered samples next to them, some taps of n, is left out.
+    """
+    n, fs, taps = 600, 1.0, 12
+    stats = Statistics.of(np.random.default_rng(1).standard_normal(n), fs, width=1e-9)
+    behind = LowPass(taps=taps, rate=fs)
+    expected = density(stats, Sum((Quantization(Q=1.0),), (behind,)))
+    response = np.convolve(np.full(taps, 1 / taps), [1.0, -1.0]) * fs
+    own = np.correlate(response, response, "full")[len(response) - 1 :]
+    basis = dct(np.eye(n), norm="ortho", axis=0)[1:]
+    exact = 2 / fs * np.diag(basis @ toeplitz(np.r_[own, np.zeros(n - len(own))]) @ basis.T)
+    assert (expected > 0).all()
+    assert np.allclose(expected[:80], exact[:80], rtol=0.06)
 
 
 @pytest.mark.parametrize("name", ["walk", "Gauss-Markov", "as long as a quarter of the record"])

@@ -7,11 +7,18 @@ from __future__ import annotations
 from math import comb
 
 import numpy as np
+from scipy.special import gammainccinv
 
 #: Chance alarms allowed in a record, on several channels together.
 TOGETHER = 1e-4
-#: The same where none of them stands out, in each of some ten searches, and channels at the least.
-FAINT, LEAST = 1e-6, 3
+#: The same where none of them stands out, in each of some ten searches, channels and windows at the
+#: least.
+FAINT, LEAST, FEWEST = 1e-5, 3, 100
+#: Share of the windows that are a channel's tail, and of those that are as loud as one in which it
+#: is said to have felt a faint knock.
+TAIL, WITNESS = 0.03, 0.02
+#: Share of the windows that tell how loud channels are together by chance.
+OFTEN = 0.01
 #: Correlation of the energies of two channels over the record from which on one is no witness of
 #: what the other shows.
 ALIKE = 0.2
@@ -64,26 +71,40 @@ def with_others(power: np.ndarray, stands: np.ndarray, quiet: np.ndarray) -> np.
 
 
 def faint(power: np.ndarray, quiet: np.ndarray) -> np.ndarray:
-    """Channels, by windows, that share a knock of which none stands out: so many of them, that tell
-    nothing of one another otherwise, are among their own loudest, shape (k, windows).
+    """Channels, by windows, that share a knock of which none stands out: together they are louder
+    than chance makes channels that tell nothing of one another, shape (k, windows).
+
+    The loudest counts as the second does: what one channel shows alone is no witness.
     """
     k, count = power.shape
     out = np.zeros((k, count), bool)
-    own = _apart(power[:, quiet])
-    if len(own) < LEAST or not quiet.any():
+    own = apart(power[:, quiet])
+    if len(own) < LEAST or quiet.sum() < FEWEST:
         return out
-    at = np.flatnonzero(quiet)
-    u = _ranks(power, at, quiet)
-    order = np.sort(u[own], axis=0)
-    sizes = range(LEAST, len(own) + 1)
-    p = np.array([comb(len(own), m) * order[m - 1] ** m for m in sizes])
-    found = p.min(axis=0) * count < FAINT
-    most = order[np.argmin(p, axis=0) + LEAST - 1, np.arange(len(at))]
-    out[:, at] = found & (u <= most)
+    odds = np.stack([rarity(power[c], quiet) for c in range(k)])
+    two = np.sort(odds[own], axis=0)[-2:]
+    total = odds[own].sum(axis=0) - (two[1] - two[0])
+    # sums of exponentials, larger ones where channels are often loud together
+    usual, limit = gammainccinv(len(own), np.array([OFTEN, FAINT / count]))
+    found = quiet & (total > limit * max(1.0, np.quantile(total[quiet], 1 - OFTEN) / usual))
+    out[:, found] = odds[:, found] > -np.log(WITNESS)
     return out
 
 
-def _apart(power: np.ndarray) -> list[int]:
+def rarity(power: np.ndarray, quiet: np.ndarray) -> np.ndarray:
+    """-log of the share of windows as loud as each, shape (windows,): counted among the `quiet`
+    ones, and in their upper tail that of the logarithm taken as exponential.
+    """
+    value = np.log(np.maximum(power, 1e-12))
+    order = np.sort(value[quiet])
+    share = (len(order) - np.searchsorted(order, value, side="left") + 0.5) / (len(order) + 1)
+    low, high = np.quantile(order, (1 - TAIL, 1 - TAIL / 6))
+    slope = max(float(high - low) / np.log(6.0), 1e-3)
+    beyond = -np.log(TAIL) + (value - low) / slope
+    return np.asarray(np.where(value > low, beyond, -np.log(np.minimum(share, 1.0))))
+
+
+def apart(power: np.ndarray) -> list[int]:
     """Channels whose energies have nothing to do with one another."""
     alike = np.corrcoef(np.log(np.maximum(power, 1e-12))) > ALIKE
     own: list[int] = []

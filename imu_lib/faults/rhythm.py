@@ -68,6 +68,7 @@ def _as_one(group: list[Finding]) -> Finding:
         for c, p in zip(f.channels, f.parameters["peak"]):
             peak[c] = p if abs(p) > abs(peak.get(c, 0.0)) else peak[c]
     score = max(f.evidence["peak_over_noise"] for f in group)
+    rhythm = next((f.evidence for f in group if "rhythm" in f.evidence), {})
     names = tuple(peak)
     sentence = (
         f"A shake at {seconds(start)} s, {stop - start:.2g} s long, on {named(names)}, up to "
@@ -83,7 +84,7 @@ def _as_one(group: list[Finding]) -> Finding:
             "peak": list(peak.values()),
             "channels": list(names),
         },
-        evidence={"peak_over_noise": score},
+        evidence={**rhythm, "peak_over_noise": score},
         sentence=sentence,
         rows=np.arange(first, last + 1),
     )
@@ -114,6 +115,8 @@ def _envelope(item: Finding, channels: dict[str, Prepared], size: int) -> np.nda
 
 def _rhythm(item: Finding, channels: dict[str, Prepared], rate: float) -> float | None:
     """Steps a second; None where there is no rhythm, or the samples are too few to show it."""
+    if "rhythm" in item.evidence:
+        return float(item.evidence["rhythm"])
     size = max(1, round(BLOCK * rate))
     low, high = (round(s * rate / size) for s in STEP)
     if low < 3 or not len(item.rows):

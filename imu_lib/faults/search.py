@@ -19,15 +19,19 @@ from imu_lib.faults import (
     restart,
     rhythm,
     tilt,
+    walking,
     warm_up,
 )
 from imu_lib.faults.chance import Levels
 from imu_lib.faults.finding import Finding
-from imu_lib.faults.levels import bridged, prepared
+from imu_lib.faults.levels import bridged, prepared, windows
 from imu_lib.record import Record
 
 #: Samples that a stretch must have to be looked at for disturbances.
 LEAST = 100
+#: s about a tilt within which a disturbance may be its pulse, and share of stretches of a record
+#: that are no louder than what is no shake.
+NEAR, USUAL = 1.5, 0.95
 #: Share of the rows on several channels that one kind of drop-out may take and still be masked.
 MOST_MASKED = 0.6
 
@@ -132,9 +136,11 @@ def _within(live, channels, bad, levels, part, time, rate) -> list[Finding]:
     ready = {c: prepared(channels[c][part], bad[c][part], rate, _grid(levels[c])) for c in good}
     t = time[part]
     touched = disturbance.find(ready, t, rate)
+    touched += walking.find(ready, touched, t, rate)
     touched = rhythm.gathered([*touched, *passing.find(ready, touched, t, rate)], ready, rate)
     spans = [(d.start, d.stop) for d in touched]
     tilts = tilt.find({c: ready[c].x for c in good}, t, rate, spans)
+    touched = [d for d in touched if not _is_turn(d, tilts, ready, t)]
     calm = {c: _calm(ready[c].x, touched) for c in good}
     handled, turned = ([(k.start, k.stop) for k in some] for some in (long_ones(touched), tilts))
     again = restart.find(calm, t, rate, turned, handled)
@@ -142,6 +148,26 @@ def _within(live, channels, bad, levels, part, time, rate) -> list[Finding]:
         replace(item, rows=item.rows + part.start) if len(item.rows) else item
         for item in (*touched, *tilts, *again)
     ]
+
+
+def _is_turn(item: Finding, tilts: list[Finding], ready, time: np.ndarray) -> bool:
+    """Whether what stands out is the gyros' pulse of a tilt: within it, and no sample is further
+    from the one before than elsewhere.
+    """
+    inside = any(t.start - NEAR <= item.start and item.stop <= t.stop + NEAR for t in tilts)
+    if not inside or len(item.rows) < LEAST:
+        return False
+    for c in item.channels:
+        quick = np.diff(ready[c].x) / ready[c].sigma[1:]
+        part = quick[item.rows[:-1]]
+        usual = np.quantile(_mean_squares(quick, len(part)), USUAL)
+        if np.mean(part**2) > usual:
+            return False
+    return True
+
+
+def _mean_squares(x: np.ndarray, size: int) -> np.ndarray:
+    return np.asarray((windows(x, size, 0) ** 2).mean(axis=1))
 
 
 def long_ones(touched: list[Finding]) -> list[Finding]:

@@ -15,7 +15,7 @@ from imu_lib.faults.finding import Finding, seconds
 
 #: Blocks on each side of a candidate, and blocks of the turn itself left out on each side.
 WIDTHS = (8, 32, 120)
-GUARDS = (1, 2, 4, 8, 16, 32)
+GUARDS = (1, 2, 4, 8, 16, 32, 48, 72, 100)
 #: Standard deviations: of a change of the accelerometers, and of the gyros' pulse.
 CHANGED, TURNED = 6.0, 4.5
 #: Deviation of the two turns from each other: standard deviations and share of the turn.
@@ -24,8 +24,14 @@ AGREE, SHARE = 3.5, 0.15
 LARGE = 0.1
 #: Share by which the length of the specific force may change in it.
 LENGTH = 0.1
-#: Blocks of a turn of which the shape is looked at.
-LONGEST = 100
+#: Blocks of a turn from which on the gyros' slow noise is more than their white one.
+SLOW = 40
+#: Blocks of a touched span from which on they tell how it was shaken.
+SHAKEN = 6
+#: Stretches of a record that tell what the gyros do in as long a time, at the least.
+FEWEST = 20
+#: Ends of a turn that are tried in a search for its shape, at the most.
+ENDS = 80
 #: Tilts looked for at the most beyond those where it was touched.
 MOST = 20
 MEANS = (
@@ -64,7 +70,7 @@ def find(
     found = []
     for i, (low, high) in enumerate(cuts):
         limits = cuts[i - 1][1] if i else 0, cuts[i + 1][0] if i + 1 < len(cuts) else f.k
-        found.append(bench.turn(low, high, limits, touched=True))
+        found.append(bench.widest(low, high, limits))
     found += _untouched(bench, cuts)
     return [_finding(t, f, time) for t in sorted(filter(None, found), key=lambda t: t.low)]
 
@@ -125,12 +131,16 @@ class _Bench:
 
     def step(self, at: int, limits: tuple[int, int]) -> Turn | None:
         """The change at a boundary as a turn: the shortest that has nearly all of it."""
-        turns = [self.turn(at - g, at + g, limits, touched=False) for g in GUARDS]
-        turns = [t for t in turns if t is not None]
-        if not turns:
-            return None
-        size = [float(np.linalg.norm(t.change)) for t in turns]
-        return next(t for t, s in zip(turns, size) if s > 0.9 * max(size))
+        return _shortest([self.turn(at - g, at + g, limits, touched=False) for g in GUARDS])
+
+    def widest(self, low: int, high: int, limits: tuple[int, int]) -> Turn | None:
+        """The change about blocks [low, high) in which it was touched: the turn may have begun
+        before and go on after.
+        """
+        more = [g for g in (0, *GUARDS) if g < SLOW]
+        spans = sorted(((low - i, high + j) for i in more for j in more), key=lambda s: s[1] - s[0])
+        turns = [self.turn(*span, limits, touched=True) for span in spans]
+        return _shortest([t for t in turns if t is None or t.pulse > TURNED or t is turns[0]])
 
     def turn(self, low: int, high: int, limits: tuple[int, int], *, touched: bool) -> Turn | None:
         """Blocks [low, high) as a turn, by the means of both sides within `limits`; None where it
@@ -166,6 +176,10 @@ class _Bench:
         turn = (w.mean(low, high) - 0.5 * (first + last)) * span * w.dt
         noise = _scatter(w, low - left, high + right) * w.dt
         noise = noise * np.sqrt(span) * np.sqrt(1 + span * (1 / left + 1 / right) / 4)
+        if touched and span >= SHAKEN:
+            noise = np.maximum(noise, _scatter(w, low, high) * w.dt * np.sqrt(span))
+        if span > SLOW:
+            noise = np.maximum(noise, self._wandering(span, left, right))
         mean_force = 0.5 * (before + after)
         told = -np.cross(turn, mean_force)
         told_sd = np.sqrt(_crossed(noise**2, mean_force**2))
@@ -188,6 +202,18 @@ class _Bench:
             return Turn(low, high, minimal, change, score, pulse)
         return None
 
+    def _wandering(self, span, left, right) -> np.ndarray:
+        """What the gyros seem to turn in as long while nothing happens: standard deviations of the
+        rotation vector, shape (3,); 0 where the record is too short to tell.
+        """
+        w = self.w
+        i = np.arange(left, w.k - span - right + 1, max(1, span // 4))
+        if w is None or len(i) < FEWEST:
+            return np.zeros(3)
+        sides = 0.5 * (w.mean(i - left, i) + w.mean(i + span, i + span + right))
+        off = (w.mean(i, i + span) - sides) * span * w.dt
+        return 1.4826 * np.median(np.abs(off - np.median(off, axis=1)[:, None]), axis=1)
+
     def _usual(self, width, low, high) -> np.ndarray:
         """What a level wanders in as long beyond white noise: standard deviations, shape (3,)."""
         keys = [k for k in self.wander if k[0] <= max(width, WIDTHS[0])]
@@ -197,6 +223,13 @@ class _Bench:
         key = min(keys, key=lambda k: (abs(k[0] - width), abs(k[1] - guard)))
         scale = self.wander[key][1][:, 0]
         return np.where(np.isfinite(scale), scale / np.sqrt(1.5), 0.0)
+
+
+def _shortest(turns: list[Turn | None]) -> Turn | None:
+    """Of turns, the longer ones later, the first that has nearly all of the change."""
+    there = [t for t in turns if t is not None]
+    size = [float(np.linalg.norm(t.change)) for t in there]
+    return next((t for t, s in zip(there, size) if s > 0.9 * max(size)), None)
 
 
 def _scatter(b: Blocks, low: int, high: int) -> np.ndarray:
@@ -226,15 +259,16 @@ def rotation(before, after) -> np.ndarray:
 def _span(turn: Turn, f: Blocks) -> tuple[int, int]:
     """Blocks [low, high) in which the turn went on: the ramp of gravity that fits best."""
     low, high = max(0, turn.low), min(f.k, turn.high)
-    if not 3 <= high - low <= LONGEST:
+    if high - low < 3:
         return low, high
     first, last = max(0, low - 8), min(f.k, high + 8)
     before = f.mean(first, low) if low > first else f.means[:, low]
     done = turn.change @ (f.means[:, first:last] - before[:, None]) / (turn.change @ turn.change)
     at = np.arange(first, last) + 0.5
     best, out = np.inf, (low, high)
-    for i in range(low, high):
-        for j in range(i + 1, high + 1):
+    ends = range(low, high + 1, -(-(high - low) // ENDS))
+    for i in ends[:-1]:
+        for j in (k for k in ends if k > i):
             left = float(np.sum((done - np.clip((at - i) / (j - i), 0.0, 1.0)) ** 2))
             if left < best:
                 best, out = left, (i, j)

@@ -38,7 +38,7 @@ def density(stats: Statistics, noise: Sum) -> Array:
     """Expected mean ordinate of each band, shape (b,), unit^2/Hz, of the random terms behind the
     filter.
     """
-    ends = sum(stats.layout.ends(term) for term in noise.terms)
+    ends = sum(stats.layout.ends(term, noise.low_pass) for term in noise.terms)
     return stats.collapse(noise.psd(stats.grid, stats.rate)) + ends
 
 

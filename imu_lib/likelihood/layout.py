@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from imu_lib.arrays import Array
-from imu_lib.processes import LowPass, Process, Quantization
+from imu_lib.processes import LowPass, Process, Quantization, WhiteNoise
 
 from .kernel import weights
 
@@ -182,9 +182,9 @@ class Layout:
             at += len(edges) - 1
         return expected
 
-    def ends(self, term: Process) -> Array | float:
+    def ends(self, term: Process, low_pass: LowPass | None = None) -> Array | float:
         """What the two ends of a finite record add to quantization: 8 Q^2 fs / n cos^2, which its
-        f^2 leaves out.
+        f^2 leaves out, and of that what a filter lets through.
 
         Exact for the samples, so it stands in for what the kernel, made for red spectra, gives the
         first coefficients.
@@ -194,9 +194,17 @@ class Layout:
         n = np.concatenate(
             [np.full(len(edges) - 1, np.inf if t else n) for n, _, edges, t in self._parts]
         )
-        psd = term.psd(self.grid, self.rate)
+        psd = self._behind(term, low_pass)
+        passed = self._behind(WhiteNoise(N=1.0), None if term.behind_filter else low_pass)
+        share = float(self.half @ passed[: len(n)] / (2.0 * self.half.sum()))
         ends = 8 * term.Q**2 * self.rate / n * np.cos(np.pi * self.frequency / self.rate) ** 2
-        return ends + psd[: len(n)] - self.collapse(psd, bands=False)
+        return share * ends + psd[: len(n)] - self.collapse(psd, bands=False)
+
+    def _behind(self, term: Process, low_pass: LowPass | None) -> Array:
+        """One-sided density on the grid of a process behind the filter, (g,)."""
+        if low_pass is None or term.behind_filter:
+            return term.psd(self.grid, self.rate)
+        return self.images(low_pass).psd(term)
 
     def shape(self, process: Process, low_pass: LowPass | None = None) -> Array:
         """Expected density of a process behind the filter, (b,), not to be written to."""
@@ -204,11 +212,7 @@ class Layout:
         if key not in self._shapes:
             if len(self._shapes) > SHAPES:
                 self._shapes.clear()
-            if low_pass is None or process.behind_filter:
-                psd = process.psd(self.grid, self.rate)
-            else:
-                psd = self.images(low_pass).psd(process)
-            out = self.collapse(psd) + self.ends(process)
+            out = self.collapse(self._behind(process, low_pass)) + self.ends(process, low_pass)
             out.setflags(write=False)
             self._shapes[key] = out
         return self._shapes[key]
