@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from imu_lib.drawing.stages import passed
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.data import Data
 from imu_lib.gap.effects.step import Step
-from imu_lib.processes import LowPass, Sum, WhiteNoise
+from imu_lib.processes import LowPass, Spikes, Sum, WhiteNoise
 from imu_lib.samples.imputation import first_fill, impute
 from imu_lib.samples.innovations import Smooth, surprises
 from imu_lib.samples.outliers import deconvolved
@@ -133,3 +134,29 @@ def test_a_channel_that_freezes_to_the_end_does_not_jump_there():
         assert abs(np.mean(first_fill(x, bad)[bad])) < 0.1
     times = [p.time for p in Step().shapes(Data(x, 100.0, missing=bad))]
     assert times and max(times) < (n - lost) / 100.0 < 0.9 * n / 100.0
+
+
+def test_spikes_before_increments_are_taken_are_spikes_each_with_its_opposite():
+    """They were two noises that take turns, for four samples at a time."""
+    rng = np.random.default_rng(77)
+    n, fs = 12_000, 50.0
+    x = rng.standard_normal(n)
+    at = np.sort(rng.choice(n // 4, 40, replace=False)) * 4
+    height = 15.0 * rng.standard_normal(40)
+    x[at] += height
+    x[at + 1] -= height
+    result = analyse("gyro_x", 1e-3 * x, fs, None)
+    (step,) = result.steps
+    assert step.effect == "spikes" and step.confidence > 0.95 and result.unexplained is None, result.unexplained
+    assert step.parameters["differenced"] == 1
+    assert step.parameters["rate"] == pytest.approx(40 / (n / fs), rel=0.25)
+    again = Spikes(**step.parameters).apply(np.zeros(n), fs, np.random.default_rng(1))
+    thrown = np.flatnonzero(again)
+    assert len(thrown) > 40 and abs(again.sum()) < 1e-9 * np.abs(again).sum()
+
+
+def test_spikes_with_opposites_are_drawn_the_same_in_pieces():
+    thrown = Spikes(rate=5.0, scale=2.0, differenced=1)
+    pieces = passed(thrown, iter([np.zeros(500)] * 4), 100.0, np.random.default_rng(3), 2000)
+    x = np.concatenate(list(pieces))
+    assert np.count_nonzero(x) > 100 and abs(x.sum()) < 1e-9

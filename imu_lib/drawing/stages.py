@@ -34,13 +34,18 @@ def _(stage, pieces, fs, rng, n):
     ]
     hit = np.concatenate(hit)
     height = stage.scale * rng.standard_normal(len(hit))
+    if stage.differenced:
+        after = hit[hit + 1 < n] + 1
+        hit, height = np.r_[hit, after], np.r_[height, -height[: len(after)]]
+        order = np.argsort(hit, kind="stable")
+        hit, height = hit[order], height[order]
 
     def thrown():
         at = 0
         for x in pieces:
             low, high = np.searchsorted(hit, (at, at + len(x)))
             x = np.array(x)
-            x[hit[low:high] - at] += height[low:high]
+            np.add.at(x, hit[low:high] - at, height[low:high])
             at += len(x)
             yield x
 

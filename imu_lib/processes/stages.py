@@ -67,27 +67,36 @@ class Spikes(Stage):
     ----------
     rate : float, 1/s
     scale : float, signal unit
+    differenced : int, optional
+        1 where the sensor gives increments of what was thrown off: each is followed by its
+        opposite.
     """
 
     rate: float = FREE
     scale: float = FREE
+    differenced: int | None = None
     name: ClassVar[str] = "spikes"
     place: ClassVar[int] = 2
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("rate", "rate", "per second"),
         Parameter("scale", "amplitude", "standard deviation of the heights, signal unit"),
+        Parameter("differenced", "count", "1: its opposite follows each", optional=True),
     )
 
     def apply(self, x: Array, fs: float, rng: np.random.Generator) -> Array:
         self._require()
         hit = np.flatnonzero(rng.random(len(x)) < self.rate / fs)
         x = np.array(x, dtype=float)
-        x[hit] += self.scale * rng.standard_normal(len(hit))
+        height = self.scale * rng.standard_normal(len(hit))
+        x[hit] += height
+        if self.differenced:
+            after = hit[hit + 1 < len(x)] + 1
+            x[after] -= height[: len(after)]
         return x
 
     def added_variance(self, fs: float) -> float:
         self._require()
-        return self.rate / fs * self.scale**2
+        return (2 if self.differenced else 1) * self.rate / fs * self.scale**2
 
 
 @dataclass(frozen=True)

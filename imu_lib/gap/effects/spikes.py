@@ -32,6 +32,9 @@ BESIDE, FAR = 20.0, 8.0
 FEW = 0.005
 #: Share of the samples beyond which what is thrown off is no longer single samples.
 MANY = 0.1
+#: Standard deviations by which a surprise and the opposite that follows may differ, such pairs at
+#: the least, and their share of the outliers.
+TWINS, PAIRS, MOSTLY = 5.0, 3, 0.6
 #: Classes of height, standard deviations, and log10 of the p-value below which a mixture of two
 #: normals does not fill them.
 EDGES, SHAPE = (
@@ -40,11 +43,33 @@ EDGES, SHAPE = (
 )
 
 
+def opposites(y: Array) -> np.ndarray:
+    """Surprises that their opposite follows, indices; none where these are the fewer: what is
+    thrown off before increments are taken is given back by the next one.
+    """
+    s = 1.4826 * np.median(np.abs(y))
+    far = np.abs(y) > OUTLIER * s
+    alike = np.abs(y[:-1] + y[1:]) < TWINS * s
+    plain = np.flatnonzero(_first(far[:-1] & far[1:] & alike))
+    if len(plain) < PAIRS or 2 * len(plain) < MOSTLY * far.sum():
+        return plain[:0]
+    # both together stand out where neither does
+    return np.flatnonzero(_first((np.abs(y[:-1] - y[1:]) > np.sqrt(2) * OUTLIER * s) & alike))
+
+
+def _first(twins: Array) -> np.ndarray:
+    """Of pairs that share a sample the first, mask (n,)."""
+    out = np.array(twins)
+    for k in np.flatnonzero(twins[1:] & twins[:-1]) + 1:
+        out[k] = out[k] and not out[k - 1]
+    return out
+
+
 def mixture(y: Array) -> tuple[float, float, float, float]:
     """(gain, probability, scale, curvature) of the best mixture of N(0, 1) and N(0, 1 + scale^2)
     for the surprises `y`.
     """
-    s = 1.4826 * np.median(np.abs(y[::7]))
+    s = 1.4826 * np.median(np.abs(y))
     y2 = np.sort((y / s) ** 2)
     n = len(y2)
     cut = max(n - n // 20, 0)
@@ -135,6 +160,10 @@ class Spikes(Effect):
         """`y` are the surprises of the samples, in standard deviations."""
         if np.abs(y).max() < OUTLIER:
             return None
+        pairs = opposites(y)
+        if len(pairs):
+            y = np.array(y)
+            y[pairs + 1] = 0.0
         gain, p, scale, s = mixture(y)
         traces = smooth.traces > TRACES and gain > 14 and scale > 2.5
         if traces:
@@ -163,10 +192,11 @@ class Spikes(Effect):
         a, b = 1.96 / np.sqrt(count), 1.96 / np.sqrt(2 * count)
         found = Finding(
             self,
-            Stage(rate=rate, scale=height),
+            Stage(rate=rate, scale=height, differenced=1 if len(pairs) else None),
             gain,
             f"distribution of the innovations: {len(hit)} samples beyond {OUTLIER:g} standard "
-            f"deviations, the furthest at {np.abs(y).max() / s:.3g}",
+            f"deviations, the furthest at {np.abs(y).max() / s:.3g}"
+            + (", each followed by its opposite as in increments" if len(pairs) else ""),
             {
                 "rate": [rate * np.exp(-a), rate * np.exp(a)],
                 "scale": [height * np.exp(-b), height * np.exp(b)],
@@ -175,6 +205,7 @@ class Spikes(Effect):
         # a sample is a spike where the mixture says so with more than even odds
         odds = odds_beyond(y, p, scale) if tailed else spike_odds(y / s, p, scale)
         found.mask = odds > 0
+        found.mask[pairs + 1] = found.mask[pairs]
         if not tailed:
             found.doubt = self.doubt(y / s, p, scale, shoulders=not traces)
         if found.doubt and p > FEW:
