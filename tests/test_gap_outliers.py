@@ -147,7 +147,9 @@ def test_spikes_before_increments_are_taken_are_spikes_each_with_its_opposite():
     x[at + 1] -= height
     result = analyse("gyro_x", 1e-3 * x, fs, None)
     (step,) = result.steps
-    assert step.effect == "spikes" and step.confidence > 0.95 and result.unexplained is None, result.unexplained
+    assert step.effect == "spikes" and step.confidence > 0.95 and result.unexplained is None, (
+        result.unexplained
+    )
     assert step.parameters["differenced"] == 1
     assert step.parameters["rate"] == pytest.approx(40 / (n / fs), rel=0.25)
     again = Spikes(**step.parameters).apply(np.zeros(n), fs, np.random.default_rng(1))
