@@ -78,7 +78,7 @@ def test_late_stamps_are_told_and_the_remedy_works(tmp_path, drive, capsys):
     assert flags[0] == "--latency" and float(flags[1]) == pytest.approx(0.5, abs=0.04)
     after = run(tmp_path, late, "--windows", EIGHT, *flags)
     assert not any("--latency" in n for n in after["notes"])
-    straight = run(tmp_path, drive, "--windows", EIGHT)
+    straight = as_stated(tmp_path, drive, "--windows", EIGHT)
     lost, given_back, right = (np.array(_errors(c)) for c in (before, after, straight))
     # window by window: less than half as a geometric mean, beyond what chance does to eight pairs
     pair = paired(given_back, lost, ("after", "before"))
