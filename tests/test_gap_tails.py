@@ -7,7 +7,7 @@ import pytest
 from gap_unknowns import unknown
 from scipy import signal
 
-from imu_lib.gap.channel import analyse
+from imu_lib.gap.channel import OfRecord, analyse
 from imu_lib.gap.effects.noise_level_change import unsteady
 from imu_lib.gap.effects.wandering_level import PERIODIC, SPREAD, Level
 from imu_lib.processes import HeavyTails, Sum, WhiteNoise
@@ -163,3 +163,45 @@ def test_tails_longer_to_one_side_are_leaning_ones_and_clicks_and_a_bent_scale_a
     for strange in ("bent", "clicks"):
         y = np.random.default_rng(7).standard_normal(40_000)
         assert leaning(unknown(strange, y, 100.0, np.random.default_rng(8), 1.0), 12.0) is None
+
+
+def test_tails_on_steps_as_wide_as_the_noise_keep_their_freedom():
+    """Rounding errors are even: counted with them, tails of 7 pass for 11."""
+    rng = np.random.default_rng(21)
+    x = np.rint(0.9 * rng.standard_t(7, N) * np.sqrt(5 / 7) + 0.3)
+    found = analyse("accel_y", x, FS, None)
+    steps = {s.effect: s for s in found.steps}
+    assert set(steps) == {"resolution", "heavy_tails"}
+    low, high = steps["heavy_tails"].intervals["freedom"]
+    # one interval of 95 % may miss by a quarter of its width
+    assert low - (high - low) / 4 < 7.0 < high + (high - low) / 4
+    assert found.unexplained is None
+
+
+def test_normal_noise_on_few_levels_has_no_tails():
+    rng = np.random.default_rng(22)
+    for sd in (0.7, 0.9, 1.4):
+        x = np.rint(sd * rng.standard_normal(N) + 0.2)
+        assert [s.effect for s in analyse("accel_y", x, FS, None).steps] == ["resolution"]
+
+
+def test_tails_of_a_channels_own_noise_beside_noise_in_common():
+    """Half of the power is normal noise of the record: the excess of the sum, 6 / 4, is a quarter
+    of 6, which is that of a freedom of 5.
+    """
+    rng = np.random.default_rng(23)
+    x = SD * rng.standard_t(5, N) * np.sqrt(3 / 5) + SD * rng.standard_normal(N)
+    found = analyse("accel_y", x, FS, None, of_record=OfRecord(shared=1e-4))
+    (step,) = [s for s in found.steps if s.effect == "heavy_tails"]
+    # the likeliest freedom of a sum that is not Student's is not that of its fourth moment
+    assert step.parameters["freedom"] == pytest.approx(5.0, abs=1.0)
+
+
+def test_a_given_model_with_the_tails_of_the_record_explains_it():
+    rng = np.random.default_rng(24)
+    model = Sum((WhiteNoise(N=1e-4),), (HeavyTails(6.0),))
+    x = SD * rng.standard_t(6, N) * np.sqrt(4 / 6)
+    found = analyse("gyro_x", x, FS, model)
+    assert not found.steps and found.unexplained is None
+    (step,) = analyse("gyro_x", x, FS, Sum(model.terms, (HeavyTails(20.0),))).steps
+    assert step.effect == "heavy_tails"

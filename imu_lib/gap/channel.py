@@ -32,6 +32,7 @@ from imu_lib.gap.grown import between, grown, likely, refits
 from imu_lib.gap.preprocess import Channel, OfRecord, Preprocessed, preprocessed
 from imu_lib.gap.state import MIN_EVIDENCE, State
 from imu_lib.gap.steps import Step, step_of, steps_of_items
+from imu_lib.gap.tailed_part import of_white_noise
 from imu_lib.processes import Sum
 from imu_lib.samples.uneven import uneven
 
@@ -153,12 +154,13 @@ def _analyse(
     state, rivals, tests = _tested(left, state, rivals, wild)
     unexplained, small = _unexplained(left, state, tests)
     unexplained = "; ".join(filter(None, (channel.of_record.left, unexplained))) or None
-    steps = [*map(step_of, left.findings), *steps_of_items(state, rivals)]
-    plain = [f.process.name for f in left.findings if f.counted]
+    found = [f for f in of_white_noise(left.findings, state) if not noise_level.of_model(f, bare)]
+    steps = [*map(step_of, found), *steps_of_items(state, rivals)]
+    plain = [f.process.name for f in found if f.counted]
     steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record)
     held, n_base = left.held_terms, len(start.base)
     base = bare if bare is not None else Sum(tuple(state.base[held:n_base]))
-    parts = base, state, left.findings, n_base - held, held
+    parts = base, state, found, n_base - held, held
     states = [(state, 1.0)] if given is not None else alternatives(state, families)
     model, refit = grown(*parts), refits(*parts, rng) if steps else []
     path = left.with_paths
@@ -171,11 +173,11 @@ def _analyse(
         unexplained,
         tests,
         float(np.nanmean(channel.raw)),
-        [path(m) for m in between(base, left.findings, state)],
+        [path(m) for m in between(base, found, state)],
         [path(m) for m in refit],
         state.evidence,
         left.clean.filled,
-        [path(m) for m in likely(states, bare, left.findings, held, rng)],
+        [path(m) for m in likely(states, bare, found, held, rng)],
         small,
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.gap.effects import CHANNEL
-from imu_lib.gap.effects.base import ChannelView, Finding
+from imu_lib.gap.effects.base import ChannelEffect, ChannelView, Finding
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.processes import LowPass, Sum
 
@@ -37,7 +37,30 @@ def _gain(finding: Finding) -> float:
 
 def scaled(view: ChannelView, scale: Array) -> ChannelView:
     """The view with its fast noise brought back to one level; what the model calls slow stays."""
-    return replace(view, x=_levelled(view.x, scale, view.fs, view.given), y=view.y / scale)
+    x = _levelled(view.x, scale, view.fs, view.given)
+    return replace(view, x=x, y=view.y / scale, scale=view.scale * scale)
+
+
+#: Factor, or difference of what may be negative, by which the parameters of a stage of the given
+#: model may lie beyond the intervals of what was found.
+BEYOND = 0.25
+
+
+def of_model(found: Finding, given: Sum | None) -> bool:
+    """Whether the given model has the level or the distribution of the noise that was found."""
+    held = (
+        None
+        if given is None or found.effect.level != ChannelEffect.level
+        else given.find(found.effect.name)
+    )
+    if held is None:
+        return False
+    for name, (low, high) in found.intervals.items():
+        value = getattr(held, name) or 0.0
+        slack = BEYOND * (1.0 if min(low, value) <= 0.0 else max(high, value))
+        if not low - slack < value < high + slack:
+            return False
+    return True
 
 
 def model_level(clean: Any, terms: list[Any], low_pass: LowPass | None, fs: float) -> float:

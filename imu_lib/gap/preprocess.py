@@ -15,7 +15,7 @@ from imu_lib.gap.effects.base import ChannelView, Finding
 from imu_lib.gap.line_phases import in_phase
 from imu_lib.gap.state import State
 from imu_lib.processes import CommonMode, Constant, NoiseLevelChange, Process, Sum
-from imu_lib.samples.innovations import Smooth, whitened
+from imu_lib.samples.innovations import Smooth, trend, whitened
 
 #: Step of a grid in standard deviations of the fast noise from which on rounded samples are not
 #: normal.
@@ -115,7 +115,8 @@ class Preprocessed:
         """
         step, variance = self.clean.step, self.clean.smooth.conditional_variance
         coarse = step is not None and step > COARSE_STEPS * np.sqrt(variance)
-        return bool(coarse or self.clean.uneven)
+        told = any(f.variance is not None for f in self.of_noise)  # of its tails by its levels
+        return bool(coarse or told or self.clean.uneven)
 
     def bared(self, state: State) -> tuple[np.ndarray, np.ndarray, Smooth]:
         """What a state leaves of the samples, its innovations, and the spectrum that whitens it."""
@@ -204,11 +205,14 @@ def _view(
     fs, low_pass = channel.fs, None if given is None else given.low_pass
     x, y = clean.x - _drift(channel, given), whitened(clean.x - clean.coarse, clean.smooth)
     level = 1.0 if given is None else noise_level.model_level(clean, terms, low_pass, fs)
+    known = 0.0 if channel.of_record.known is None else channel.of_record.known
+    untouched = np.abs(channel.raw - clean.x - known) < 1e-3 * (clean.step or np.inf)
     # jumps and lines that stand out keep their size whatever the noise does
     view = ChannelView(
         x - clean.coarse,
         y / clean.swing,
-        channel.raw,
+        np.where(untouched, channel.raw, np.nan),
+        clean.coarse + known + trend(clean.x - clean.coarse, clean.smooth.m),
         fs,
         clean.smooth,
         given,

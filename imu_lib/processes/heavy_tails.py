@@ -91,18 +91,18 @@ class HeavyTails(Stage):
 
     def log_density(self, u: Array) -> Array:
         """Logarithm of the density of values `u` (n,) of noise with mean 0 and variance 1."""
-        log_share, w, z = self._mixed(u)
-        return logsumexp(log_share - 0.5 * z**2 - 0.5 * np.log(2 * np.pi * w), axis=1) + np.log(
-            self.widening
-        )
+        log_share, variance, z = self._mixed(u, 1.0)
+        return logsumexp(log_share - 0.5 * z**2 - 0.5 * np.log(2 * np.pi * variance), axis=1)
 
-    def log_tails(self, u: Array) -> tuple[Array, Array]:
-        """Logarithms of the probabilities below and above values `u` (n,), as above."""
-        log_share, _, z = self._mixed(u)
+    def log_tails(self, u: Array, part: float = 1.0) -> tuple[Array, Array]:
+        """Logarithms of the probabilities below and above values `u` (n,), as above; of noise of
+        which a `part` of the variance has these tails and the rest is normal.
+        """
+        log_share, _, z = self._mixed(u, part)
         below, above = log_share + log_ndtr(z), log_share + log_ndtr(-z)
         return logsumexp(below, axis=1), logsumexp(above, axis=1)
 
-    def _mixed(self, u: Array) -> tuple[Array, Array, Array]:
+    def _mixed(self, u: Array, part: float) -> tuple[Array, Array, Array]:
         """Of the normal distributions that it is a mixture of: logarithm of their shares and their
         variances, shapes (scales,), and `u` in each, shape (n, scales).
         """
@@ -112,5 +112,6 @@ class HeavyTails(Stage):
         rate = half - 1.0
         log_share = half * np.log(rate) - gammaln(half) - half * log_w - rate / w
         log_share = log_share - logsumexp(log_share)
-        z = (u[:, None] * self.widening - (self.lean or 0.0) * (w - 1.0)) / np.sqrt(w)
-        return log_share, w, z
+        mean = np.sqrt(part) * (self.lean or 0.0) * (w - 1.0) / self.widening
+        variance = part * w / self.widening**2 + 1.0 - part
+        return log_share, variance, (u[:, None] - mean) / np.sqrt(variance)

@@ -10,6 +10,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.gap.data import Data
 from imu_lib.processes import LowPass, Sum
+from imu_lib.samples.level_tails import Levels
 
 
 class Effect:
@@ -100,6 +101,10 @@ class Finding:
     scale: np.ndarray | None = None
     places: float = 1.0
     evidence: str = ""
+    #: Of tails: the samples by level, and the variance of the noise before the rounding where the
+    #: levels are those of the converter.
+    levels: Levels | None = None
+    variance: float | None = None
     #: Bands (low, high) in Hz that a vibration fills; whether the given model has it already.
     bands: list[tuple[float, float]] = field(default_factory=list)
     held: bool = False
@@ -117,7 +122,9 @@ class ChannelView:
     y : ndarray, shape (n,)
         Its innovations: the fast part as white noise of variance 1.
     raw : ndarray, shape (n,)
-        As they came, NaN where missing.
+        As they came, NaN where one is missing or was thrown off, clipped or frozen.
+    slow : ndarray, shape (n,)
+        What `raw` has beside the fast noise.
     fs : float, Hz
     smooth : innovations.Smooth
         The spectrum that `y` was whitened by.
@@ -126,16 +133,20 @@ class ChannelView:
     model_level : float
         Variance of the fast noise as a multiple of what the given noises have.
     temperature : ndarray, shape (n,), or None
+    scale : ndarray, shape (n,), or 1
+        The level of the fast noise that was undone in `x` and `y`.
     """
 
     x: np.ndarray
     y: np.ndarray
     raw: np.ndarray
+    slow: np.ndarray
     fs: float
     smooth: Any
     given: Any
     model_level: float
     temperature: np.ndarray | None = None
+    scale: np.ndarray | float = 1.0
 
 
 class SignalEffect(Effect):

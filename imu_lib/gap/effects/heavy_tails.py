@@ -11,8 +11,8 @@ from scipy.stats import t as student
 from imu_lib.arrays import Array
 from imu_lib.processes import HeavyTails as Stage
 from imu_lib.samples import two_noises
-from imu_lib.samples.innovations import whitened
 from imu_lib.samples.leaning import leaning
+from imu_lib.samples.level_tails import Levels
 from imu_lib.samples.uneven import uneven
 
 from .base import ChannelEffect, ChannelView, Finding
@@ -31,8 +31,8 @@ GAIN, MOST = 14.0, 60.0
 #: Degrees of freedom below which the variance hangs on the few largest samples.
 LEAST = 2.3
 #: Step of a grid, in standard deviations of the noise, beyond which its levels show, and beyond
-#: which the distribution is the grid's.
-COARSE, COARSER = 0.5, 1.2
+#: which they are too few.
+COARSE, COARSER = 0.5, 1.6
 #: log10 p of an unsteady level below which tails may be nothing but that.
 STEADY = -5.0
 
@@ -87,6 +87,22 @@ def _likeliest(y: Array, independent: float) -> tuple[float, Stage, dict[str, li
     return gain * independent, tails, intervals
 
 
+#: Width of a class of innovations, in standard deviations.
+CLASS = 0.1
+
+
+def _levels(view: ChannelView, grid: tuple[float, float] | None) -> Levels:
+    """The samples by the levels of their coarse `grid` (step, offset), or their innovations by
+    classes.
+    """
+    if grid is None:
+        y = view.y - np.mean(view.y)
+        return Levels.of(y, (CLASS * float(np.std(y)), 0.0), np.zeros(len(y)))
+    seen = ~np.isnan(view.raw)
+    scale = np.broadcast_to(view.scale, view.raw.shape)[seen]
+    return Levels.of(view.raw[seen], grid, view.slow[seen], scale)
+
+
 def _far(y: Array, moved: float) -> bool:
     """Whether more samples lie far out than uneven steps would put there, which have `moved` them
     by that many standard deviations; `TIMES` as many where that is not known.
@@ -120,19 +136,18 @@ class HeavyTails(ChannelEffect):
 
     def candidates(self, view: ChannelView) -> list[Finding]:
         y, independent = view.y, view.smooth.independent
-        held = None if view.given is None else view.given.find(self.name)
-        if held is not None:
-            return []
         grid = grid_of(view.raw[~np.isnan(view.raw)])
         coarse = 0.0 if grid is None else grid[0] / np.sqrt(view.smooth.conditional_variance)
         if coarse > COARSER:
-            return []  # a few levels have a distribution of their own
-        if (
-            grid is not None and coarse > COARSE
-        ):  # each level spread over its own width, which makes tails the lighter
-            rng = np.random.default_rng(len(y))
-            y = whitened(view.x + grid[0] * (rng.random(len(y)) - 0.5), view.smooth)
-        gain, tails, intervals = _likeliest(y, independent)
+            return []
+        variance = levels = None
+        if grid is not None and coarse > COARSE:
+            levels = _levels(view, grid)
+            found = levels.tails(GAIN / independent)
+            gain, variance = found.gain * independent, (found.sd * grid[0]) ** 2
+            tails, intervals = found.with_intervals()
+        else:
+            gain, tails, intervals = _likeliest(y, independent)
         freedom = tails.freedom
         if gain < GAIN or freedom > MOST:
             return []
@@ -140,26 +155,30 @@ class HeavyTails(ChannelEffect):
             return []
         u = (y - np.mean(y)) / np.std(y)
         lean = f", {np.count_nonzero(u > 4)} of them above" if tails.lean else ""
-        found = Finding(
+        finding = Finding(
             self,
             tails,
             gain,
             f"distribution of the innovations: {np.count_nonzero(np.abs(u) > 4)} of {len(u)} "
             f"beyond four standard deviations{lean}, where normal noise has {6.3e-5 * len(u):.1f}",
             intervals,
+            levels=levels or _levels(view, None),
+            variance=variance,
         )
         if freedom < LEAST:
-            found.doubt = two_noises.sentence(y, view.fs) or (
+            finding.doubt = two_noises.sentence(y, view.fs) or (
                 "distribution of the innovations: a few large deviations among many small ones, "
                 f"excess kurtosis {np.mean(u**4) - 3:.3g}: two noises that take turns"
             )
-            return [found]
+            return [finding]
         left = unsteady(y, view.fs, independent)
         if left is not None and left[0] < STEADY:
-            found.doubt = left[1]
-        return [found]
+            finding.doubt = left[1]
+        return [finding]
 
     def normal(self, y: Array, finding: Finding) -> Array:
+        if finding.variance is not None:
+            return y  # its levels have been judged
         freedom = finding.process.freedom
         u = (y - np.mean(y)) / np.std(y)
         if finding.process.lean:
