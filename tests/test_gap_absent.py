@@ -6,6 +6,7 @@ import pytest
 from imu_lib import gap
 from imu_lib.cli import main as cli
 from imu_lib.gap import absent
+from imu_lib.gap.coherence import cross_spectra
 from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.table import table
 from imu_lib.model import Model
@@ -85,6 +86,13 @@ def test_signals_that_a_channel_has_not_are_told():
     assert not held.absent
 
 
+def test_stamps_of_a_clock_that_changes_its_rate_do_not_scatter():
+    time = np.r_[np.arange(N // 2) / FS, N / (2 * FS) + np.arange(N - N // 2) / (0.98 * FS)]
+    changed = Record({"gyro_x": np.array(calm()["gyro_x"])}, FS, time=time)
+    told = absent.of_faults(model(Jitter(sd=2e-3)), (), changed)
+    assert [a.process.name for a in told] == ["jitter"]
+
+
 @pytest.mark.parametrize("fault", [
     TimeGaps(fraction=0.05), Jitter(sd=2e-3), Dropout(fraction=0.02, value=0.0, channels=("gyro_x",)),
 ], ids=lambda p: p.name)  # fmt: skip
@@ -104,11 +112,13 @@ def test_what_a_filter_of_the_sensor_takes_away_is_not_missed():
     given = Model({"gyro_x": line, "gyro_y": Sum((noise,), slow)}, record=(shared,), rate=FS)
     drawn = given.simulate_record(N, FS, np.random.default_rng(6))
     raw = {c: np.array(drawn[c]) for c in drawn.channel_names}
-    assert not absent.of_lines(given, raw, FS) and not absent.of_common(given, raw, FS)
+    assert not absent.of_lines(given, raw, FS) and not absent.of_common(
+        given, cross_spectra(raw, FS), FS
+    )
     bare = Model({c: Sum((noise,), slow) for c in raw}, rate=FS)
     drawn = bare.simulate_record(N, FS, np.random.default_rng(6))
     raw = {c: np.array(drawn[c]) for c in drawn.channel_names}
-    assert absent.of_lines(given, raw, FS) and absent.of_common(given, raw, FS)
+    assert absent.of_lines(given, raw, FS) and absent.of_common(given, cross_spectra(raw, FS), FS)
 
 
 def test_effects_on_channels_that_the_record_lacks_are_one_sentence():

@@ -8,6 +8,7 @@ from scipy.signal import butter, lfilter, sosfilt
 
 from imu_lib.gap import close
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.coherence import cross_spectra
 from imu_lib.gap.effects.saturation import Saturation
 from imu_lib.gap.residual_tests import stationarity
 from imu_lib.gap.shared_noise import shared_noise
@@ -82,7 +83,7 @@ def test_spectra_of_two_filtered_channels_do_not_cohere():
         + sosfilt(butter(order, cutoff, fs=FS, output="sos"), rng.standard_normal(N))
         for name, order, cutoff in (("gyro_x", 2, 10.0), ("gyro_y", 4, 13.0))
     }
-    assert shared_noise(channels, FS) == (None, {}, None)
+    assert shared_noise(cross_spectra(channels, FS), FS) == (None, {}, None)
 
 
 def test_noise_that_alternates_is_no_quantization():

@@ -8,6 +8,7 @@ from imu_lib import gap
 from imu_lib.gap import normality, residual_tests
 from imu_lib.gap.channel import analyse
 from imu_lib.gap.check import Check
+from imu_lib.gap.coherence import cross_spectra
 from imu_lib.gap.sentences.summary import sentences
 from imu_lib.gap.shared_noise import shared_noise
 from imu_lib.gap.table import table
@@ -95,7 +96,7 @@ def test_noise_in_common_is_told_from_two_per_cent_of_the_power_on(share, found)
         c: np.sqrt(1 - share) * rng.standard_normal(N) + np.sqrt(share) * common
         for c in ("gyro_x", "gyro_y", "gyro_z")
     }
-    process, note, left = shared_noise(x, FS)
+    process, note, left = shared_noise(cross_spectra(x, FS), FS)
     assert left is None and (process is not None) is found
     assert not found or note["share"] == pytest.approx(share, rel=0.3)
 
@@ -106,6 +107,6 @@ def test_noise_in_common_counts_by_its_share_of_the_quietest_channel():
     rng = np.random.default_rng(10)
     common, own = 0.28 * rng.standard_normal(N), {"gyro_x": 0.96, "gyro_y": 3.0, "gyro_z": 4.0}
     x = {c: sd * rng.standard_normal(N) + common for c, sd in own.items()}
-    process, _, left = shared_noise(x, FS)
+    process, _, left = shared_noise(cross_spectra(x, FS), FS)
     assert left is None and "gyro_x" in process.channels
     assert process.N == pytest.approx(0.28 / np.sqrt(FS), rel=0.25)

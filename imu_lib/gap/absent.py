@@ -15,9 +15,9 @@ from scipy.ndimage import uniform_filter1d
 from scipy.stats import norm
 
 from imu_lib.arrays import Array
-from imu_lib.gap.coherence import cross_spectra
+from imu_lib.gap.coherence import Cross
 from imu_lib.gap.effects.base import Finding
-from imu_lib.gap.effects.jitter import Jitter
+from imu_lib.gap.effects.jitter import Jitter, is_even
 from imu_lib.gap.effects.time_gaps import TimeGaps
 from imu_lib.gap.shared_noise import let_through
 from imu_lib.model import Model
@@ -72,7 +72,8 @@ def of_faults(model: Model, findings: Iterable[Any], record: Record) -> list[Abs
         clock = next((e for e in (TimeGaps(), Jitter()) if e.name == p.name), None)
         gone = p.name in HAPPENED and p.name not in kinds
         if clock is not None:
-            gone = "burst" not in kinds and clock.detect(record) is None
+            found = clock.detect(record)
+            gone = "burst" not in kinds and (found is None or is_even(found, record.rate))
         if gone:
             channels = tuple(c for c in getattr(p, "channels", ()) if c in record)
             out.append(Absent(p, channels, "nothing of it was found"))
@@ -150,13 +151,12 @@ def of_spikes(model: Model, raw: dict[str, Array], fs: float) -> list[Absent]:
     return out
 
 
-def of_common(model: Model, calm: dict[str, Array], fs: float) -> list[Absent]:
-    """Noise in common of the model that the channels have not."""
+def of_common(model: Model, seen: Cross, fs: float) -> list[Absent]:
+    """Noise in common of the model that the channels have not, of which `seen` are the
+    cross-spectra.
+    """
     held = [p for p in model.record if isinstance(p, CommonMode)]
-    held = [p for p in held if set(p.channels) & set(calm)]
-    if not held:
-        return []
-    seen, out = cross_spectra(calm, fs), []
+    held, out = [p for p in held if set(p.channels) & set(seen.names)], []
     quick = slice(0, max(len(seen.f) // 4, 1))  # where filters let all through
     count, level, total = seen.count[quick], seen.level[quick], seen.count[quick].sum()
     mean = np.einsum("b,bij->ij", count / total, seen.matrix[quick]).real

@@ -14,6 +14,7 @@ from imu_lib.ensembles import ensemble
 from imu_lib.gap import absent, fault_masking, record_level, record_vibrations
 from imu_lib.gap.absent import Absent
 from imu_lib.gap.clock_rate import Pace, paced
+from imu_lib.gap.coherence import Cross, cross_spectra
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.model_rate import at_rate
 from imu_lib.gap.shared_noise import shared_noise
@@ -201,9 +202,10 @@ def _in_common(about: Prepared) -> Prepared:
     )
     shaking, nameless = record_vibrations.parted(found)
     calm = {name: x - known.get(name, 0.0) for name, x in about.raw.items()}
-    about = _without_absent(about, found, calm)
+    cross = cross_spectra(calm, about.fs)
+    about = _without_absent(about, found, cross)
     bases = None if about.model is None else about.model.channels
-    shared, note, left = shared_noise(calm, about.fs, about.held, bases)
+    shared, note, left = shared_noise(cross, about.fs, about.held, bases)
     noise = {
         name: float(np.sqrt(sum(p.N**2 for p in _all(about.held, shared) if name in p.channels)))
         for name in about.raw
@@ -221,7 +223,7 @@ def _in_common(about: Prepared) -> Prepared:
     )
 
 
-def _without_absent(about: Prepared, found: list[Finding], calm: dict[str, np.ndarray]) -> Prepared:
+def _without_absent(about: Prepared, found: list[Finding], cross: Cross) -> Prepared:
     """With the given model less what the record does not have."""
     model, raw, fs = about.model, about.raw, about.fs
     if model is None:
@@ -231,7 +233,7 @@ def _without_absent(about: Prepared, found: list[Finding], calm: dict[str, np.nd
         *absent.of_vibrations(model, found, raw, fs),
         *absent.of_lines(model, raw, fs),
         *absent.of_spikes(model, raw, fs),
-        *absent.of_common(model, calm, fs),
+        *absent.of_common(model, cross, fs),
     ]
     left = absent.without(model, gone, found)
     seen = [f.process for f in found]

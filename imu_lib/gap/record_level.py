@@ -9,7 +9,7 @@ from typing import Any
 from imu_lib.gap import reliability
 from imu_lib.gap.effects.common_mode import CommonMode
 from imu_lib.gap.effects.competitor import process_parameters
-from imu_lib.gap.effects.jitter import LEAST, Jitter
+from imu_lib.gap.effects.jitter import Jitter, is_even
 from imu_lib.gap.effects.time_gaps import TimeGaps
 from imu_lib.gap.steps import Step, step_of
 from imu_lib.model import Model
@@ -24,8 +24,7 @@ def timing(record: Record, model: Model | None) -> tuple[list[Step], str | None]
     for effect in (TimeGaps(), Jitter()):
         found = None if effect.name in held else effect.detect(record)
         if found is not None:
-            even = effect.name == Jitter.name and found.process.sd * record.rate < LEAST
-            if not even:  # stamps of a clock that changes its rate, and do nothing else
+            if not is_even(found, record.rate):
                 steps.append(step_of(found))
             if found.doubt:
                 return steps, found.doubt

@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 from imu_lib.arrays import Array
 from imu_lib.errors import UndefinedFormError
 from imu_lib.gap import coherence
-from imu_lib.gap.coherence import Cross, cross_spectra
+from imu_lib.gap.coherence import Cross
 from imu_lib.processes import CommonMode, LowPass, Sum, WhiteNoise
 
 #: Gain in log-likelihood that noise in common has to bring.
@@ -62,19 +62,19 @@ class Place:
 
 
 def shared_noise(
-    channels: dict[str, Array],
+    seen: Cross,
     fs: float,
     held: tuple[CommonMode, ...] = (),
     bases: Mapping[str, Sum] | None = None,
 ) -> tuple[CommonMode | None, dict[str, Any], str | None]:
-    """Noise in common: the process or None, what was found on the way, and a sentence where
-    another coherence is left.
+    """Noise in common of channels of which `seen` are the cross-spectra: the process or None, what
+    was found on the way, and a sentence where another coherence is left.
 
     `held` are the base model's own processes in common, `bases` its channels (name -> `Sum`).
     """
-    if len(channels) < 2:
+    if len(seen.names) < 2:
         return None, {}, None
-    seen, bases = cross_spectra(channels, fs), bases or {}
+    bases = bases or {}
     filters = [bases[name].low_pass if name in bases else None for name in seen.names]
     passed = np.column_stack([let_through(low_pass, seen.f, fs) for low_pass in filters])
     seen = _without_held(seen, held, passed)

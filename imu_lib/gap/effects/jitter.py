@@ -63,6 +63,13 @@ class Jitter(Effect):
         return found
 
 
+def is_even(found: Finding, rate: float) -> bool:
+    """Whether a finding of the stamps, at `rate` Hz, is that their clock changes its rate and does
+    nothing else.
+    """
+    return found.effect.name == Jitter.name and bool(found.process.sd * rate < LEAST)
+
+
 def _late(slots: Array, time: Array, changes: float | None) -> np.ndarray:
     """Stamps against an even clock, or against two where the rate `changes` at a time, s."""
     if changes is None:
