@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.effects.saturation import Saturation
 from imu_lib.gap.effects.stuck import Stuck
 from imu_lib.processes import Sum, from_json
 from imu_lib.samples.innovations import Smooth
@@ -75,3 +76,21 @@ def test_a_grid_so_wide_that_rounding_quiets_the_noise_is_no_error():
     for model in (Sum.of(from_json(e) for e in base), None):
         found = analyse("gyro_x", np.rint(smooth / lsb) * lsb, FS, model)
         assert "resolution" in [s.effect for s in found.steps]
+
+
+def test_of_two_levels_each_is_an_end_and_none_a_rail():
+    x = np.where(np.random.default_rng(7).random(8000) < 0.57, 0.0, 1.0)
+    assert Saturation().detect(x, 1.0, None) is None
+
+
+def test_noise_that_becomes_quieter_on_a_coarse_grid_is_not_stuck():
+    """The twin by which equal neighbours are expected becomes quieter as the record does."""
+    rng = np.random.default_rng(8)
+    kernel = np.ones(9) / 3
+    x = np.convolve(rng.standard_normal(20_000), kernel, "same")
+    x[12_000:] *= 0.45
+    x = np.rint(x / 0.7) * 0.7
+    loud = Rounding(x, Smooth(x, 200.0), (0.7, 0.0)).loudness
+    assert loud[16_000] / loud[6_000] == pytest.approx(0.45, rel=0.15)
+    found = analyse("gyro_x", x, 200.0, None)
+    assert "stuck" not in [s.effect for s in found.steps]

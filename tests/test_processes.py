@@ -308,7 +308,7 @@ def test_sum_keeps_its_order_and_its_labels():
         ({"process": "white_noise", "N": 1, "K": 2}, "unknown parameter 'K'"),
         ({"process": "gauss_markov", "sigma": 1, "correlation_time": 0}, "above zero"),
         ({"process": "autoregressive", "phi": [], "sigma": 1, "rate": 1}, "list of numbers"),
-        ({"process": "low_pass", "taps": 3, "order": 2}, "give one of"),
+        ({"process": "low_pass", "taps": 3, "smoothing": 1}, "goes with neither"),
         ({"N": 1}, "key 'process'"),
         ([], "key 'process'"),
     ],

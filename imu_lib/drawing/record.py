@@ -30,7 +30,7 @@ from imu_lib.stream import CHUNK, Scratch, bounds
 
 _STAGES = (*ON_NOISE, Spikes, Saturation, Resolution, Stuck)
 #: Where the noise with heavy tails that is drawn behind the filter is kept.
-TAILED = "tailed"
+BEHIND = "behind"
 _ON_RECORD = (*SHARED, *LOST, RateError, Jitter, TimeGaps)
 
 
@@ -142,6 +142,10 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
     for term in sum_.terms:
         if term is sum_.rounding:
             continue
+        if term.behind_filter:
+            drawn = chunks(term, n, fs, rng, size=size, folder=folder)
+            _add(drawn, BEHIND in parts, parts.setdefault(BEHIND, Scratch(n, folder=folder)))
+            continue
         tailed = sum_.tails is not None and isinstance(term, WhiteNoise)
         if tailed and low_pass is not None:
             _add_tailed(parts, term, sum_, n, fs, rng, size, folder)
@@ -153,11 +157,16 @@ def draw_channel(sum_: Sum, n, fs, rng, *, size=CHUNK, folder=None, temperature=
         drawn = chunks(term, total, rate, rng, **options)
         if tailed:
             drawn = _tailed(sum_.tails, drawn, total, term.N * np.sqrt(rate), rng, folder)
-        at = 0
-        for x in drawn:
-            part.write(at, x if first else part.read(at, at + x.size) + x)
-            at += x.size
+        _add(drawn, not first, part)
     return _behind(sum_, parts, n, total, fs, fine, rng, size, common, folder)
+
+
+def _add(drawn, more, part):
+    """Pieces into a Scratch, to what is there where `more` is set."""
+    at = 0
+    for x in drawn:
+        part.write(at, part.read(at, at + x.size) + x if more else x)
+        at += x.size
 
 
 def _tailed(tails, pieces, total, sd, rng, folder):
@@ -174,8 +183,8 @@ def _tailed(tails, pieces, total, sd, rng, folder):
 
 def _add_tailed(parts, term, sum_, n, fs, rng, size, folder):
     """White noise with heavy tails behind a filter, at the record's rate."""
-    first = TAILED not in parts
-    part = parts.setdefault(TAILED, Scratch(n, folder=folder))
+    first = BEHIND not in parts
+    part = parts.setdefault(BEHIND, Scratch(n, folder=folder))
     reach, at = len(folded.response(sum_.low_pass, fs)) - 1, 0
     drawn = chunks(term, n + reach, fs, rng, size=size)
     known = np.zeros(0)
@@ -196,8 +205,8 @@ def _behind(sum_, parts, n, total, fs, fine, rng, size, common, folder):
     slow, quick = read(False), read(True)
     if sum_.low_pass is not None:
         slow, quick = (_filtered(sum_.low_pass, x, fs, n, size, fine) for x in (slow, quick))
-    if TAILED in parts:
-        quick = _added(quick, parts[TAILED])
+    if BEHIND in parts:
+        quick = _added(quick, parts[BEHIND])
     levels = [
         wandering(s, n, fs, rng, size, folder) if isinstance(s, WanderingLevel) else s
         for s in sum_.stages
@@ -246,7 +255,7 @@ def _filtered(low_pass, pieces, fs, n, size, fine):
         if low_pass.taps is not None:
             width = before + 1
             known = np.zeros(width - 1) if state is None else state
-            y = lfilter(np.full(width, 1.0 / width), [1.0], np.concatenate([known, x]))[width - 1 :]
+            y = lfilter(low_pass.window(before), [1.0], np.concatenate([known, x]))[width - 1 :]
             state = np.concatenate([known, x])[x.size :]
         elif low_pass.smoothing:
             b = low_pass._memory(steps * fs)

@@ -53,7 +53,7 @@ class Draws:
             amplitude = next(p.name for p in term.parameters if p.kind == "amplitude")
             unit = term.with_(**{amplitude: 1.0})
             part = quick if term.fast else slow
-            if tails is not None and isinstance(term, WhiteNoise):
+            if tails is not None and isinstance(term, WhiteNoise) and not term.behind_filter:
                 bare, sd = self.unit(unit, count, None), float(np.sqrt(self.fs))
                 one = tails.given(bare, sd, self.rng("tails"))
                 one = one if low_pass is None else _behind(one, low_pass, self.fs)

@@ -187,7 +187,7 @@ def _wild(left: Preprocessed) -> bool:
     the most is run.
     """
     checks = stationarity.stationarity(
-        left.quiet, left.channel.fs, left.clean.smooth, coarse_steps=left.coarse_steps
+        left.quiet, left.channel.fs, left.view.smooth, coarse_steps=left.coarse_steps
     )
     return min((c.log_p for c in checks), default=0.0) < VETO
 

@@ -61,6 +61,11 @@ class Clean:
     filled: int = 0
     uneven: bool = False
 
+    @property
+    def rounding(self) -> np.ndarray | float:
+        """Density that rounding leaves in the bins."""
+        return 2.0 * self.white / self.smooth.fs if self.extra is None else self.extra
+
 
 @dataclass(frozen=True)
 class Levels:

@@ -66,10 +66,7 @@ def of_model(found: Finding, given: Sum | None) -> bool:
 def model_level(clean: Any, terms: list[Any], low_pass: LowPass | None, fs: float) -> float:
     """Variance of the fast noise as a multiple of what the given noises have."""
     layout = clean.smooth.layout
-    s = with_extra(
-        layout.spectrum(terms, low_pass),
-        clean.extra if clean.extra is not None else 2.0 * clean.white / fs,
-    )
+    s = with_extra(layout.spectrum(terms, low_pass), clean.rounding)
     k = layout.slow
     return float(np.average(clean.smooth.level[k:] / s[k:], weights=clean.smooth.count[k:]))
 

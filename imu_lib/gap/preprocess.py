@@ -121,7 +121,7 @@ class Preprocessed:
     def bared(self, state: State) -> tuple[np.ndarray, np.ndarray, Smooth]:
         """What a state leaves of the samples, its innovations, and the spectrum that whitens it."""
         rest = self.data.x - state.deterministic
-        smooth = Smooth(rest, self.channel.fs)
+        smooth = Smooth(rest, self.channel.fs).above(self.clean.rounding)
         return rest, whitened(rest, smooth) / self.clean.swing, smooth
 
 
@@ -136,12 +136,17 @@ def preprocessed(
     terms = _noises(channel, given, clean)
     held_terms = len(terms) - (0 if given is None else len(given.noise.terms))
     view, of_noise, doubts = noise_level.settled(_view(channel, given, clean, terms))
+    # what brings the noise to one level does so with the rounding, which had one
+    stages = () if given is None else given.stages
+    held = [s.factor(len(view.x), channel.fs) for s in stages if isinstance(s, NoiseLevelChange)]
+    scales = [*held, *(f.scale for f in of_noise if f.scale is not None)]
+    less = float(np.mean(np.prod(scales, axis=0) ** -2.0)) if scales else 1.0
     data = Data(
         view.x + clean.coarse,
         channel.fs,
-        white=clean.white,
+        white=less * clean.white,
         temperature=channel.temperature,
-        extra=clean.extra,
+        extra=None if clean.extra is None else less * clean.extra,
         blind=clean.blind,
         missing=np.isnan(channel.raw),
     )
@@ -149,7 +154,7 @@ def preprocessed(
     for effect in effects.SIGNALS:
         found, data = held_out.steady(*effect.find(data), data)
         lines += [item for item, _ in found if not effect.foreseen(item, given, data)]
-    quiet = whitened(data.x - clean.coarse, clean.smooth) / clean.swing if lines else view.y
+    quiet = whitened(data.x - clean.coarse, view.smooth) / clean.swing if lines else view.y
     findings = [*clean.findings, *of_noise, *lines]
     left = Preprocessed(
         channel,
@@ -203,7 +208,8 @@ def _view(
 ) -> ChannelView:
     """What the effects on the noise of the channel see."""
     fs, low_pass = channel.fs, None if given is None else given.low_pass
-    x, y = clean.x - _drift(channel, given), whitened(clean.x - clean.coarse, clean.smooth)
+    smooth = clean.smooth.above(clean.rounding)
+    x, y = clean.x - _drift(channel, given), whitened(clean.x - clean.coarse, smooth)
     level = 1.0 if given is None else noise_level.model_level(clean, terms, low_pass, fs)
     known = 0.0 if channel.of_record.known is None else channel.of_record.known
     untouched = np.abs(channel.raw - clean.x - known) < 1e-3 * (clean.step or np.inf)
@@ -214,7 +220,7 @@ def _view(
         np.where(untouched, channel.raw, np.nan),
         clean.coarse + known + trend(clean.x - clean.coarse, clean.smooth.m),
         fs,
-        clean.smooth,
+        smooth,
         given,
         level,
         channel.temperature,

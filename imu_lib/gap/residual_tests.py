@@ -71,16 +71,17 @@ def spectrum(state: State) -> list[Check]:
     ends = min(0.5 * EDGE * state.data.fs, begins)
     out = [_worst(f[f < ends], nu[f < ends], ratio[f < ends])[0]]
     level = state.fit.expected[seen]
-    for part in (f >= begins, (f >= ends) & (f < begins)):
+    passed = np.median(level[f < begins] if (f < begins).any() else level)
+    down = 10 * np.log10(passed / level)
+    gone = (f >= begins) & (down > GONE)
+    for part in (gone, (f >= begins) & ~gone, (f >= ends) & (f < begins)):
         if not part.any():
             continue
         found, decibel, at = _worst(f[part], nu[part], ratio[part])
         # at the end what is too low is the filter against folding, what is too high is not
         most = FALLS * (decibel < 0.0)
         if ends == begins:  # the deeper the filter takes the noise down, the less its shape matters
-            passed = level[f < begins] if (f < begins).any() else level
-            down = 10 * np.log10(np.median(passed) / level[part][at])
-            most = SHAPE * max(1.0, float(down) / DEEP)
+            most = np.inf if part is gone else SHAPE * max(1.0, down[part][at] / DEEP)
         out.append(replace(found, domain=ROLL_OFF, size=abs(decibel) / max(most, 1e-9)))
     return out
 
@@ -115,8 +116,9 @@ def _worst(f: Array, nu: Array, ratio: Array) -> tuple[Check, float, int]:
 #: half the sampling rate from which on what is too low is its end; dB that its shape there may
 #: differ from the catalogue's (a ripple, another order), and that such an end may fall.
 ROLL_OFF, CORNER, EDGE, SHAPE, FALLS = "roll-off", 0.7, 0.96, 1.5, 6.0
-#: dB by which a filter takes the noise down beyond which its shape may differ by more.
-DEEP = 10.0
+#: dB by which a filter takes the noise down beyond which its shape may differ by more, and where a
+#: thousandth is left, of which the shape matters to nobody.
+DEEP, GONE = 10.0, 30.0
 #: Relative accuracy that is asked of a model spectrum.
 MODEL = 0.004
 
@@ -281,7 +283,7 @@ def checks(
         *spectrum(second),
         *slow_checks,
         *stationarity(y, fs, smooth, coarse_steps=coarse_steps),
-        *resonances(state, y),
+        *resonances(state, y, smooth),
         residual_autocorrelation(state, rest),
     ]
     if not coarse_steps:

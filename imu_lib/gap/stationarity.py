@@ -14,6 +14,8 @@ from imu_lib.gap.state import State
 from imu_lib.likelihood.evaluate import with_extra
 from imu_lib.samples.innovations import Smooth
 
+#: Share of a band that whitening leaves from which on it tells of the noise.
+HEARD = 0.9
 #: Streams that may take turns.
 TURNS = (2, 3, 4)
 
@@ -34,11 +36,15 @@ def stationarity(y: Array, fs: float, smooth: Smooth, *, coarse_steps: bool = Fa
     k = len(y) // m
     if k >= 32:
         edges = np.unique(np.round(np.geomspace(3, m // 2, 9)).astype(int))
-        passed = smooth.stop_band(m)
-        # outside of what is little but leakage from elsewhere
-        bands = [(a, b) for a, b in zip(edges[:-1], edges[1:]) if passed[a:b].mean() >= 0.9]
+        bands = _heard([*zip(edges[:-1], edges[1:])], smooth, m)
         out += _levels(_block_powers(y, m), fs, bands, (4, 32), excess)
     return out
+
+
+def _heard(bands: list[tuple[int, int]], smooth: Smooth, m: int) -> list[tuple[int, int]]:
+    """The bands outside of what is little but leakage from elsewhere, or rounding."""
+    passed = smooth.stop_band(m)
+    return [(a, b) for a, b in bands if passed[a:b].mean() >= HEARD]
 
 
 def _alternates(y: Array, independent: float) -> list[Check]:
@@ -136,7 +142,7 @@ def _levels(
 DOUBTFUL = 1.5
 
 
-def resonances(state: State, y: Array) -> list[Check]:
+def resonances(state: State, y: Array, smooth: Smooth) -> list[Check]:
     """Whether a noise that was added at a place in the spectrum is there all the time and all over
     its width: a tone that wanders or sweeps fills the same place on average."""
     places = [state.assembly.place(c) for c in state.items if c.effect.local]
@@ -157,6 +163,9 @@ def resonances(state: State, y: Array) -> list[Check]:
         )
         joins = sorted({max(1, k // g) for g in (8, 32, 128)})
         power = _block_powers(y, m)
-        for bands in ([(edges[0], edges[-1])], [*zip(edges[:-1], edges[1:])]):
+        narrow = _heard([*zip(edges[:-1], edges[1:])], smooth, m)
+        if not narrow:
+            continue
+        for bands in ([(narrow[0][0], narrow[-1][1])], narrow):
             out += [replace(c, log_p=c.log_p - DOUBTFUL) for c in _levels(power, fs, bands, joins)]
     return out

@@ -28,7 +28,7 @@ from .temperature import Temperature
 from .vibration import Vibration
 from .walk import RandomWalk
 from .wandering_level import WanderingLevel
-from .white import Quantization, WhiteNoise
+from .white import Quantization, ReadOutNoise, WhiteNoise
 
 #: Processes of a channel, by the name in the error-model file.
 OF_CHANNEL: dict[str, type[Process]] = {
@@ -36,6 +36,7 @@ OF_CHANNEL: dict[str, type[Process]] = {
     for cls in (
         Constant,
         WhiteNoise,
+        ReadOutNoise,
         Quantization,
         Flicker,
         RandomWalk,
@@ -149,6 +150,7 @@ __all__ = [
     "Ramp",
     "RandomWalk",
     "RateError",
+    "ReadOutNoise",
     "Resolution",
     "Saturation",
     "Sinusoid",

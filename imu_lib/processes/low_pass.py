@@ -20,15 +20,15 @@ from .stage import Stage
 
 
 @lru_cache(maxsize=256)
-def _half_power(taps: int) -> float:
-    """Frequency, as a share of the rate, at which the power gain of a moving average is one
-    half.
+def _half_power(taps: int, times: int) -> float:
+    """Frequency, as a share of the rate, at which the power gain of a moving average that is taken
+    so many times is one half.
     """
     if taps < 2:
         return 0.5
     return float(
         brentq(
-            lambda x: np.sin(taps * x) / (taps * np.sin(x)) - np.sqrt(0.5),
+            lambda x: np.sin(taps * x) / (taps * np.sin(x)) - 0.5 ** (0.5 / times),
             1e-9,
             np.pi / taps - 1e-9,
             xtol=1e-15,
@@ -41,10 +41,11 @@ def _half_power(taps: int) -> float:
 class LowPass(Stage):
     """Low-pass filter of the sensor, run at `rate` and read out at the sampling rate.
 
-    Give `taps` (a moving average), `order` (a Butterworth filter with -3 dB at `cutoff`) or
-    `smoothing` = 1 (exponential smoothing y_k = y_{k-1} + a (x_k - y_{k-1}), its weight a such
-    that -3 dB lies at `cutoff`). A `rate` that is a multiple of the sampling rate is a filter
-    inside the sensor, decimated.
+    Give `taps` (a moving average; with an `order` so many of them one behind the other, as in a
+    decimator of cascaded integrators and combs, Hogenauer 1981), `order` alone (a Butterworth
+    filter with -3 dB at `cutoff`) or `smoothing` = 1 (exponential smoothing
+    y_k = y_{k-1} + a (x_k - y_{k-1}), its weight a such that -3 dB lies at `cutoff`). A `rate` that
+    is a multiple of the sampling rate is a filter inside the sensor, decimated.
 
     Parameters
     ----------
@@ -64,21 +65,21 @@ class LowPass(Stage):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("cutoff", "frequency", "-3 dB, Hz", optional=True),
         Parameter("taps", "count", "of a moving average", optional=True),
-        Parameter("order", "count", "of a Butterworth filter", optional=True),
+        Parameter("order", "count", "of a Butterworth filter; of moving averages", optional=True),
         Parameter("rate", "frequency", "at which the filter runs, Hz", optional=True),
         Parameter("smoothing", "count", "1: exponential smoothing", optional=True),
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if sum(kind is not None for kind in (self.taps, self.order, self.smoothing)) > 1:
-            raise InputError("process low_pass: give one of `taps`, `order` and `smoothing`")
+        if self.smoothing is not None and (self.taps is not None or self.order is not None):
+            raise InputError("process low_pass: `smoothing` goes with neither `taps` nor `order`")
         if self.taps is not None and self.taps < 1 or self.order is not None and self.order < 1:
             raise InputError("process low_pass: `taps` and `order` must be at least 1")
         if self.smoothing not in (None, 1):
             raise InputError("process low_pass: `smoothing` is 1 or left out")
         if self.taps is not None and self.rate is not None and self.cutoff is None:
-            object.__setattr__(self, "cutoff", _half_power(self.taps) * self.rate)
+            object.__setattr__(self, "cutoff", _half_power(self.taps, self.times) * self.rate)
 
     @property
     def complete(self) -> bool:
@@ -87,7 +88,12 @@ class LowPass(Stage):
     @property
     def tunable(self) -> bool:
         """Whether its cutoff may lie anywhere; that of a moving average follows from its taps."""
-        return self.order is not None or self.smoothing is not None
+        return self.taps is None and (self.order is not None or self.smoothing is not None)
+
+    @property
+    def times(self) -> int:
+        """How often the moving average is taken."""
+        return self.order or 1
 
     def ratio(self, fs: float) -> int:
         """Filter steps per sample at the sampling rate `fs`."""
@@ -116,7 +122,7 @@ class LowPass(Stage):
                 h = np.where(
                     np.abs(np.sin(x)) < 1e-12, 1.0, np.sin(self.taps * x) / (self.taps * np.sin(x))
                 )
-            return h * h
+            return (h * h) ** self.times
         self._check(rate)
         if self.smoothing:
             b = self._memory(rate)
@@ -137,7 +143,7 @@ class LowPass(Stage):
         turn = 2 * np.pi * np.asarray(f, dtype=float) / rate
         if self.taps is not None:
             side_lobe = np.sin(0.5 * self.taps * turn) * np.sin(0.5 * turn) < 0
-            return -0.5 * (self.taps - 1) * turn + np.pi * side_lobe
+            return self.times * (-0.5 * (self.taps - 1) * turn + np.pi * side_lobe)
         if self.smoothing:
             return -np.angle(1.0 - self._memory(rate) * np.exp(-1j * turn))
         return np.angle(sosfreqz(self._sos(rate), worN=turn)[1])
@@ -168,20 +174,27 @@ class LowPass(Stage):
         Hz: 2 steps, 3 taps). What moves faster needs the grid of the filter itself: `fine`.
         """
         ratio = self.ratio(fs)
-        if self.taps is not None and not fine:
+        if self.taps is not None and self.times == 1 and not fine:
             coarse = np.gcd(ratio, self.taps)
             return ratio // coarse, self.taps // coarse - 1
         if self.taps is not None:
-            return ratio, self.taps - 1
+            return ratio, self.times * (self.taps - 1)
         rate = ratio * fs
         return ratio, int(np.ceil(3.0 * (self.order or 1) * rate / self.cutoff))
+
+    def window(self, before: int) -> np.ndarray:
+        """Weights of the last samples in the moving averages, shape (before + 1,)."""
+        one = np.full(before // self.times + 1, 1.0 / (before // self.times + 1))
+        out = one
+        for _ in range(self.times - 1):
+            out = np.convolve(out, one)
+        return out
 
     def run(self, x: Array, fs: float, n: int, fine: bool = False) -> Array:
         """Filter `x` on the grid of `grid(fs, fine)` and read out n samples."""
         steps, before = self.grid(fs, fine)
         if self.taps is not None:
-            width = before + 1
-            y = lfilter(np.full(width, 1.0 / width), [1.0], x)
+            y = lfilter(self.window(before), [1.0], x)
         elif self.smoothing:
             b = self._memory(steps * fs)
             y = lfilter([1.0 - b], [1.0, -b], x - x[0]) + x[0]

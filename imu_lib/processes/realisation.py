@@ -75,6 +75,9 @@ def of(
     for term in model.terms:
         if term is model.rounding:
             continue
+        if term.behind_filter:
+            of_record += term.simulate(n, fs, rng)
+            continue
         tails, density = (model.tails, term.N) if isinstance(term, WhiteNoise) else (None, 0.0)
         if tails is not None and low_pass is not None:
             longer = n + len(folded.response(low_pass, fs)) - 1

@@ -72,6 +72,23 @@ class WhiteNoise(Process):
 
 
 @dataclass(frozen=True)
+class ReadOutNoise(WhiteNoise):
+    """White noise that is added behind the low-pass filter, as that of a converter: the floor of
+    the filter's stop band.
+
+    Parameters
+    ----------
+    N : float, signal unit / sqrt(Hz)
+    """
+
+    name: ClassVar[str] = "read_out_noise"
+
+    @property
+    def behind_filter(self) -> bool:
+        return True
+
+
+@dataclass(frozen=True)
 class Quantization(Process):
     """Quantization in the sense of IEEE Std 952: a white error of variance Q^2 on the *integrated*
     output.

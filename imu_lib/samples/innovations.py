@@ -4,6 +4,8 @@ neighbours foretell.
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
@@ -16,6 +18,8 @@ FREEDOM = 24.0
 #: Share of the mean spectrum below which a stop band is not followed where samples are drawn or
 #: lines are looked for.
 STOP_BAND_DEPTH = 1e-5
+#: Share of the spectrum at the most that is taken for rounding.
+ROUNDED = 0.99
 
 
 def trend(x: Array, m: int) -> np.ndarray:
@@ -68,6 +72,17 @@ class Smooth:
             + floor
         )
         self._cache: dict[int, np.ndarray] = {}
+        self._heard: np.ndarray | None = None
+
+    def above(self, rounding: Array | float) -> Smooth:
+        """The same to whiten by, so that a band counts by its share of what is not `rounding` (a
+        density in the bands): behind a filter that is all there is, and it has no part in what
+        becomes of the noise.
+        """
+        share = 1.0 - np.clip(rounding / self.level, 0.0, ROUNDED)
+        out = copy(self)
+        out._cache, out._heard = {}, (share / np.max(share)) ** 2
+        return out
 
     def slow_too(self, size: int) -> np.ndarray:
         """As `on`, with the slow end of the record's own spectrum and further down into a stop
@@ -81,7 +96,10 @@ class Smooth:
             s = self.between(self.level, size)
             # below a thousandth of the mean there is nothing but the arithmetic of a filter's stop
             # band
-            self._cache[size] = np.maximum(s, 1e-3 * np.mean(s))
+            floored = np.maximum(s, 1e-3 * np.mean(s))
+            if self._heard is not None:
+                floored /= self.between(self._heard, size)
+            self._cache[size] = floored
         return self._cache[size]
 
     def between(self, values: Array, size: int) -> np.ndarray:
@@ -165,8 +183,9 @@ def _filter(x: Array, gain: Array, size: int) -> np.ndarray:
 
 def whitened(x: Array, smooth: Smooth) -> np.ndarray:
     """The fast part of a record as white noise of variance 1 (zero phase)."""
-    size = padded_size(len(x))
-    return _filter(x - trend(x, smooth.m), 1.0 / np.sqrt(smooth.on(size) * smooth.fs / 2), size)
+    size, left = padded_size(len(x)), np.mean(smooth.stop_band(2048))
+    gain = 1.0 / np.sqrt(left * smooth.on(size) * smooth.fs / 2)
+    return _filter(x - trend(x, smooth.m), gain, size)
 
 
 def surprises(x: Array, smooth: Smooth) -> np.ndarray:

@@ -36,6 +36,8 @@ def moments(sd: float, points: int = 129) -> tuple[Array, Array, Array]:
 
 #: Share of the variance after the rounding that was there before, at the least.
 LEAST = 0.02
+#: Parts of the record whose loudness is measured, and samples of one at the least.
+PARTS, SHORTEST = 16, 500
 
 
 class Rounding:
@@ -52,7 +54,8 @@ class Rounding:
     ) -> None:
         self.smooth, (self.step, offset), self.n = smooth, grid, len(x)
         self.steps = steps
-        level = (trend(x, smooth.m) - offset) / self.step
+        slow = trend(x, smooth.m)
+        level, self._noise = (slow - offset) / self.step, (x - slow) / self.step
         after = smooth.sample_variance / self.step**2
         self.coarse = after < 1 / COARSE**2
         added = 1 / 12 if steps is None else steps.variance
@@ -89,9 +92,24 @@ class Rounding:
         smooth = self.smooth
         return smooth.level * self.variance * self.step**2 / smooth.sample_variance
 
-    def _drawn(self, level: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+    @cached_property
+    def loudness(self) -> Array:
+        """How loud the noise is through the record before the rounding, shape (n,), of mean square
+        1, in `PARTS`.
+        """
+        x, m = self._noise, max(self.n // PARTS, SHORTEST)
+        k = max(self.n // m, 1)
+        square = np.array([np.mean(part**2) for part in np.array_split(x, k)])
+        added = 1 / 12 if self.steps is None else self.steps.variance
+        sd = np.sqrt(np.maximum(square - added, LEAST * square))
+        centre = (np.arange(k) + 0.5) * self.n / k
+        return np.interp(np.arange(self.n), centre, sd / np.sqrt(np.mean(sd**2)))
+
+    def _drawn(
+        self, level: Array, rng: np.random.Generator, loud: Array | float = 1.0
+    ) -> tuple[Array, Array]:
         """The signal before the rounding with noise of the spectrum `level` in the bins, and after
-        it.
+        it; `loud` (n,) is how loud that is through the record.
         """
         size = self.n + self.n % 2
         noise = np.fft.irfft(
@@ -99,7 +117,7 @@ class Rounding:
             * np.sqrt(self.smooth.between(level, size) * self.smooth.fs / 2),
             size,
         )[: self.n]
-        before = self.base * self.step + noise
+        before = self.base * self.step + loud * noise
         if self.steps is not None:
             return before, self.steps.rounded(before / self.step)
         return before, np.rint(before / self.step)
@@ -115,9 +133,9 @@ class Rounding:
                 if self.coarse or self.steps is not None
                 else np.maximum(level - self.step**2 / (6 * fs), 0.02 * level)
             )
-            return self._drawn(before, rng)[1]
+            return self._drawn(before, rng, self.loudness)[1]
         noise = of_integral.psd(self.smooth.layout.frequency, fs)
-        before, _ = self._drawn(np.maximum(level - noise, 0.02 * level), rng)
+        before, _ = self._drawn(np.maximum(level - noise, 0.02 * level), rng, self.loudness)
         return np.rint(of_integral.round(before, fs, rng) / self.step)
 
     def extra(self, rng: np.random.Generator) -> np.ndarray:

@@ -27,8 +27,9 @@ REACH, SLOPES = 2.0, 81
 #: that which a steady frequency leaves; power that no noise reaches; share of the band that it has
 #: to cross.
 STRAIGHT, BENT, BEYOND, CROSSED = 0.5, 0.6, 20.0, 0.4
-#: Samples of the band in which the frequency is taken for a straight line.
-SECTION = 64
+#: Samples of the band in which the frequency is taken for a straight line, and in which one that
+#: goes from end to end all the time has to turn the phase away from a steady one's, in half turns.
+SECTION, TURNS = 64, 2.0
 #: Share of the time from which down half of the power of a band comes in bursts.
 BURSTS = 0.2
 #: Crossings of its mean, and standard deviation of its logarithm, from which on an amplitude
@@ -115,7 +116,8 @@ def sweeps(x: Array, width: float, crossed: float, frequency: float, *, whole: b
     whole : bool
         Whether the tone is there all the time.
     """
-    parts = np.array_split(x, max(1, round(len(x) / SECTION)))
+    bent = TURNS * np.sqrt(len(x) * width / max(crossed, 1e-9))  # samples until it shows
+    parts = np.array_split(x, max(1, round(len(x) / max(SECTION, bent))))
     slope = [
         _slope(part, width, crossed * len(part) / len(x) + width / len(part)) for part in parts
     ]

@@ -13,6 +13,7 @@ from imu_lib import words
 from imu_lib.arrays import Array
 from imu_lib.processes import Vibration as Process
 from imu_lib.timing import folded
+from imu_lib.vibrations.behaviour import SWEEPS
 from imu_lib.vibrations.coherent_band import Band
 from imu_lib.vibrations.families import weak_lines
 from imu_lib.vibrations.forest import Forest
@@ -40,6 +41,8 @@ class Shake:
     bands: list[tuple[float, float]] = field(default_factory=list)
     signal: dict[str, Array] = field(default_factory=dict)
     doubt: str = ""
+    #: Whether its frequency goes from one end of its band to the other.
+    sweeps: bool = False
 
 
 def of_family(
@@ -113,7 +116,10 @@ def _of_lines(f0: float, lines: list[Line], transforms: Transforms, shortest: fl
         one = process.with_(start=start, stop=stop)
         share = 1.0 if start is None or stop is None else (stop - start) / total
         text = where(one, best.strength, transforms.duration, transforms.fs)
-        out.append(Shake(one, gain * share, text, intervals, bands))
+        swept = best.strange == SWEEPS
+        if swept:
+            text += f"; {SWEEPS} between {best.place.low:.4g} and {best.place.high:.4g} Hz"
+        out.append(Shake(one, gain * share, text, intervals, bands, sweeps=swept))
     return out
 
 
@@ -157,6 +163,13 @@ def of_tone(source: Source, transforms: Transforms) -> Shake:
     alone = replace(source, spans=())
     (shake,) = of_family(0.0, [alone], transforms, 0.0)
     (name,) = source.channels
+    if source.strange == SWEEPS:
+        shake.doubt = (
+            f"a tone of this channel alone, {10 * np.log10(1 + source.strength):.0f} dB above the "
+            f"noise: {SWEEPS} between {source.place.low:.4g} and {source.place.high:.4g} Hz; no "
+            "effect of the catalogue does that"
+        )
+        return shake
     when = loudest(transforms, name, shake.bands[0])
     shake.doubt = (
         f"a tone at {source.frequency:.4g} Hz, {10 * np.log10(1 + source.strength):.0f} dB above "

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from imu_lib.arrays import Array
+from imu_lib.vibrations.behaviour import coherent
 from imu_lib.vibrations.transforms import Transforms
 
 #: Gain in log-likelihood from which on a channel feels what another one shows, and power over its
@@ -48,16 +49,22 @@ def felt_on(
     share: float,
     found_on: set[str],
     louder: dict[str, float] | None = None,
+    *,
+    wide: bool = False,
 ) -> dict[str, tuple[float, float]]:
     """Channels that feel it: name -> (power over the surroundings, gain); `louder` is the level of
-    these at that time, by channel.
+    these at that time, by channel. Over a `wide` band a spectrum may bend by as much as another
+    channel's rises: there a channel that did not show it by itself has to move with one that did.
     """
     out = {}
     dof = max(on.sum() * share, 1.0)
     for name, x in z.items():
         r = float(np.mean(np.abs(x[on]) ** 2)) / share / (louder or {}).get(name, 1.0)
         gain = dof * (r - 1 - np.log(max(r, 1e-9))) if r > 1 else 0.0
-        if name in found_on or gain > FELT and r > LEAST:
+        felt = gain > FELT and r > LEAST
+        if felt and wide and name not in found_on:
+            felt = any(coherent([x[on], z[other][on]]) for other in found_on)
+        if name in found_on or felt:
             out[name] = (max(r, 1.0 + 1e-6), float(gain))
     return out
 

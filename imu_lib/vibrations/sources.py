@@ -31,6 +31,8 @@ from imu_lib.vibrations.transforms import Transforms
 
 #: Width over frequency up to which what several channels show at one place is one cause.
 NARROW = 0.04
+#: Share of the band of a tone that sweeps by which it may begin and end outside of it.
+ENDS = 0.1
 #: Width over that of a stronger place from which on what is faint is what is left beside it.
 WIDE = 1.6
 
@@ -94,11 +96,12 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
     count = len(next(iter(z.values())))
     time = (np.arange(count) + 0.5) / count * transforms.duration
     on = (time >= place.start) & (time <= place.stop)
-    felt = felt_on(z, on, (b - a) / count, found_on)
+    broad = place.high - place.low > NARROW * place.high
+    felt = felt_on(z, on, (b - a) / count, found_on, wide=broad)
     wide = _Wide.around(felt, a, b, transforms)
     spans = wide.episodes(transforms.duration)
     on = within(spans, time)
-    felt = felt_on(z, on, (b - a) / count, found_on, beside(spans, a, b, transforms))
+    felt = felt_on(z, on, (b - a) / count, found_on, beside(spans, a, b, transforms), wide=broad)
     frequency, frequency_sd, bandwidth = _width(z, felt, on, a, b, transforms)
     best = max(felt, key=lambda name: felt[name][1])
     ratio = felt[best][0]
@@ -110,6 +113,21 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
         free = dof if bandwidth == 0 else min(dof, 1 + bandwidth * transforms.duration * on.mean())
         spread = (2 * (r - 1) + 1) / dof + (0 if bandwidth == 0 else (r - 1) ** 2 / free)
         sd[name] = float(0.5 * amplitude[name] * np.sqrt(spread) / max(r - 1.0, 1e-6))
+    strange = wide.strange(
+        {
+            "spans": spans,
+            "frequency": frequency,
+            "bandwidth": bandwidth,
+            "crossed": (b - a) / transforms.duration,
+        },
+        best,
+        transforms.duration,
+    )
+    if strange == SWEEPS:  # it is all over its band, and the windows that found it end within
+        more = ENDS * (place.high - place.low)
+        top = min(place.high + more, 0.495 * transforms.fs)
+        place = replace(place, low=max(place.low - more, 0.5 * place.low), high=top)
+        frequency, bandwidth = 0.5 * (place.low + place.high), place.high - place.low
     return Source(
         place,
         frequency,
@@ -121,16 +139,7 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
         float(sum(g for _, g in felt.values())),
         fading(z[best][on], ratio),
         float(ratio - 1.0),
-        wide.strange(
-            {
-                "spans": spans,
-                "frequency": frequency,
-                "bandwidth": bandwidth,
-                "crossed": (b - a) / transforms.duration,
-            },
-            best,
-            transforms.duration,
-        ),
+        strange,
         bandwidth < NARROW * frequency or coherent([z[name][on] for name in felt]),
         *_amplitude(wide, best, bandwidth < NARROW * frequency and not spans),
     )

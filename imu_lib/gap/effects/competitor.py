@@ -30,6 +30,9 @@ SLOPE_BESIDE_FILTER = (0 + 1) / (6 + 2)
 #: The same of a noise that forgets within `SHORT` s: of four beside a Chebyshev filter, which the
 #: catalogue does not have, none was there.
 QUICK_BESIDE_FILTER = (0 + 1) / (4 + 2)
+#: And without one: exponential smoothing, or a filter with something beside it, leaves the same
+#: spectrum.
+QUICK_ALONE = 0.5
 
 
 class Competitor(Effect):
@@ -161,10 +164,12 @@ def factor(value: float, sd: float) -> list[float]:
 
 def most_beside_filter(parameters: dict[str, Any], beside: list[Effect]) -> float:
     """Confidence at the most in a noise with a correlation time beside the effects of its channel:
-    a quick one fills what is left where a filter has another shape than the catalogue's.
+    a quick one stands for a filter, or fills what is left where that has another shape than the
+    catalogue's.
     """
-    quick = parameters["correlation_time"] < SHORT
-    return QUICK_BESIDE_FILTER if quick and any(e.rolls_off for e in beside) else 1.0
+    if parameters["correlation_time"] >= SHORT:
+        return 1.0
+    return QUICK_BESIDE_FILTER if any(e.rolls_off for e in beside) else QUICK_ALONE
 
 
 def near_record(state: State, candidate: Candidate) -> float:

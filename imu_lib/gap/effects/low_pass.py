@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -10,12 +11,12 @@ import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.gap.candidate import Assembly, Candidate
-from imu_lib.gap.data import SCREEN
+from imu_lib.gap.data import SCREEN, Data
 from imu_lib.gap.state import State
-from imu_lib.likelihood.evidence import Maximum
+from imu_lib.likelihood.evidence import AMPLITUDE_WIDTH, Maximum
 from imu_lib.likelihood.layout import Images, Layout
 from imu_lib.likelihood.slot import FILTER, Slot
-from imu_lib.processes import Autoregressive, Process, WhiteNoise
+from imu_lib.processes import Autoregressive, Process, ReadOutNoise, WhiteNoise
 from imu_lib.processes import LowPass as Stage
 
 from .competitor import Competitor, factor, process_parameters
@@ -24,6 +25,9 @@ from .parameter_change import elsewhere
 if TYPE_CHECKING:
     from imu_lib.gap.rounds import Weighed
 
+#: Gain in log-likelihood from which on a filter is tried with a floor in its stop band, bands that
+#: tell of one, and how far below the strongest ones it has to be.
+FLOORED, WIDTH, DOWN = 10.0, 9, 10.0
 #: Filters of different kinds that are fitted at the most.
 MOST_KINDS = 5
 #: Share of the spectrum at its weakest below which a free white noise has vanished, and the log
@@ -51,11 +55,18 @@ class LowPass(Competitor):
         inner = [
             Stage(taps=k, rate=10 * fs) for k in (*range(11, 64), *range(64, 120, 4)) if k % 10
         ]
+        decimators = [
+            Stage(taps=k, order=p, rate=rate)
+            for p in (2, 3)
+            for rate, widths in ((fs, range(2, 9)), (10 * fs, range(6, 48)))
+            for k in widths
+        ]
         cutoffs = np.geomspace(0.01, 0.47, 22) * fs
-        kinds = ({"smoothing": 1}, *({"order": k} for k in (1, 2, 3, 4)))
+        kinds = ({"smoothing": 1}, *({"order": k} for k in (1, 2, 3, 4, 6, 8)))
         return (
             moving
             + inner
+            + decimators
             + [
                 Stage(**kind, cutoff=float(c), rate=rate)
                 for rate in (fs, 10 * fs)
@@ -76,29 +87,53 @@ class LowPass(Competitor):
         data, s0 = state.cleaned, state.fit.expected
         power, count = state.fit.remaining, state.problem.stats.count
         stages, gains = _gains(self, data.layout, data.fs)
-        s = np.maximum((s0 - data.extra) * gains + data.extra, 1e-9 * s0)
-        gain = 0.5 * np.sum(count * np.log(s0 / s) + power / s0 - power / s, axis=1)
+
+        def gained(floor: float) -> Array:
+            s = np.maximum((s0 - data.extra) * gains + data.extra + floor, 1e-9 * s0)
+            return np.asarray(0.5 * np.sum(count * np.log(s0 / s) + power / s0 - power / s, axis=1))
+
+        gain, floor = gained(0.0), _floor(power, count, data)
+        raised = np.zeros(len(gain), bool)
+        if floor > 0.0:
+            above = gained(floor)
+            raised = above > gain + FLOORED
+            gain = np.where(raised, above, gain)
         out: list[Candidate] = []
         kinds = set()
         for i in np.argsort(-gain, kind="stable"):
             stage = stages[i]
-            kind = (stage.order, stage.smoothing, stage.rate)
+            kind = (stage.order, stage.smoothing, stage.rate, bool(stage.taps))
             if gain[i] < SCREEN or len(out) == MOST_KINDS:
                 break
             if kind in kinds or not all(_behind(t, stage, data.fs) for t in state.fit.terms):
                 continue
             kinds.add(kind)
             slot = self.slot(data.fs) if stage.tunable else None
-            # a moving average is one of some eighty, a filter one of five kinds at one of two rates
-            rarity = np.log(80.0) if stage.taps else np.log(10.0)
-            out.append(Candidate(self, stage, slot, screen=float(gain[i]), bonus=-rarity))
+            # a moving average is one of some eighty, several in a row are of a hundred, a filter is
+            # one of seven kinds at one of two rates
+            rarity = np.log(100.0 if stage.order else 80.0) if stage.taps else np.log(14.0)
+            note = {"N": float(np.sqrt(floor / 2.0))} if raised[i] else {}
+            out.append(
+                Candidate(self, stage, slot, screen=float(gain[i]), bonus=-rarity, note=note)
+            )
         return out
 
     def enter(self, assembly: Assembly, candidate: Candidate) -> None:
+        if candidate.note:
+            place = len(assembly.terms)
+            assembly.slots[place] = Slot(place, ("N",), (-60.0,), (30.0,), (AMPLITUDE_WIDTH,))
+            assembly.terms.append(ReadOutNoise(**candidate.note))
         assembly.set_filter(candidate)
 
     def settled(self, state: State, candidate: Candidate) -> Candidate:
-        return replace(candidate, process=state.fit.low_pass)
+        note = {"N": _behind_it(state.fit.terms).N} if candidate.note else {}
+        return replace(candidate, process=state.fit.low_pass, note=note)
+
+    def where(self, state: State, candidate: Candidate) -> str:
+        text = super().where(state, candidate)
+        if candidate.note:
+            text += f"; behind it a floor of white noise, N {_behind_it(state.fit.terms).N:.2g}"
+        return text
 
     def against(self, rival: Weighed) -> float:
         """A rival that needs the white noise to vanish."""
@@ -127,6 +162,26 @@ class LowPass(Competitor):
             sd = np.sqrt(max(state.fit.cov[at[0], at[0]], 0.0))
             intervals["cutoff"] = factor(process.cutoff, sd)
         return process_parameters(process), intervals
+
+
+def _floor(power: Array, count: Array, data: Data) -> float:
+    """Density of a floor that the fast bands, of the sums `power` of `count` ordinates, leave room
+    for beyond what the electronics add; 0 where none stands out.
+    """
+    k, kernel = data.layout.slow, np.ones(WIDTH)
+    ordinates = np.convolve(count[k:], kernel, "valid")
+    if not np.any(ordinates > 0):
+        return 0.0
+    level = np.convolve(power[k:], kernel, "valid") / np.maximum(ordinates, 1e-300)
+    level = np.where(ordinates > 0, level, np.inf)
+    at = int(np.argmin(level))
+    floor = float(level[at] - np.convolve(data.extra[k:], kernel, "valid")[at] / WIDTH)
+    return floor if 0.0 < DOWN * floor < np.max(level[np.isfinite(level)]) else 0.0
+
+
+def _behind_it(terms: Iterable[Process]) -> ReadOutNoise:
+    """The floor behind the filter."""
+    return next(t for t in terms if isinstance(t, ReadOutNoise))
 
 
 def _behind(term: Process, stage: Stage, fs: float) -> bool:

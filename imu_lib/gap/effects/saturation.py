@@ -37,7 +37,7 @@ def _piled(x: Array, step: float | None, side: float) -> float:
         return np.inf
     k = np.rint((top - y) / step).astype(np.int64)
     h = np.bincount(k[k < 4], minlength=4).astype(float)
-    if h[0] < MIN_LEVEL:
+    if h[0] < MIN_LEVEL or k.max() < 2:  # of two levels each is an end
         return 0.0
     # the logarithm of a rounded normal's occupation is concave: the last level is below the line
     # of the two before it

@@ -23,6 +23,7 @@ from imu_lib.vibrations.families import folds, grouped
 from imu_lib.vibrations.mains import of_mains
 from imu_lib.vibrations.skirts import widened
 from imu_lib.vibrations.sources import NARROW, Source, sources
+from imu_lib.vibrations.sweeps import joined
 from imu_lib.vibrations.transforms import Transforms
 
 from .base import Effect, Finding
@@ -108,7 +109,8 @@ class Vibration(Effect):
     ) -> list[Shake]:
         """Lines and families of lines."""
         places = narrow_band.of_all(quick, transforms.fs, least=least)
-        found = [s for s in sources(places, transforms) if self._is_one(s, given, transforms)]
+        found = joined(sources(places, transforms), transforms.duration)
+        found = [s for s in found if self._is_one(s, given, transforms)]
         swept = {c for s in found if s.strange == SWEEPS for c in s.channels}
         out: list[Shake] = []
         families = grouped([t for s in found for t in apart(s)], transforms)
@@ -164,9 +166,13 @@ class Vibration(Effect):
 
     @staticmethod
     def _is_tone(family: list[Source], swept: set[str]) -> bool:
-        """Whether it is a tone of one channel whose amplitude rises and falls."""
+        """Whether it is a tone of one channel whose amplitude rises and falls, or that sweeps."""
         s = family[0]
-        alone = len(family) == 1 == len(s.channels) and not swept & set(s.channels)
+        if len(family) > 1 or len(s.channels) > 1:
+            return False
+        if s.strange == SWEEPS:
+            return True
+        alone = not swept & set(s.channels)
         return alone and s.strange == BREATHES and s.bandwidth < NARROW * s.frequency
 
 
@@ -177,7 +183,9 @@ EFFECTS = (VIBRATION,)
 def _with_bands(shakes: list[Shake], quick: dict[str, Array], fs: float) -> list[Shake]:
     """Lines and, in place of the wide ones that lie in them, bands that channels share."""
     lines = [
-        s.process for s in shakes if s.bands and s.process.bandwidth < NARROW * s.process.frequency
+        s.process
+        for s in shakes
+        if s.bands and (s.sweeps or s.process.bandwidth < NARROW * s.process.frequency)
     ]
     bands = [of_band(band) for band in coherent_band.bands(quick, fs, lines)]
     bands = [b for b in bands if _matters(b.process, quick)]
