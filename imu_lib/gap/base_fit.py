@@ -131,17 +131,16 @@ def _likeliest(families: list[State], best: State | None = None) -> tuple[State,
 
 def _filtered(data: Data, held: Sequence[Any], best: State) -> State:
     """The best state, or the likeliest base behind a filter in the sensor, where there is one."""
-    levels = [c for c in best.items if c.signal is not None]
+    levels, trials = [c for c in best.items if c.signal is not None], []
     for share in BELOW:
         low = best.cleaned.below(share * data.fs)
         below = max(_families(low, held, best.drifts), key=_worth).settled()
         items = [*below.items, *levels]
         bare = State(data, below.base, items)
         for item in (c for e in COMPETITORS if e.rolls_off for c in e.candidates(bare)):
-            trial = State(data, below.base, [*items, item], base_slots=below.base_slots)
-            if trial.evidence > best.evidence + MIN_FILTER_EVIDENCE:
-                best = trial
-    return best
+            trials.append(State(data, below.base, [*items, item], base_slots=below.base_slots))
+    top = max(trials, key=lambda trial: trial.evidence, default=best)
+    return top if top.evidence > best.evidence + MIN_FILTER_EVIDENCE else best
 
 
 def _two_levels(best: State, families: list[State]) -> State:

@@ -33,7 +33,7 @@ from imu_lib.gap.preprocess import Channel, OfRecord, Preprocessed, preprocessed
 from imu_lib.gap.state import MIN_EVIDENCE, State
 from imu_lib.gap.steps import Step, step_of, steps_of_items
 from imu_lib.gap.tailed_part import of_white_noise
-from imu_lib.processes import Sum
+from imu_lib.processes import ReadOutNoise, Sum
 from imu_lib.samples.uneven import uneven
 
 #: Confidence in one of two readings of a grid that the record does not tell apart, and in a
@@ -268,7 +268,8 @@ def _capped(
             else s.capped(left_beside.most_sure(s.effect, s.parameters, unexplained, lines))
             for s in steps
         ]
-    if len(state.fit.slots) - len(state.base_slots) > 2:
+    floors = sum(isinstance(t, ReadOutNoise) for t in state.fit.terms)  # these come with a filter
+    if len(state.fit.slots) - len(state.base_slots) - floors > 2:
         return [s.capped(MOST_AMONG_MANY) for s in steps]
     return steps
 

@@ -25,6 +25,9 @@ DROP, GRID, RATIOS = 0.5 * 3.84, 25, np.linspace(-0.4, 0.4, 9)
 #: Log-likelihood that a beginning and an end within the record have to bring over a change that
 #: goes on all the time: two parameters, at 95 %.
 WHOLE = 0.5 * 5.99
+#: Cosines of the record in which a change bends away from a straight one, standard deviations from
+#: which on one is seen, and their share of the change at the most: more is no growing.
+BENDS, SEEN, PART = 5, 3.0, 0.35
 #: Trial shapes.
 PLACES = len(BEGINNINGS) * len(LENGTHS)
 
@@ -55,10 +58,13 @@ class GradualLevel(ChannelEffect):
         if gain < GAIN + HANDICAP:
             return []
         scale = process.factor(len(y), view.fs)
+        path = np.log(scale[(np.arange(level.k) * level.m)])
+        bent = _bent(level, path)
+        scale = scale * np.exp(bent(np.arange(len(y))))
         after = unsteady(y / scale, view.fs, independent)
         if after is not None and after[0] < STEADY:
             return []
-        path = np.log(scale[(np.arange(level.k) * level.m)])
+        uneven = ", faster and slower by turns" if np.any(bent(np.arange(level.k))) else ""
         start, stop = process.time, process.time + (process.duration or 0.0)
         ratio = process.ratio
         return [
@@ -67,7 +73,7 @@ class GradualLevel(ChannelEffect):
                 process,
                 gain - HANDICAP,
                 f"variance of the innovations: {behaviour(path, view.temperature, wholly=True)}, "
-                f"from {max(start, 0.0):.0f} to {min(stop, len(y) / view.fs):.0f} s",
+                f"from {max(start, 0.0):.0f} to {min(stop, len(y) / view.fs):.0f} s{uneven}",
                 {"ratio": [ratio * np.exp(-1.96 * spread), ratio * np.exp(1.96 * spread)], **when},
                 scale=scale,
                 places=PLACES,
@@ -134,6 +140,26 @@ def fitted(
         "duration": [float(lengths.min()) - step, min(whole, float(lengths.max()) + step)],
     }
     return -float(r.fun), process, float(spread), when
+
+
+def _bent(level: Level, path: Array) -> Callable[[Array], Array]:
+    """By how much the logarithm of the level bends away from the `path` (k,) of a straight change,
+    at samples: its slowest cosines where they stand out, nothing where together they are no small
+    part of the change.
+    """
+    whole = level.k * level.m
+    centre = (np.arange(level.k) + 0.5) * level.m
+    orders = np.arange(1, BENDS + 1)
+
+    def cosines(at: Array) -> Array:
+        return np.cos(np.pi * orders * np.minimum(at / whole, 1.0)[:, None])
+
+    rest = level.log - path
+    size = 2.0 / level.k * ((rest - rest.mean()) @ cosines(centre))
+    size = np.where(np.abs(size) > SEEN * np.sqrt(2.0 * level.noise / level.k), size, 0.0)
+    if np.std(cosines(centre) @ size) > PART * np.std(path):
+        size = np.zeros(BENDS)
+    return lambda at: cosines(at) @ size
 
 
 def _all_the_time(loss: Callable[[Array], float], start: Array) -> Array:
