@@ -12,7 +12,7 @@ import numpy as np
 
 from imu_lib.gap.effects.base import Finding
 from imu_lib.gap.state import State
-from imu_lib.processes import CommonMode, HeavyTails, WhiteNoise, folded
+from imu_lib.processes import CommonMode, HeavyTails, ReadOutNoise, WhiteNoise, folded
 
 #: Share of the variance from which on it is all of it.
 ALL = 0.97
@@ -21,7 +21,7 @@ ALL = 0.97
 def of_white_noise(findings: list[Finding], state: State) -> list[Finding]:
     """The findings, those of tails with what the white noise of the state's model has."""
     white = [t for t in state.fit.terms if isinstance(t, WhiteNoise)]
-    own = [t for t in white if not isinstance(t, CommonMode)]
+    own = [t for t in white if not isinstance(t, (CommonMode, ReadOutNoise))]
     if not own:
         return findings
     return [_of_part(f, own, state) if isinstance(f.process, HeavyTails) else f for f in findings]
