@@ -141,6 +141,47 @@ def test_alignment_levels_and_finds_the_heading(drive):
     assert alignment.level(np.array([0.0, 0.0, -9.8])) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize("velocity", [True, False])
+def test_a_start_in_motion_does_not_follow_a_wild_fix(drive, velocity):
+    moving = drive.slice(100.0, None)
+    if not velocity:
+        moving = moving.with_(gnss_velocity=None, gnss_velocity_sd=None)
+    plain = _start(moving)
+    wild = np.flatnonzero(moving.gnss_time >= plain.used - 1e-6)[0]
+    position = np.array(moving.gnss_position)
+    position[wild] = earth.shift(position[wild], np.array([60.0, -60.0, 20.0]))
+    changes = {"gnss_position": position}
+    if velocity:
+        changes["gnss_velocity"] = np.array(moving.gnss_velocity)
+        changes["gnss_velocity"][wild] += [12.0, -12.0, 0.0]
+    found = _start(moving.with_(**changes))
+    for start in (plain, found):
+        when = moving.time[0] + (start.epoch - 1) / moving.rate
+        row = np.searchsorted(moving.reference_time, when)
+        apart = start.attitude[2] - moving.reference_attitude[row, 2]
+        assert abs(np.angle(np.exp(1j * apart))) < 0.1
+        away = earth.meters(start.position, moving.reference_position[row])
+        assert np.linalg.norm(away) < 15.0
+    assert found.epoch != plain.epoch
+
+
+def test_a_standstill_does_not_end_where_a_fix_is_wild(drive):
+    plain = _start(drive)
+    position, velocity = np.array(drive.gnss_position), np.array(drive.gnss_velocity)
+    position[0] = earth.shift(position[0], np.array([60.0, -60.0, 20.0]))
+    velocity[len(velocity) // 100] = [12.0, -12.0, 0.0]
+    assert drive.gnss_time[len(velocity) // 100] < plain.standstill - 5.0
+    found = _start(drive.with_(gnss_position=position, gnss_velocity=velocity))
+    assert found.standstill == plain.standstill
+    assert np.linalg.norm(earth.meters(found.position, drive.reference_position[0])) < 15.0
+    assert found.attitude[2] == pytest.approx(plain.attitude[2], abs=0.02)
+
+
+def _start(drive):
+    prepared = preparation.prepare(drive)
+    return alignment.align(prepared.stretches[0], prepared.fixes)
+
+
 # -- real drives ----------------------------------------------------------------------------------
 
 

@@ -11,15 +11,16 @@ import numpy as np
 from imu_lib.errors import InputError
 from imu_lib.units import DEG
 
-from . import attitude, earth
+from . import attitude, fix_velocity
+from .fix_velocity import MOVING
 from .preparation import Fixes
 from .stretch import Stretch
 
 STANDING = 0.3  # m/s: below this a fix says the car stands
-MOVING = 3.0  # m/s: above this the course is a heading
 TURNING = 0.1  # rad/s: below this turn rate
-SHORTEST = 1.0  # s before and after a fix over which its speed is taken where it has none
 SEVERAL = 20  # fixes in straight motion that the heading is taken from
+WITHIN = 10.0  # s of motion that it is taken from where the car never stood: the gyros' bias counts
+AGREE = 20.0 * DEG  # of a course with the heading of several
 
 
 @dataclass(frozen=True)
@@ -49,55 +50,6 @@ def level(force):
     return np.arctan2(-force[1], -force[2]), np.arctan2(force[0], np.hypot(force[1], force[2]))
 
 
-def velocity_of(fixes: Fixes, *, span=None):
-    """NED velocity at each fix, (m, 3): as received, or the slope of the positions over `span` s
-    where there is none (NaN at the ends; None: as long as their scatter asks for).
-    """
-    has = (fixes.use & 2) > 0
-    if has.any():
-        of = np.full((int(fixes.index.max()) + 1, 3), np.nan)
-        of[fixes.index[has]] = fixes.value[has, 3:]
-        return of[fixes.index]
-    span = _span(fixes) if span is None else span
-    out = np.full((fixes.time.size, 3), np.nan)
-    after = np.searchsorted(fixes.time, fixes.time + span)
-    before = np.searchsorted(fixes.time, fixes.time - span, side="right") - 1
-    for i in np.flatnonzero((after < fixes.time.size) & (before >= 0)):
-        part = slice(before[i], after[i] + 1)
-        time = fixes.time[part] - fixes.time[part].mean()
-        if fixes.time[after[i]] - fixes.time[before[i]] < 6.0 * span:
-            moved = earth.meters(fixes.value[part, :3], fixes.value[before[i], :3])
-            out[i] = time @ moved / (time @ time)
-    return out
-
-
-def _scatter(fixes: Fixes):
-    """Horizontal scatter of the positions from one fix to the next, m: of their second differences,
-    which hardly move with the vehicle where fixes are dense.
-    """
-    p = fixes.value[(fixes.use & 1) > 0, :3]
-    if len(p) < 10:
-        return 0.0
-    moved = earth.meters(p, p[0])[:, :2]
-    return float(np.median(np.abs(np.diff(moved, 2, axis=0))) * 1.48 / np.sqrt(6.0))
-
-
-def _slope_sd(fixes: Fixes, span):
-    """Standard deviation of a velocity that `velocity_of` takes from positions, m/s."""
-    if ((fixes.use & 2) > 0).any():
-        return 0.0
-    interval = max(float(np.median(np.diff(np.unique(fixes.time)))), 1e-3)
-    count = 2.0 * span / interval + 1.0
-    return _scatter(fixes) / (span * np.sqrt(max(count, 2.0) / 3.0))
-
-
-def _span(fixes: Fixes):
-    """Half of the time over which positions are made a velocity, s: the shortest that does not make
-    a standing car move.
-    """
-    return next((s for s in (SHORTEST, 1.5, 2.0) if 8.0 * _slope_sd(fixes, s) < MOVING), 3.0)
-
-
 def align(
     stretch: Stretch, fixes: Fixes, *, heading=None, heading_sd=10.0 * DEG, tilt_sd=1.5 * DEG
 ) -> Alignment:
@@ -119,6 +71,9 @@ def align(
             f"no GNSS position between {stretch.time[0]:.1f} and {stretch.time[-1]:.1f} s to "
             "start the filter from"
         )
+    wild = index[~fix_velocity.sound(fixes.time[index], fixes.value[index, :3])]
+    kept = np.setdiff1d(np.arange(fixes.time.size), wild)
+    fixes, index = fixes.take(kept), np.searchsorted(kept, np.setdiff1d(index, wild))
     seen = _seen(stretch, fixes, index)
     if heading is None and not seen.straight:
         raise InputError(
@@ -150,9 +105,9 @@ class _Seen:
 
 
 def _seen(stretch, fixes, index):
-    span = _span(fixes)
-    noise = 0.0 if span == SHORTEST else _slope_sd(fixes, span)
-    velocity = velocity_of(fixes)[index]
+    span = fix_velocity.span_of(fixes)
+    noise = 0.0 if span == fix_velocity.SHORTEST else fix_velocity.slope_sd(fixes, span)
+    velocity = fix_velocity.without_spikes(fix_velocity.velocity_of(fixes)[index])
     time = fixes.time[index]
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     epochs = np.minimum(np.searchsorted(stretch.time, time), stretch.time.size - 1)
@@ -207,11 +162,13 @@ def _standing(stretch, fixes, seen, heading, sds):
 
 
 def _moving(stretch, fixes, seen, heading, sds):
-    """The alignment at the first fix in straight motion; sds: of heading and tilt, rad."""
-    k = seen.straight[0] if seen.straight else seen.first
+    """The alignment at the first fix in straight motion whose course goes with that of several;
+    sds: of heading and tilt, rad.
+    """
+    k, yaw = _course(stretch, seen) if seen.straight else (seen.first, heading)
     e = int(seen.epochs[k])
     now = seen.velocity[k] if np.isfinite(seen.velocity[k]).all() else np.zeros(3)
-    yaw = np.arctan2(now[1], now[0]) if heading is None else heading
+    yaw = yaw if heading is None else heading
     acceleration = _slope(seen.time, seen.velocity, k)
     span = _around(stretch)
     force = stretch.dvel / stretch.dt[:, None]
@@ -233,6 +190,27 @@ def _moving(stretch, fixes, seen, heading, sds):
         0.0,
         float(seen.time[k]),
     )
+
+
+def _course(stretch, seen):
+    """(k, heading): the first fix in straight motion that goes where several do, the gyros' turns
+    since the first of them taken out, and the heading there by all of them.
+    """
+    begin = seen.straight[0]
+    some = [i for i in seen.straight[:SEVERAL] if seen.time[i] - seen.time[begin] <= WITHIN]
+    start = min(int(seen.epochs[begin]), len(stretch.dt) - 1)
+    since = slice(start, int(seen.epochs[some[-1]]) + 1)
+    tilts = level((stretch.dvel / stretch.dt[:, None])[since].mean(axis=0))
+    turned = _yaw_since(
+        np.array([*tilts, 0.0]),
+        (stretch.dtheta / stretch.dt[:, None])[since],
+        stretch.dt[since],
+        seen.epochs[some] - start,
+    )
+    course = np.arctan2(seen.velocity[some, 1], seen.velocity[some, 0])
+    first = _common(course - turned)
+    near = int(np.argmax(np.abs(attitude.wrap(course - turned - first)) < AGREE))
+    return some[near], float(attitude.wrap(first + turned[near]))
 
 
 def _slope(time, velocity, k, width=1.0):

@@ -7,10 +7,10 @@ import numpy as np
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
 from imu_lib.navigation import fix_faults, fix_motion, unfit, windows
+from imu_lib.navigation.fix_velocity import MOVING
 
 SHORTEST = 60.0  # s
 FEWEST = 40  # fixes
-MOVING = 3.0  # m/s
 CONTRADICTED = 0.1  # share of velocities
 
 
