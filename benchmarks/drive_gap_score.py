@@ -91,7 +91,8 @@ def score(rows):
     if judged:
         ratios = [o["after"] / max(o["true"], 1e-3) for o in judged]
         out["outage_after_over_true"] = {
-            "median": float(np.median(ratios)), "of": len(ratios),
+            "median": float(np.median(ratios)), "quantile_90": float(np.quantile(ratios, 0.9)),
+            "of": len(ratios),
             "within_tenth": rate(int(np.sum(np.array(ratios) < 1.1)), len(ratios)),
         }  # fmt: skip
     out["seconds"] = float(np.median([r["seconds"] for r in rows])) if rows else None
