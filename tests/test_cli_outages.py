@@ -147,16 +147,28 @@ def test_velocities_in_other_axes_or_units_are_not_ranked_upon(tmp_path, drive, 
     assert alone["models"]["18AV"]["ranked"] and not any("velocities" in n for n in alone["notes"])
 
 
+def test_degrees_and_minutes_read_as_degrees_are_not_put_on_the_velocities(tmp_path, drive, capsys):
+    run(tmp_path, drive.with_(gnss_position=_as_minutes(drive)), expect=2)
+    error = capsys.readouterr().err
+    assert "divide the minutes by 60" in error and "--no-velocity" not in error
+
+
+def _as_minutes(drive):
+    """Positions in ddmm.mmmm that were read as degrees."""
+    angles = np.asarray(drive.gnss_position)[:, :2] / DEG
+    whole = np.floor(angles)
+    minutes = (whole + 0.6 * (angles - whole)) * DEG
+    return np.column_stack([minutes, np.asarray(drive.gnss_position)[:, 2]])
+
+
 def test_fixes_as_files_get_them_wrong_are_told(drive):
     position, v = np.asarray(drive.gnss_position), np.asarray(drive.gnss_velocity)
     speed, course = np.hypot(v[:, 0], v[:, 1]), np.arctan2(v[:, 1], v[:, 0]) % (2.0 * np.pi)
-    whole = np.floor(position[:, :2] / DEG)
-    minutes = (whole + 0.6 * (position[:, :2] / DEG - whole)) * DEG
     for said, changes in (
         ("course, in deg", {"gnss_velocity": np.column_stack([speed, course / DEG, v[:, 2]])}),
         ("course, in rad", {"gnss_velocity": np.column_stack([speed, course, v[:, 2]])}),
         ("sign of the longitudes", {"gnss_position": position * [1.0, -1.0, 1.0]}),
-        ("divide the minutes by 60", {"gnss_position": np.column_stack([minutes, position[:, 2]])}),
+        ("divide the minutes by 60", {"gnss_position": _as_minutes(drive)}),
     ):  # fmt: skip
         assert said in fix_faults.unusable(drive.with_(**changes))
     assert fix_faults.unusable(drive) is None and fix_faults.height_ratio(drive) == 1.0

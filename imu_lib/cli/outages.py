@@ -240,8 +240,10 @@ def _frames(drive, models, velocity):
     try:
         unfit.refuse(drive)
     except InputError as error:
-        told = fix_faults.unusable(drive) or ""
-        raise InputError(f"{error} {WITHOUT}" if "velocities" in told else str(error)) from None
+        told = fix_faults.wrong_velocities(drive)
+        raise InputError(
+            f"{error} {WITHOUT}" if told and told in str(error) else str(error)
+        ) from None
     held = next(iter(models.values())).held
     held_drive = held.drive(drive)
     offset = held.value("gnss_time_offset", "offset", 0.0)

@@ -234,6 +234,11 @@ def unusable(drive: Drive) -> str | None:
     """Positions or velocities in other axes than those of a drive, said with the remedy, or
     None.
     """
+    return wrong_positions(drive) or wrong_velocities(drive)
+
+
+def wrong_positions(drive: Drive) -> str | None:
+    """Positions that are not latitude, longitude in rad, said with the remedy, or None."""
     if positions_swapped(drive):
         return (
             "the fixes' positions are longitude, latitude; a drive holds latitude, longitude: "
@@ -244,6 +249,11 @@ def unusable(drive: Drive) -> str | None:
             f"the fixes' positions move {1.0 / ratio:.2g} times as far as their velocities say, as "
             "where degrees and minutes (ddmm.mmmm) were read as degrees: divide the minutes by 60."
         )
+    return None
+
+
+def wrong_velocities(drive: Drive) -> str | None:
+    """Velocities in other axes than those of the positions, said with the remedy, or None."""
     if said := other_frame(drive):
         return said
     if upside_down(drive):
