@@ -75,6 +75,12 @@ def uncovered(drive: Drive) -> str:
     )
 
 
+def _covered(drive, duration):
+    """InputError where no window fits because the fixes cover too little of the drive."""
+    if lacking := uncovered(drive):
+        raise InputError(f"no window of {duration:g} s fits: {lacking}")
+
+
 def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, moving=1.0):
     """Windows of `duration` s, one each `every` s, from `settle` s after the first motion on;
     those slower than `moving` m/s on the mean are left out.
@@ -85,8 +91,7 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
     speed_time, speed = speeds(drive)
     moved = np.flatnonzero(speed > 3.0)
     if not moved.size:
-        if lacking := uncovered(drive):
-            raise InputError(f"no window of {duration:g} s fits: {lacking}")
+        _covered(drive, duration)
         raise InputError(
             f"{drive.name or 'the drive'} never moves faster than 3 m/s: there is nothing to "
             "compare in an outage"
@@ -94,9 +99,7 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
     first, last = np.ceil(speed_time[moved[0]] + settle), min(drive.time[-1], drive.gnss_time[-1])
     starts = np.arange(first, last - duration, every)
     if not starts.size:
-        lacking = uncovered(drive)
-        if lacking:
-            raise InputError(f"no window of {duration:g} s fits: {lacking}")
+        _covered(drive, duration)
         raise InputError(
             f"no window of {duration:g} s fits: the first would begin at {first:.4g} s, "
             f"{settle:g} s after the first motion, and the fixes and the IMU end at {last:.4g} s; "

@@ -42,7 +42,7 @@ def turned(drive: Drive, angles: Array) -> Drive:
     return drive.with_(gyro=c.apply(drive.gyro), accel=c.apply(drive.accel))
 
 
-def corrected(drive: Drive, theta: Array, moved_at: float | None = None) -> Drive:
+def corrected(drive: Drive, theta: Array, moved_at: float = np.inf) -> Drive:
     """The drive with the columns' values taken out (all but the velocity's own offset); moved_at :
     of `State`.
     """
@@ -69,23 +69,20 @@ def corrected(drive: Drive, theta: Array, moved_at: float | None = None) -> Driv
     )
 
 
-def _put_back(drive: Drive, theta: Array, known: tuple[float, float | None]) -> Array:
+def _put_back(drive: Drive, theta: Array, known: tuple[float, float]) -> Array:
     """Positions of the fixes (m, 3) without the displacement that is held after a part of the
     drive, or from one time on; known : s, by which they are late, and that time by their stamps.
     """
     offset, moved_at = known
     out = np.array(drive.gnss_position, float)
-    moved = value(theta, columns.MOVED)
-    if moved_at is not None and np.any(moved):
-        after = drive.gnss_time > moved_at
-        out[after] = earth.shift(out[after], -moved)
+    since = {columns.MOVED: moved_at - offset}
     for part, effect in columns.DISPLACED_AFTER.items():
+        since[effect] = drive.time[0] + columns.DISPLACED[part] * drive.duration
+    for effect, begin in since.items():
         moved = value(theta, effect)
-        if not np.any(moved):
-            continue
-        since = drive.time[0] + columns.DISPLACED[part] * (drive.time[-1] - drive.time[0])
-        after = drive.gnss_time - offset > since
-        out[after] = earth.shift(out[after], -moved)
+        if np.any(moved):
+            after = drive.gnss_time - offset > begin
+            out[after] = earth.shift(out[after], -moved)
     return out
 
 

@@ -106,7 +106,7 @@ def unexplained(state: State, after: Battery) -> str | None:
             sizes += "" if late is None else f"; late by {late:.3g} s"
             if effect == columns.STEP and state.step_at is not None:
                 sizes += f"; at {state.step_at:.0f} s"
-            if effect == columns.MOVED and state.moved_at is not None:
+            if effect == columns.MOVED:
                 sizes += f" m; from {state.moved_at:.1f} s on"
             parts.append(
                 f"{effect.removeprefix('other: ')} ({sizes}), which is no effect of the catalogue"

@@ -118,9 +118,8 @@ def close(
     original = known.original.with_drive(tuple(fitted))
     whole = noise.model if model is None else known.original
     whole = whole.with_drive((*fitted, *_effects(found)))
-    doubt, clocks = left.absurd(found, state, after), left.clocks(state, after)
-    told = [doubt, None, clocks, left.unexplained(state, after)]
-    result = None
+    wrong = left.absurd(found, state, after), left.clocks(state, after)
+    rest, worse, result = left.unexplained(state, after), None, None
     if known.windows and judge:
         say("outages before and after")
         models = with_constants(original), with_constants(whole)
@@ -129,11 +128,11 @@ def close(
     ratio = None if result is None else result.ratio()
     if ratio and ratio["low"] > 1.0:
         # nothing is taken that does not predict what the search has not seen
-        whole, told[1] = original, left.worse(ratio["value"])
+        whole, worse = original, left.worse(ratio["value"])
     elif ratio:
         notes += evidence.unproven(found, ratio)
-    unexplained = "; ".join(t for t in told if t) or None
-    right = after.right and not any(told[:3])
+    unexplained = "; ".join(t for t in (wrong[0], worse, wrong[1], rest) if t) or None
+    right = after.right and not any((*wrong, worse))
     reliability.give(found, reliability.left(unexplained, right))
     notes += evidence.share(found, select.ridges(state.reg, state.kept))
     notes += evidence.widening(found)

@@ -125,8 +125,7 @@ class Measured:
         acc = np.einsum("nij,nj->ni", c, f)
         acc[:, 2] += [earth.gravity(p[0], p[2]) for p in now.position]
         delay = (stretch.time[epochs] - fixes.time[rows])[:, None]
-        arm = np.einsum("nij,j->ni", c_now, lever)
-        spin = np.einsum("nij,nj->ni", c_now, np.cross(w, lever))
+        arm, spin = _of_arm(c_now, w, lever)
         value = fixes.value[rows]
         back = now.velocity * delay - 0.5 * acc * delay**2
         self.y[rows, :3] = earth.meters(now.position, value[:, :3]) + arm - back
@@ -223,14 +222,21 @@ def _settled(c: Array, c_now: Array, sd: Array) -> Array:
     return np.asarray(Rotation.from_rotvec(later).as_matrix() @ c)
 
 
+def _of_arm(c: Array, w: Array, arm: Array) -> tuple[Array, Array]:
+    """Place and velocity of the end of an arm (3,) against the sensor's, (n, 3) each; c, w :
+    attitude and turn rate.
+    """
+    spin = np.einsum("nij,nj->ni", c, np.cross(w, arm))
+    return np.einsum("nij,j->ni", c, arm), spin
+
+
 def _arm_columns(out: Array, c: Array, w: Array) -> None:
     """What a lever arm does to fixes, into out (n, 6, columns.IN_FIXES); c, w : attitude and turn
     rate there.
     """
     for k, unit in zip(columns.of("lever_arm"), np.eye(3)):
         place = columns.IN_FIXES.index(k)
-        out[:, :3, place] = -np.einsum("nij,j->ni", c, unit)
-        out[:, 3:, place] = -np.einsum("nij,nj->ni", c, np.cross(w, unit))
+        out[:, :3, place], out[:, 3:, place] = (-v for v in _of_arm(c, w, unit))
 
 
 def _smoothing(leg: Leg, force: Array, when: Array) -> Array:

@@ -67,7 +67,7 @@ class State:
     base: Noise = NOT_YET
     fitted_under: tuple[tuple[object, ...], ...] = ()
     step_at: float | None = None
-    moved_at: float | None = None
+    moved_at: float = np.inf
     free: bool = False
 
     def rebuild(self) -> None:
@@ -112,7 +112,6 @@ class State:
 
     def _build(self, loose: Array) -> None:
         self.loose = loose
-        moved = np.inf if self.moved_at is None else self.moved_at
         self.problem = build(
             correct.corrected(self.drive, self.theta, self.moved_at),
             self.noise,
@@ -121,7 +120,7 @@ class State:
             restarts=self.restarts,
             loose=loose,
             step_at=self.stepped,
-            moved_at=moved - correct.value(self.theta, "gnss_time_offset")[0],
+            moved_at=self.moved_at - correct.value(self.theta, "gnss_time_offset")[0],
         )
         away = np.zeros(self.problem.time.size, bool)
         for start, duration in self.withhold:
