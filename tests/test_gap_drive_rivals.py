@@ -11,7 +11,9 @@ from imu_lib.gap.drive import (
     columns,
     displaced,
     left,
+    posterior,
     prune,
+    random_effects,
     select,
     step_time,
     steps,
@@ -19,7 +21,7 @@ from imu_lib.gap.drive import (
     worth,
 )
 from imu_lib.gap.drive.problem import Noise
-from imu_lib.gap.drive.state import State
+from imu_lib.gap.drive.state import Change, State
 from imu_lib.model import Model
 from imu_lib.navigation import earth
 
@@ -153,7 +155,41 @@ def test_what_its_path_no_longer_asks_for_leaves(monkeypatch):
 def test_halves_that_seem_late_apart_are_chance_where_the_innovations_are_right(monkeypatch):
     monkeypatch.setattr(left.lateness, "of_halves", lambda drive: (0.0, -0.7))
     monkeypatch.setattr(left.correct, "corrected", lambda *held: held[0])
-    state = SimpleNamespace(drive=None, theta=None, moved_at=None)
+    state = SimpleNamespace(drive=None, theta=None, moved_at=np.inf)
     for right, said in ((True, False), (False, True)):
         after = SimpleNamespace(right=right)
         assert (left.clocks(state, after) is not None) == said
+
+
+def _of_one_parameter(top):
+    """A state whose log-likelihood has its top there, and what is tried of it."""
+    tried = []
+
+    def evaluate(noise):
+        tried.append(round(noise, 9))
+        return SimpleNamespace(log_likelihood=-50.0 * np.log(noise / top) ** 2)
+
+    state = SimpleNamespace(noise=1.0, evaluate=evaluate)
+    change = random_effects.Change(
+        "bias_model", ("bias_model",), (1.0,), lambda noise, v: float(v[0]), lambda v: {}
+    )
+    return state, change, tried
+
+
+@pytest.mark.parametrize(
+    "top, looked_at, best",
+    [(5.0, [1.5, 6.0, 30.0], 6.0), (0.6, [1.5, 0.67], 0.67), (1.4, [1.5, 6.0], 1.5)],
+)
+def test_values_are_tried_outward_until_the_likelihood_falls(top, looked_at, best):
+    state, change, tried = _of_one_parameter(top)
+    base = -50.0 * np.log(1.0 / top) ** 2
+    ((gain, found),) = random_effects.screen(state, 1.0, base, [change])
+    assert tried == looked_at and found.start == (best,)
+    assert gain == pytest.approx(-50.0 * np.log(best / top) ** 2 - base)
+
+
+def test_an_accepted_change_is_fitted_again_from_where_it_is():
+    state, change, tried = _of_one_parameter(1.3)
+    held = Change(change, np.array([1.0]), 1.0, 1.0)
+    assert posterior.refitted(state, held)[0] == pytest.approx(1.3, rel=0.01)
+    assert len(tried) < 12

@@ -10,6 +10,7 @@ from imu_lib.model import Model
 from imu_lib.navigation import (
     alignment,
     earth,
+    kernel,
     models,
     outages,
     preparation,
@@ -95,6 +96,24 @@ def test_starts_in_motion_and_without_velocity(drive):
     assert solution.alignments[0].standstill == 0.0 and rms(solution, drive) < 1.0
     slow = run(drive.with_(gnss_velocity=None, gnss_velocity_sd=None), MODEL)
     assert rms(slow, drive) < 2.0 and np.isnan(slow.innovation[:, 3:]).all()
+
+
+def test_a_covariance_that_goes_over_several_intervals_at_once_is_the_same(drive):
+    plain, coarse = (run(drive, MODEL, coarse=c) for c in (0.0, 0.05))
+    at_fixes = np.searchsorted(plain.time, drive.gnss_time[5:] - 1e-6)
+    sd = plain.sd[at_fixes]
+    assert np.abs(coarse.sd[at_fixes] / sd - 1.0).max() < 0.01
+    apart = earth.meters(coarse.position[at_fixes], plain.position[at_fixes])
+    assert np.abs(apart / sd[:, :3]).max() < 0.05
+
+
+def test_a_mean_over_intervals_begins_with_the_first():
+    mean, body = kernel._body(), kernel._body()
+    mean.force[:], mean.middle[:] = np.nan, np.nan  # whatever lay there
+    for number, value in enumerate((1.0, 2.0, 6.0)):
+        body.force[:], body.middle[:] = value, value
+        kernel._gather(mean, body, 1.0 / (number + 1))
+    assert np.allclose(mean.force, 3.0) and np.allclose(mean.middle, 3.0)
 
 
 def test_late_time_tags_are_put_right(path):

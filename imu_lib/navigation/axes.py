@@ -39,6 +39,9 @@ REVERSED = {
 #: its y.
 _MIRROR = ("-x", "+y", "-z")
 
+#: Steps by which fixes may be late or early: up to six seconds.
+_SHIFTS = sorted((int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)), key=abs)
+
 Names = tuple[str, ...]
 #: Permutation, how sure, runner-up, gain in nats, those that cannot be told apart from it.
 Found = tuple[Names, float, Names, float, tuple[Names, ...]]
@@ -101,30 +104,44 @@ def _costs(m, tried, leaning=0.0):
     """{permutation: misfit, nats as if samples were independent, at the best of a few seconds};
     leaning: m/s^2 by which a tilted case or a bias may move each force.
     """
-    shifts = sorted((int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)), key=abs)
-    readings = m.readings.copy()
+    tried, readings = list(tried), m.readings.copy()
     if (~m.moving).sum() > 50:
         readings[:, :3] -= np.median(readings[:, :3][~m.moving], axis=0)
-    out = {}
-    for permutation in tried:
-        c = to_body(permutation)
-        body = np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T])
-        out[permutation] = min(_cost(m, body, k, leaning) for k in shifts)
+    placed = {(i, entry) for p in tried for i, entry in enumerate(p)}
+    out = dict.fromkeys(tried, np.inf)
+    for shift in _SHIFTS:
+        seen, felt, weight = _shifted(m, readings, shift)
+        # every order and sign is a sum over the file's axes, each at one place with one sign
+        alone = {(i, entry): weight * _axis(seen, felt, i, entry, leaning) for i, entry in placed}
+        for p in tried:
+            out[p] = min(out[p], sum(alone[place] for place in enumerate(p)))
     return out
 
 
-def _cost(m, body, shift, leaning=0.0):
+def _axis(seen, felt, i, entry, leaning=0.0):
+    """Misfit of the file's axis i, gyro and accelerometer, where `entry` says that it points."""
+    sign, j = (1.0 if entry[0] == "+" else -1.0), "xyz".index(entry[1])
+    force = seen[:, 3 + j] - sign * felt[:, 3 + i]
+    if leaning and len(force):
+        force = force - np.clip(np.median(force), -leaning, leaning)
+    return _misfit((seen[:, j] - sign * felt[:, i]) / RATE_SD) + _misfit(force / FORCE_SD)
+
+
+def _misfit(z):
+    """What differences z, standard deviations, cost: those far out are not let decide, nats."""
+    z = np.abs(z)
+    return float(np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5).sum())
+
+
+def _shifted(m, readings, shift):
+    """What is expected and what is read so many steps apart where the vehicle moves, (k, 6) each,
+    and what a sample then counts.
+    """
     n = m.time.size
     a = slice(max(shift, 0), n + min(shift, 0))
     b = slice(max(-shift, 0), n - max(shift, 0))
     keep = m.moving[a]
-    apart = (m.expected[a] - body[b])[keep]
-    if leaning and len(apart):
-        apart[:, 3:] -= np.clip(np.median(apart[:, 3:], axis=0), -leaning, leaning)
-    z = apart / np.repeat([RATE_SD, FORCE_SD], 3)
-    z = np.abs(z)
-    huber = np.where(z < 3.0, 0.5 * z**2, 3.0 * z - 4.5)
-    return float(huber.sum() * (m.moving.sum() / max(keep.sum(), 1)))
+    return m.expected[a][keep], readings[b][keep], float(m.moving.sum() / max(keep.sum(), 1))
 
 
 def _temper(m, least):
@@ -145,20 +162,16 @@ def turn(drive: Drive) -> tuple[Array, float]:
     if (~m.moving).sum() > 50:
         readings[:, :3] -= np.median(readings[:, :3][~m.moving], axis=0)
     best = None
-    for shift in sorted((int(s / STEP) for s in np.arange(-6.0, 6.1, 0.4)), key=abs):
-        n = m.time.size
-        a = slice(max(shift, 0), n + min(shift, 0))
-        b = slice(max(-shift, 0), n - max(shift, 0))
-        keep = m.moving[a]
-        if keep.sum() < 50:
+    for shift in _SHIFTS:
+        seen, felt, weight = _shifted(m, readings, shift)
+        if len(seen) < 50:
             continue
-        seen, felt = m.expected[a][keep], readings[b][keep]
         # least squares of a rotation between vectors (Wahba 1965; Kabsch 1976)
         to = np.vstack([seen[:, :3] / RATE_SD, seen[:, 3:] / FORCE_SD])
         of = np.vstack([felt[:, :3] / RATE_SD, felt[:, 3:] / FORCE_SD])
         turned, _ = Rotation.align_vectors(to, of)
-        c = turned.as_matrix()
-        cost = _cost(m, np.column_stack([readings[:, :3] @ c.T, readings[:, 3:] @ c.T]), shift)
+        felt = np.column_stack([turned.apply(felt[:, :3]), turned.apply(felt[:, 3:])])
+        cost = weight * sum(_axis(seen, felt, i, "+" + "xyz"[i]) for i in range(3))
         if best is None or cost < best[0]:
             best = cost, turned
     here = _costs(replace(m, readings=readings), [IDENTITY])[IDENTITY]

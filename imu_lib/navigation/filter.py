@@ -48,10 +48,13 @@ class LooselyCoupled:
         start: Alignment | None = None,
         remove_bias=True,
         sampling="average",
+        coarse=0.0,
     ):
         """model : FilterModel, or Model (then without a bias at switch-on); heading : rad at the
         start, where known; start : the whole alignment, where known (its epoch counts in the first
-        stretch); remove_bias : take the gyros' mean at standstill off the readings
+        stretch); remove_bias : take the gyros' mean at standstill off the readings; coarse : s over
+        which the covariance may go at once between fixes (the solution itself goes at the full
+        rate; not with states that multiply readings, a constraint or wheel speed)
         """
         if isinstance(model, Model):
             model = FilterModel(model.name or "model", model)
@@ -72,6 +75,7 @@ class LooselyCoupled:
         self.patience = max(int(gnss.patience / interval), 3)
         every = max(int(round(0.1 * self.prepared.rate)), 1)
         self.constraint = np.array([0.0, every, 3.0, max(30.0 / interval, 10.0)])
+        self.coarse = coarse
         self._take(model)
 
     def _take(self, model: FilterModel):
@@ -89,6 +93,9 @@ class LooselyCoupled:
             correlated=self.held.correlated,
         )
         self.arrays = self.sensors.arrays()
+        plain = not model.constraint_sd and model.speed is None and (self.arrays.driver < 0).all()
+        every = max(int(round(self.coarse * self.prepared.rate)), 1) if plain else 1
+        self.several = self.sensors.over(every), every
         self.constraint = np.array([model.constraint_sd, *self.constraint[1:]])
         mounting, arm = self.held.mounting, self.drive.lever_arm
         self.turn = (
@@ -228,7 +235,10 @@ class LooselyCoupled:
             speed_table(stretch, begin, end, self.model.speed),
         )
         written = Written(logs, nodes)
-        kernel.run((begin, end), state, self.arrays, self.measurements, given, written, smooth)
+        several = (self.arrays, 1) if smooth else self.several
+        kernel.run(
+            (begin, end), state, self.arrays, self.measurements, given, written, smooth, several
+        )
         if not np.isfinite(logs.nav[-1:]).all() or not np.isfinite(logs.sd[-1:]).all():
             raise InputError(
                 f"the filter {self.model.name} diverged before {stretch.time[end]:.1f} s: check "

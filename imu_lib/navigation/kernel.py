@@ -34,9 +34,10 @@ class Work(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def run(span, state, sensors, how, given, written, smooth):
+def run(span, state, sensors, how, given, written, smooth, several):
     """Epochs span[0]+1 .. span[1] (epoch k ends interval k-1 of the IMU); epoch span[0] is the
-    state given.
+    state given. several : the sensors over so many intervals, and how many, over which the
+    covariance goes at once where no fix and no node comes between (1: never).
 
     The arguments are those of `structures`, `written` included; prior, phi and dx of its nodes are
     for the smoother.
@@ -49,7 +50,9 @@ def run(span, state, sensors, how, given, written, smooth):
     unpack(state.p, pieces)
     live = Live(state.nav, state.x, state.road, pieces, np.empty((3, 3)), np.empty((3, 3)))
     nav, x, c = live.nav, live.x, live.c
-    body, work, room = _body(), _work(m, sensors), _correction(n, sensors.first[6])
+    body, mean, work, room = _body(), _body(), _work(m, sensors), _correction(n, sensors.first[6])
+    coarse, every = several
+    left, size, length, extra = 0, 1, 0.0, 0.0  # of the intervals that go at once
     turn, push, dx = np.empty(3), np.empty(3), room.dx
     total, phi, rejected = np.zeros(n), np.eye(n), np.zeros(2, np.int64)
     driven, moving = (sensors.driver >= 0).any(), (sensors.white_speed > 0.0).any()
@@ -63,7 +66,18 @@ def run(span, state, sensors, how, given, written, smooth):
         reading = imu.dtheta[k], imu.dvel[k], step
         correct(reading, x, sensors, driven, work.weight, turn, push)
         _move(nav, c, turn, push, step, body)
-        _spread(nav, x, pieces, body, (step, imu.extra_noise[k], moving), sensors, work)
+        if left == 0:
+            size = every if _free(k + every, end, fixes.epoch, fix, nodes.epoch, node) else 1
+            left, length, extra = size, 0.0, 0.0
+        left -= 1
+        if size == 1:
+            _spread(nav, x, pieces, body, (step, imu.extra_noise[k], moving), sensors, work)
+        else:
+            length += step
+            extra += step * imu.extra_noise[k]
+            _gather(mean, body, step / length)
+            if left == 0:
+                _spread(nav, x, pieces, mean, (length, extra / length, moving), coarse, work)
         at_node = node < nodes.epoch.size and nodes.epoch[node] == epoch
         if smooth:
             accumulate(phi, work.a, work.d, work.weight, sensors)
@@ -92,6 +106,30 @@ def run(span, state, sensors, how, given, written, smooth):
             _keep(live, total, phi, nodes, node, smooth)
             node += 1
     pack(pieces, state.p)
+
+
+@njit(cache=True)
+def _free(until, end, fixes, fix, nodes, node):
+    """Whether no fix and no node comes before an epoch of the run."""
+    free = until <= end
+    if fix < fixes.size:
+        free = free and fixes[fix] >= until
+    if node < nodes.size:
+        free = free and nodes[node] >= until
+    return free
+
+
+@njit(cache=True)
+def _gather(mean, body, share):
+    """Attitude and force of an interval into their means over several; share : of the time until
+    now that it is: 1 for the first, before which there is nothing.
+    """
+    for i in range(3):
+        old = mean.force[i] if share < 1.0 else 0.0
+        mean.force[i] = old + share * (body.force[i] - old)
+        for j in range(3):
+            old = mean.middle[i, j] if share < 1.0 else 0.0
+            mean.middle[i, j] = old + share * (body.middle[i, j] - old)
 
 
 @njit(cache=True)

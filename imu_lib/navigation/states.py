@@ -58,6 +58,13 @@ class SensorStates:
         """Number of sensor states; the filter has nine more."""
         return self.output.size
 
+    def over(self, intervals) -> Sensors:
+        """What the kernel takes of it over several intervals at once."""
+        once, (s, q) = self.arrays(), (np.eye(self.count), np.zeros((self.count, self.count)))
+        for _ in range(intervals):
+            s, q = once.transition @ s, once.transition @ q @ once.transition.T + once.noise
+        return once._replace(transition=s, noise=q)
+
     def arrays(self) -> Sensors:
         """What the kernel takes of it."""
         return Sensors(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from . import alone, select
+from . import alone, posterior, select
 
 if TYPE_CHECKING:
     from imu_lib.gap.drive.state import State
@@ -39,11 +39,9 @@ def refit(state: State) -> None:
     """The accepted changes fitted again where the path has changed under them."""
     short = replace(state, problem=state.problem.brief())
     for found in state.changes:
-        start = replace(found.change, start=tuple(float(v) for v in found.values))
-        base = short.evaluate(state.noise).log_likelihood
-        values, gain, noise = start.fitted(short, state.noise, base)
-        if gain > 0.05 and short.problem is not state.problem:
-            gain = state.evaluate(noise).log_likelihood - state.result.log_likelihood
+        values = posterior.refitted(replace(short, noise=state.noise), found)
+        noise = found.change.enter(state.noise, values)
+        gain = state.evaluate(noise).log_likelihood - state.result.log_likelihood
         if gain > 0.05:
             found.values, state.noise = values, noise
             state.weigh()

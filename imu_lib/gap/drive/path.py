@@ -145,7 +145,9 @@ def _engine(
         flicker="markov",
         effects=(*_correlated(noise), *_vibrations(noise)),
     )
-    return LooselyCoupled(drive, model, gnss=gnss, heading=heading, remove_bias=False)
+    return LooselyCoupled(
+        drive, model, gnss=gnss, heading=heading, remove_bias=False, coarse=LINEAR_STEP
+    )
 
 
 def _jolted(stretches: Sequence[Stretch], restarts: Sequence[float]) -> None:

@@ -57,6 +57,19 @@ def intervals(state: State, found: Change) -> dict[str, list[float]]:
     return {k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]}
 
 
+def refitted(state: State, found: Change) -> Array:
+    """Values of an accepted change at the maximum near those that it has, (k,)."""
+    start = np.log(found.values)
+
+    def at(x: Array) -> float:
+        noise = found.change.enter(state.noise, np.exp(x))
+        pull = 0.5 * float(np.sum(((x - start) / random_effects.PRIOR) ** 2))
+        value = state.evaluate(noise).log_likelihood - pull
+        return value if np.isfinite(value) else -1e12
+
+    return np.exp(_maximum(at, start)[0])
+
+
 def _maximum(at: Likelihood, x: Array) -> tuple[Array, Array]:
     """The maximum, and as columns its principal axes, one standard deviation long."""
     axes = FIRST * np.eye(x.size)

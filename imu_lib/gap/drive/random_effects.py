@@ -219,33 +219,43 @@ def _white(model: Model, channel: str) -> float:
     )
 
 
-#: by which the first parameter is tried; other effects are tried at their start
-_FACTORS = {
-    "gnss_noise": (0.4, 0.67, 0.87, 1.15, 1.5, 3.0),
-    "bias_model": (0.67, 1.5, 6.0, 30.0),
-    "vibration": (0.3, 1.0, 5.0, 25.0),
+#: Factors by which the first parameter is tried, on either side of what is held outward.
+_FACTORS: dict[str, tuple[tuple[float, ...], ...]] = {
+    "gnss_noise": ((0.87, 0.67, 0.4), (1.15, 1.5, 3.0)),
+    "bias_model": ((1.5, 6.0, 30.0), (0.67,)),
+    "vibration": ((0.3, 1.0, 5.0, 25.0),),
 }
+_OTHERS = ((0.25, 1.0),)
 
 
 def screen(
     state: State, noise: Noise, base: float, options: Sequence[Change]
 ) -> list[tuple[float, Change]]:
     """Gain of a few values of each change's first parameter, the best first, one for each key:
-    [(gain, change)].
+    [(gain, change)]. What is farther off than a value that gained less than the one before it is
+    not tried: along one parameter the likelihood has one top.
     """
-    tried = []
-    for change in options:
-        for factor in _FACTORS.get(change.effect, (1.0, 0.25)):
-            first, *others = change.start
-            tried.append(replace(change, start=(first * factor, *others)))
 
-    def gain(change: Change) -> float:
-        entered = change.enter(noise, np.array(change.start, float))
-        value = state.evaluate(entered).log_likelihood - base
-        return value if np.isfinite(value) else -np.inf
+    def best(change: Change) -> tuple[float, Change]:
+        top = -np.inf, change
+        first, *others = change.start
+        for side in _FACTORS.get(change.effect, _OTHERS):
+            last = 0.0
+            for factor in side:
+                tried = replace(change, start=(first * factor, *others))
+                entered = tried.enter(noise, np.array(tried.start, float))
+                value = state.evaluate(entered).log_likelihood - base
+                value = value if np.isfinite(value) else -np.inf
+                top = max(top, (value, tried), key=lambda t: t[0])
+                if value <= last:
+                    break
+                last = value
+            if last > 0.0:
+                break
+        return top
 
     ranked: dict[tuple[str, ...], tuple[float, Change]] = {}
-    for value, change in zip(each(gain, tried), tried):
+    for value, change in each(best, options):
         if change.key not in ranked or ranked[change.key][0] < value:
             ranked[change.key] = value, change
     return sorted(ranked.values(), key=lambda g: -g[0])

@@ -177,10 +177,10 @@ def _noise_step(state: State, given: bool) -> Change | None:
     """The best change of what is random, fitted, or None."""
     whole, state = state, replace(state, problem=state.problem.brief())
     base = state.evaluate(state.noise).log_likelihood
-    options = random_effects.changes(state.problem, state.noise, given)
     taken = {c.change.key for c in state.changes}
-    ranked = random_effects.screen(state, state.noise, base, options)
-    ranked = random_effects.shortlist([r for r in ranked if r[1].key not in taken])
+    options = random_effects.changes(state.problem, state.noise, given)
+    options = [c for c in options if c.key not in taken]
+    ranked = random_effects.shortlist(random_effects.screen(state, state.noise, base, options))
     fitted = each(lambda r: r[1].fitted(state, state.noise, base), ranked)
     measured = readings.densities(state.problem)
     found = []

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -45,6 +46,7 @@ LIMIT = np.array(
 )
 
 
+LIMITS = (LIMIT / PRIOR).tolist()
 #: An error of a reading that is constant and one that grows with it: on a level road the force
 #: along an axis hardly changes, so that the two are one ridge and may each be anything.
 _CONSTANT = {"accel_bias": "accel_scale", "gyro_bias": "gyro_scale"}
@@ -127,14 +129,34 @@ class Regression:
             x[part], cov[np.ix_(part, part)] = y, c
         return x, cov, gain, part
 
+    def gain(self, index: Sequence[int]) -> float:
+        """The gain of `solve`, which costs a fraction where no value meets a limit."""
+        if not index:
+            return 0.0
+        whole, score = self._scaled
+        part = np.array(index)
+        b = score[part]
+        x = np.linalg.solve(whole[part[:, None], part], b)
+        size = dict(zip(index, np.abs(x).tolist()))
+        if any(v > LIMITS[i] for i, v in size.items()) or any(
+            size.get(bias, 0.0) > BOTH and size.get(scale, 0.0) > BOTH for bias, scale in PAIRS
+        ):
+            return self.solve(part)[2]
+        return 0.5 * float(b @ x)
+
+    @cached_property
+    def _scaled(self) -> tuple[Array, Array]:
+        """Tempered information with the priors', and score, of values in prior widths."""
+        a = self.information / self.temper * np.outer(PRIOR, PRIOR)
+        return a + np.eye(len(PRIOR)), self.score / self.temper * PRIOR
+
     def solved(self, index: Array) -> tuple[Array, Array, float]:
         """As `solve`, without limits."""
         if not index.size:
             return np.zeros(0), np.zeros((0, 0)), 0.0
-        prior = PRIOR[index]
-        a = self.information[np.ix_(index, index)] / self.temper * np.outer(prior, prior)
-        b = self.score[index] / self.temper * prior
-        factor = cho_factor(a + np.eye(index.size))
+        prior, (whole, score) = PRIOR[index], self._scaled
+        b = score[index]
+        factor = cho_factor(whole[np.ix_(index, index)])
         x = cho_solve(factor, b)
         cov = cho_solve(factor, np.eye(index.size)) * np.outer(prior, prior)
         return x * prior, cov, 0.5 * float(b @ x)
@@ -228,7 +250,7 @@ def score_of(reg: Regression, effects: Sequence[str]) -> float:
     """Penalised gain of a set of effects, nats."""
     index = [i for e in effects for i in GROUPS[e]]
     seen = [i for i in index if reg.information[i, i] > 0.0]
-    return reg.solve(seen)[2] - price(reg, effects)
+    return reg.gain(seen) - price(reg, effects)
 
 
 def price(reg: Regression, effects: Sequence[str]) -> float:
