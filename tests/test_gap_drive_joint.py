@@ -7,7 +7,18 @@ import numpy as np
 import pytest
 
 from imu_lib.drive import from_arrays
-from imu_lib.gap.drive import base_model, columns, joint, left, levels, random_effects, readings
+from imu_lib.gap.drive import (
+    base_model,
+    columns,
+    hidden,
+    joint,
+    left,
+    levels,
+    random_effects,
+    readings,
+    search,
+    shocks,
+)
 from imu_lib.gap.drive.problem import Noise
 from imu_lib.gap.drive.state import Change, State
 from imu_lib.model import Model
@@ -95,3 +106,34 @@ def test_centimetre_fixes_have_the_size_that_they_state():
     seen = state.use[:, :3]
     assert np.sqrt(np.median(state.problem.stated[:, 0])) == pytest.approx(0.008)
     assert 0.8 < np.nanmean(state.result.e[:, :3][seen] ** 2) < 1.25
+
+
+def fitted(unknown, **options):
+    state = state_of(Noise(levels.guess()), free=True, unknown=[unknown], **options)
+    base_model.hold(state, base_model.fit(state))
+    state.rebuild()
+    return state
+
+
+def test_a_shock_that_the_fitted_noise_had_hidden_is_found():
+    # accelerometers of 0.04 m/s^2/sqrt(Hz) held a pothole: no innovation stood out
+    state = fitted("pothole", velocity=False, duration=150.0)
+    assert shocks.hidden(state, lambda text: None)
+    assert abs(state.restarts[0] - 0.6 * 150.0) < 2.0
+    assert "a shock at" in left.unexplained(
+        state, SimpleNamespace(right=True, worst=lambda: ("", 0))
+    )
+
+
+def test_a_drift_that_a_fitted_walk_had_hidden_is_found():
+    state = fitted("temperature_bias", velocity=False, duration=240.0)
+    assert not state.kept
+    assert hidden.look(state, search.candidates(state.problem), lambda text: None)
+    assert state.kept == ("other: biases follow the temperature",)
+
+
+def test_nothing_is_hidden_where_nothing_is():
+    state = fitted("nothing", velocity=False, duration=150.0)
+    names = search.candidates(state.problem)
+    assert not shocks.hidden(state, lambda text: None)
+    assert not hidden.look(state, names, lambda text: None)

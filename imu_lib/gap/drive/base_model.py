@@ -61,6 +61,19 @@ def anew(state: State, say: Callable[[str], object] = lambda text: None) -> bool
     return _taken(state, short if started[0] >= started[1] else far, PRICE, say)
 
 
+def hold(state: State, noise: Noise) -> None:
+    """Hold a noise whose levels were fitted, under the changes too."""
+    fitted = {of: getattr(noise, of) for of in levels.unstated(state)}
+    state.noise, state.base = noise, state.base.with_(model=noise.model, **fitted)
+    told = {c.key: c.describe for c in random_effects.changes(state.problem, noise, False)}
+    for change in state.changes:
+        change.before = change.before.with_(model=noise.model)
+        # a vibration tells the density that it is added to
+        key = change.change.key
+        change.change = replace(change.change, describe=told.get(key, change.change.describe))
+    state.weigh()
+
+
 def settle(state: State, say: Callable[[str], object] = lambda text: None) -> None:
     """All that is random fitted at once, at the end of the search."""
     if state.changes or (state.free and (state.kept or state.restarts)):
@@ -77,24 +90,11 @@ def _taken(state: State, short: State, least: float, say: Callable[[str], object
     if not state.evaluate(found).log_likelihood - state.result.log_likelihood > least:
         return False
     before = state.copy()
-    changed = {c.change.key for c in state.changes}
-    fitted = {
-        of: getattr(found, of)
-        for of in ("position", "velocity")
-        if state.free and ("gnss_noise", of) not in changed
-    }
-    told = {c.key: c.describe for c in random_effects.changes(state.problem, found, False)}
     for part, change in zip(together.parts, state.changes):
         change.values = np.exp(x[part])
-        if not state.free:
-            continue
-        change.before = change.before.with_(model=found.model)
-        # a vibration tells the density that it is added to
-        key = change.change.key
-        change.change = replace(change.change, describe=told.get(key, change.change.describe))
     state.noise = found
     if state.free:
-        state.base = state.base.with_(model=found.model, **fitted)
+        hold(state, found)
     if not worth.no_worse(before, state):
         say("the noise fitted again does not help in outages: taken back")
         state.noise, state.base, state.changes = before.noise, before.base, before.changes

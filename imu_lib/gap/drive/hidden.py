@@ -14,7 +14,7 @@ from .hold import held
 from .state import State
 
 #: By which walks of gyros and accelerometers are made smaller.
-SMALLER = ((0.1, 1.0), (1.0, 0.1), (0.1, 0.1), (0.01, 0.1))
+SMALLER = ((0.3, 1.0), (1.0, 0.3), (0.1, 1.0), (1.0, 0.1), (0.3, 0.3), (0.1, 0.1))
 MARGIN = 3.0  # nats
 TRIED = 2  # on paths of their own
 
@@ -53,9 +53,7 @@ def _promising(state: State, names: list[str]) -> Iterator[State]:
         best = int(np.argmax(worth))
         if worth[best] - lost < MARGIN:
             continue
-        trial.base = trial.base.with_(model=trial.noise.model)
-        for change in trial.changes:
-            change.before = change.before.with_(model=trial.noise.model)
+        base_model.hold(trial, trial.noise)
         found.append((worth[best] - lost, trial, more[best]))
     for _, trial, effect in sorted(found, key=lambda f: -f[0])[:TRIED]:
         held(trial, (*state.kept, effect), freely=True)

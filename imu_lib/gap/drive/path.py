@@ -25,6 +25,8 @@ from .measured import Measured, at_fixes, span_of
 from .problem import Noise, Problem, for_search, turn_on_of
 
 JOLT = 1e6  # times the white noise, about a shock: readings that clip say nothing
+# rad/s and m/s^2 per sqrt(Hz): no more than that, or the path has no attitude afterwards
+MOST_JOLT = np.repeat([0.1, 5.0], 3)
 GATE = 1.0 - 1e-9  # probability that a right fix passes
 LINEAR_STEP = 0.05  # s of one linear step
 # standard deviations of fixes, m and m/s: the best of a receiver, and what a path follows
@@ -61,7 +63,7 @@ def build(
     stated = fixes.variance / np.repeat(np.square(factors), 3)
     fixes.variance[:] = np.maximum(fixes.variance, FOLLOWED**2)
     _trust_velocities(fixes, split=bool(velocity_shift))
-    _jolted(prepared.stretches, restarts)
+    _jolted(prepared.stretches, restarts, noise)
     end = min(float(drive.time[-1]), float(fixes.time[-1])) - 1.0
     solution = _without(fixes, drive, wild, lambda: engine.solve(moments=[end]))
     bias = _bias(engine, solution)
@@ -150,12 +152,15 @@ def _engine(
     )
 
 
-def _jolted(stretches: Sequence[Stretch], restarts: Sequence[float]) -> None:
+def _jolted(stretches: Sequence[Stretch], restarts: Sequence[float], noise: Noise) -> None:
     """Make the readings about shocks say nothing."""
+    terms = [noise.model[c].terms for c in CHANNELS]
+    density = np.array([sum(t.N**2 for t in p if isinstance(t, WhiteNoise)) for p in terms])
+    jolt = max(min(JOLT, float(np.min(MOST_JOLT**2 / np.maximum(density, 1e-30)))), 1.0)
     for stretch in stretches:
         for when in restarts:
             near = (stretch.time[:-1] > when - 0.3) & (stretch.time[:-1] < when + 0.3)
-            stretch.extra_noise[near] = JOLT
+            stretch.extra_noise[near] = jolt
 
 
 def _trust_velocities(fixes: Fixes, split: bool = False) -> None:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from imu_lib.gap.drive.problem import Noise
     from imu_lib.gap.drive.state import Change, State
 
+PRICE_OF_SHOCK = 25.0  # nats
 DOUBTED = 8.0  # times its price: effects that gain less are tried without
 
 
@@ -29,7 +30,7 @@ def noises(state: State, say: Callable[[str], object]) -> None:
         state.problem.arrays = {**kept, "begins": begins}
         value = state.evaluate(state.noise).log_likelihood
         state.problem.arrays = kept
-        if state.result.log_likelihood - value < 25.0:
+        if state.result.log_likelihood - value < PRICE_OF_SHOCK:
             say(f"the shock at {when:.1f} s taken out again")
             state.restarts = tuple(r for r in state.restarts if r != when)
             state.rebuild()

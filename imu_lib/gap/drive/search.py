@@ -25,6 +25,7 @@ from . import (
     random_effects,
     readings,
     select,
+    shocks,
     step_time,
     swap,
 )
@@ -38,7 +39,6 @@ Say = Callable[[str], object]
 ROUNDS = 14
 FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
-STANDS_OUT = 3.0  # times the usual size: from here on a shock is tried
 LEAST_FAR = 0.06  # of the logarithm of the innovations' size
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
@@ -98,6 +98,7 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
         again = alone.exchange(state, say)
         if random and state.reg.temper < FAR:  # nothing small is told apart far from a right model
             names = candidates(state.problem)
+            again |= state.free and shocks.hidden(state, say)
             again |= state.free and hidden.look(state, names, say)
             again |= across.exchange(state, names, lambda s: _noise_step(s, given), say)
         if not again:
@@ -115,7 +116,7 @@ def _random_step(state: State, noise: Change | None, promise: float, given: bool
     and than the other: whether something is held that was not.
     """
     gain = noise.gain if noise is not None else 0.0
-    shock = _shock_step(state)
+    shock = shocks.step(state)
     if shock is not None and shock[0] > max(promise, gain):
         state.restarts = (*state.restarts, shock[1])
         say(f"a shock at {shock[1]:.1f} s, {shock[0]:.0f} nats")
@@ -204,35 +205,3 @@ def _accept(state: State, found: Change) -> None:
     """Hold a change of what is random."""
     state.noise = found.noise
     state.changes.append(found)
-
-
-def _shock_step(state: State) -> tuple[float, float] | None:
-    """(gain, time) of a restart of the filter where the innovations stand out at one place."""
-    if len(state.restarts) >= 3:
-        return None
-    e = np.where(state.use, state.result.e, 0.0)
-    nis = np.nansum(e**2, axis=1)
-    freedom = np.maximum(state.use.sum(axis=1), 1)
-    time = state.problem.time
-    block = ((time - time[0]) / 5.0).astype(int)
-    total = np.bincount(block, nis) / np.maximum(np.bincount(block, freedom), 1)
-    usual = np.median(total)
-    worst = int(np.argmax(total))
-    if total[worst] < STANDS_OUT * max(usual, 1.0):
-        return None
-    inside = np.flatnonzero((block >= worst - 1) & (block <= worst))
-    level = nis[inside] / freedom[inside]
-    out = inside[np.argmax(level > 0.3 * level.max())]
-    when = float(time[max(out - 1, 0)] + 1e-3)
-    trial = dict(state.problem.arrays)
-    begins = trial["begins"].copy()
-    node = int(np.searchsorted(trial["node_time"], when))
-    if node >= begins.size or begins[node]:
-        return None
-    begins[node] = True
-    kept = state.problem.arrays
-    state.problem.arrays = {**kept, "begins": begins}
-    value = state.evaluate(state.noise).log_likelihood
-    state.problem.arrays = kept
-    gain = value - state.result.log_likelihood - 25.0
-    return (gain, when) if gain > 0.0 else None
