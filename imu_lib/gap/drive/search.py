@@ -93,13 +93,14 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
             say("no better on a path of its own: " + ", ".join(set(kept) - set(state.kept)))
             continue
         break
+    if state.free and random and state.reg.temper < FAR:
+        shocks.hidden(state, say)
+        hidden.look(state, candidates(state.problem), say)
     for _ in range(3):
         alone.simplify(state, say)
         again = alone.exchange(state, say)
         if random and state.reg.temper < FAR:  # nothing small is told apart far from a right model
             names = candidates(state.problem)
-            again |= state.free and shocks.hidden(state, say)
-            again |= state.free and hidden.look(state, names, say)
             again |= across.exchange(state, names, lambda s: _noise_step(s, given), say)
         if not again:
             break
