@@ -12,8 +12,10 @@ from imu_lib.gap.drive import (
     alone,
     base_model,
     columns,
+    displaced,
     joint,
     left,
+    linear,
     path,
     posterior,
     prune,
@@ -44,6 +46,16 @@ def test_a_fix_is_not_in_its_own_columns():
     state.rebuild()
     both = ("gnss_time_offset", "other: receiver's velocity is smoothed")
     assert state.reg.solve([i for e in both for i in select.GROUPS[e]])[2] < 10.0
+
+
+def test_the_linear_filter_is_compiled_for_one_kind_of_arrays():
+    # of another precision where displacements alone are asked for: half a minute of compiling
+    state = search.State(
+        made(43000, kind="motorway", duration=70.0), Noise(MODEL), np.zeros(len(columns.ALL))
+    )
+    state.rebuild()
+    displaced._gains(state, np.array([20]))
+    assert len(linear.innovations.signatures) == 1
 
 
 def test_start_from_noisy_positions():

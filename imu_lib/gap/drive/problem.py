@@ -189,7 +189,7 @@ class Problem:
             count, sens = asked.shape[1], True
         if shown is not None:
             count, sens = shown.shape[2], True
-            track = track._replace(force=np.zeros((len(track.force), 0, 9)))
+            track = track._replace(force=track.force[:, :0].copy())
             fixes = fixes._replace(columns=shown, of=np.arange(count))
         e, s, jac, wild, doubt = linear.innovations(track, random, fixes, count)
         by_fix = -0.5 * np.nansum(e**2 + np.log(s), axis=1)
