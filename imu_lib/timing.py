@@ -4,10 +4,12 @@ sampling shows a frequency.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from scipy.ndimage import median_filter, minimum_filter1d
+
+Frequency = TypeVar("Frequency", float, np.ndarray)
 
 WINDOW = 64  # samples over which late stamps may be made up for by the early ones after them
 BURST_WINDOW = 512  # the same where a host read the sensor in bursts
@@ -39,7 +41,7 @@ class Bursts(NamedTuple):
     period: float
 
 
-def folded(frequency: np.ndarray | float, fs: float) -> np.ndarray | float:
+def folded(frequency: Frequency, fs: float) -> Frequency:
     """Where samples at `fs` Hz show lines of `frequency` Hz."""
     return np.abs(frequency - fs * np.rint(np.divide(frequency, fs)))
 
