@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from imu_lib.gap import base_fit
 from imu_lib.gap.channel import analyse
+from imu_lib.gap.data import Data
+from imu_lib.gap.effects.step import Step
 
 FS, N = 50.0, 60_000
 
@@ -84,3 +87,24 @@ def test_two_levels_beside_an_ordinary_walk_are_named_in_a_free_base(seed, dwell
     assert low < distance * 1.01 and high > distance * 0.99  # within one per cent of its interval
     noise = found.model.find("white_noise")
     assert noise.N == pytest.approx(2e-4, rel=0.01)  # 64,800 samples: 0.3 %
+
+
+@pytest.mark.parametrize("jump", [0.0, 1.2])
+def test_a_jump_beside_too_poor_a_base_is_held_against_slow_noise_alone(jump):
+    """White noise and flicker, sd 1 and about 0.2 a decade: what a base of white noise alone calls
+    a jump is the flicker's, unless there is one.
+    """
+    n, rng = 6000, np.random.default_rng(31)
+    f = np.fft.rfftfreq(2 * n, 0.1)
+    shape = np.r_[0.0, np.sqrt(0.04 / f[1:])]
+    x = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * n)) * shape, 2 * n)[:n]
+    x += rng.standard_normal(n) + jump * (np.arange(n) > 2500)
+    data = Data(x, 10.0)
+    white = next(s for s in base_fit._families(data, []) if len(s.base) == 1)
+    state = white.plus(Step().best(white, white.scan)).settled()
+    assert state.evidence > white.evidence + base_fit.EVENT_EVIDENCE
+    state, rivals = base_fit.against_bases(state, [{}])
+    assert len(state.items) == len(rivals) == (jump > 0)
+    if jump:
+        assert max(rivals[0].values()) < -base_fit.EVENT_EVIDENCE
+    assert "flicker" in [t.name for t in state.base]

@@ -24,6 +24,8 @@ MIN_FILTER_EVIDENCE = 6.0
 #: noise and a walk, 54 took one that was not there where it cost nothing, 2 where it cost one half
 #: or one, none where it cost 3 (benchmarks/gap_constants.py).
 PER_NOISE = 1.0
+#: Log evidence that a change of level has to be ahead of the best base without it.
+EVENT_EVIDENCE = 5.0
 #: How many drifts are named beside a free base.
 MAX_DRIFTS = 2
 #: Parts of the sampling rate below which a base is fitted to start a filter beside it.
@@ -187,6 +189,31 @@ def alternatives(state: State, families: list[State]) -> list[tuple[State, float
     evidence = np.array([s.evidence for s in states])
     share = np.exp((evidence - evidence.max()) / TEMPER)
     return list(zip(states, share / share.sum()))
+
+
+def against_bases(state: State, rivals: list[Any]) -> tuple[State, list[Any]]:
+    """A state whose base is free, that base chosen anew beside its items, without the changes of
+    level that another base makes superfluous, and the rivals of the items.
+    """
+    events = [i for i in state.items if i.column is not None and i.effect.event]
+    if not state.base_slots or not events:
+        return state, rivals
+    held = state.base[: min(slot.index for slot in state.base_slots)]
+    best = max(_families(state.data, held, state.items), key=_worth)
+    if _worth(best) > _worth(state) + PER_NOISE:
+        state = best.settled()
+    for i, item in enumerate(state.items):
+        if item.column is None or not item.effect.event:
+            continue
+        others = [other for other in state.items if other is not item]
+        bare = max(_families(state.data, held, others), key=_worth)
+        ahead = _worth(state) - _worth(bare)
+        if ahead < EVENT_EVIDENCE:
+            return against_bases(bare.settled(), rivals[:i] + rivals[i + 1 :])
+        names = _names(state)
+        slow = next((t.name for t in bare.base if t.name not in names), "")
+        rivals[i] = {**rivals[i], slow: max(rivals[i].get(slow, -np.inf), -ahead)}
+    return state, rivals
 
 
 def _worth(state: State) -> float:

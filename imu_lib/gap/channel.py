@@ -22,7 +22,7 @@ from imu_lib.gap import (
     stationarity,
 )
 from imu_lib.gap.absorbed import absorbed
-from imu_lib.gap.base_fit import alternatives, free_base
+from imu_lib.gap.base_fit import against_bases, alternatives, free_base
 from imu_lib.gap.check import Check
 from imu_lib.gap.drifts import profiled
 from imu_lib.gap.effects.quantization import Quantization
@@ -158,7 +158,7 @@ def _analyse(
     steps = [*map(step_of, found), *steps_of_items(state, rivals)]
     plain = [f.process.name for f in found if f.counted]
     steps = _doubtful(_capped(steps, state, unexplained, plain), channel.of_record)
-    held, n_base = left.held_terms, len(start.base)
+    held, n_base = left.held_terms, len(state.base)
     base = bare if bare is not None else Sum(tuple(state.base[held:n_base]))
     parts = base, state, found, n_base - held, held
     states = [(state, 1.0)] if given is not None else alternatives(state, families)
@@ -203,6 +203,7 @@ def _named(state: State, wild: bool) -> tuple[State, list[Any]]:
     fewer = rounds.prune(state)
     if len(fewer.items) < len(state.items):
         state, rivals = rounds.swap(fewer, passes=1)
+    state, rivals = against_bases(state, rivals)
     # what does not hold in time that was not fitted is not taken
     state, rivals = held_out.without(state, rivals, held_out.lasting(state))
     return profiled(state), rivals

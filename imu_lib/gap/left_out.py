@@ -42,9 +42,10 @@ def looked_at(found: Report, record: Record, model: Model | None, **options: Any
         seen = _seen(part, model, list(found.channels), pace * start, options)
         if seen is None:
             continue
-        offset = start - begin + (seen.stretch or (0.0,))[0]
+        at = start + (seen.stretch or (0.0,))[0]
         for s in _shaking(seen, steps):
-            s = moved(s, 0.0, offset)
+            where = f"{s.where}; seconds of the part that begins at {at:.0f} s of the record"
+            s = replace(moved(s, 0.0, at - begin), where=where)
             steps.append(s)
             if s.parameters["from"] >= 0:
                 grown = replace(grown, record=(*grown.record, process_of(s)))

@@ -43,6 +43,8 @@ class Competitor(Effect):
     single: ClassVar[bool] = False
     #: Whether a red spectrum may come of it, as of two levels.
     red: ClassVar[bool] = False
+    #: Whether it happens once, at a time of its own, where a slow noise is always there.
+    event: ClassVar[bool] = False
     #: Whether it stands for little else: others are tried only where they promise more than what is
     #: simple.
     simple: ClassVar[bool] = True

@@ -28,6 +28,7 @@ class SlowStep(Drift):
     name = "step"
     key = "step:slow"
     red = True
+    event = True
     single = True
     cause = (
         "Something changed within minutes: the mount settled, the table sank, the sun came round."

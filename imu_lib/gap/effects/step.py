@@ -26,6 +26,7 @@ NEAR = 0.15
 class Step(Drift):
     name = "step"
     red = True
+    event = True
     cause = (
         "Stress that is released, a connector, a change of range: the bias jumps once and stays."
     )
