@@ -21,8 +21,8 @@ from imu_lib.record import Record
 
 #: Samples of a stretch that is looked at, at the least, and stretches at the most.
 LEAST, MOST = 4000, 3
-#: Confidence below which an effect of another stretch is not told: a flicker looks like a warm-up now
-#: and then (one of 14 calm records).
+#: Confidence below which an effect of another stretch is not told: a flicker looks like a warm-up
+#: now and then (one of 14 calm records).
 SURE = 0.9
 #: Effects that were looked for in the whole record.
 OF_WHOLE = ("disturbance", "dropout", "jitter", "rate_error", "tilt", "time_gaps")
