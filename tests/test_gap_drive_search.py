@@ -209,6 +209,27 @@ def test_a_limit_leaves_the_other_end_of_the_ridge_free():
     assert sd[0] > 5.0 * np.sqrt(cov[0, 0])
 
 
+@pytest.mark.parametrize(
+    ("x", "kept"),
+    [
+        ((0.0, 0.4, 0.6, 0.0), True),  # a filter of two thirds of a second
+        ((-0.6, 0.8, 0.1, 0.0), True),  # the same, seen a few times a second
+        ((0.8, -0.5, 0.16, -0.02), False),  # fast motion alone: noise of the readings
+    ],
+)
+def test_a_filter_that_takes_nothing_from_slow_motion_is_none(x, kept):
+    index = select.GROUPS[left.SMOOTHED]
+    count = len(columns.ALL)
+    information = np.zeros((count, count))
+    information[np.ix_(index, index)] = 1e4 * np.eye(4)
+    score = np.zeros(count)
+    score[index] = 1e4 * np.array(x)
+    reg = select.Regression(information, score, 1.0, 1000)
+    values, _, gain = reg.solve(index)
+    assert np.any(values) == kept and (gain > 0.0) == kept
+    assert np.isclose(reg.gain(index), gain)
+
+
 def test_wild_fixes_are_not_followed_first():
     # 23 m among centimetres: the path that followed them was explained by five noises of the sensors
     options = {"gnss_rate": 10.0, "position_sd": (0.02, 0.02, 0.04), "velocity_sd": (0.03,) * 3}
