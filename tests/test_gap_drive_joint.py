@@ -55,6 +55,21 @@ def test_errors_of_velocities_without_memory_are_a_larger_white_one():
     assert one == pytest.approx(other, abs=1e-5)
 
 
+def test_velocities_of_another_size_are_not_told_as_errors_that_last():
+    state = state_of(Noise(MODEL), [("gnss_noise", {"ratio": 4.0, "of": "velocity"})])
+    size = change_of(state, "gnss_noise", "velocity")
+    lasts = change_of(state, random_effects.VELOCITY_LASTS)
+    base = state.result.log_likelihood
+    fits = [c.fitted(state, state.noise, base) for c in (lasts, size)]
+    ranked = [(c, f[1]) for c, f in zip((lasts, size), fits)]
+    assert search.size_first(ranked) == 1
+    assert search.size_first([(lasts, 2.5 * fits[1][1]), ranked[1]]) == 0
+    state.noise = fits[1][2]
+    beside = change_of(state, random_effects.VELOCITY_LASTS)  # which leaves the size alone
+    assert beside.enter(state.noise, np.array([0.1, 3.0])).velocity == state.noise.velocity
+    assert 3.5 < state.noise.velocity < 4.5
+
+
 def test_a_noise_of_fixes_is_not_left_small_by_levels_fitted_without_it():
     # the accelerometers' noise held the rest: 1.41 for a ratio of 1.6
     effects = [("gnss_noise", {"ratio": 1.6, "of": "velocity"})]

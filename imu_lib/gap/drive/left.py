@@ -129,8 +129,8 @@ def _unnamed(state: State) -> list[str]:
     """What is said of changes of what is random that have no name in the catalogue."""
     return [
         f"{c.change.effect.removeprefix('other: ')} from fix to fix ({c.values[0]:.2g} m/s over "
-        f"{c.values[1]:.2g} s, beside {c.values[2]:.2g} times the stated errors), which is no "
-        "effect of the catalogue"
+        f"{c.values[1]:.2g} s, beside {state.noise.velocity:.2g} times the stated errors), "
+        "which is no effect of the catalogue"
         for c in state.changes
         if c.change.effect not in CATALOGUE
     ]

@@ -142,20 +142,24 @@ def _size_of_fixes(of: str, noise: Noise) -> Change:
 
 
 def _lasting_velocity(tau: float, problem: Problem, noise: Noise) -> Change:
-    """Errors of the velocities that last, in the place of a part of those that do not."""
+    """Errors of the velocities that last, in the place of a part of those that do not; beside
+    them, where those have a size of their own.
+    """
     typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 3], 3:5])))
+    apart = noise.velocity != 1.0
 
     def enter(n: Noise, v: Array) -> Noise:
-        ratio = max(float(v[2]), LEAST)
-        return n.with_(velocity_sigma=float(v[0]), velocity_tau=float(v[1]), velocity=ratio)
+        n = n.with_(velocity_sigma=float(v[0]), velocity_tau=float(v[1]))
+        return n if apart else n.with_(velocity=max(float(v[2]), LEAST))
 
     def describe(v: Array) -> dict[str, Any]:
-        names = ("sigma", "correlation_time", "ratio")
-        return dict(zip(names, (float(v[0]), float(v[1]), max(float(v[2]), LEAST))))
+        return dict(zip(("sigma", "correlation_time", "ratio"), map(float, v)))
 
-    start = noise.velocity_sigma or typical, noise.velocity_tau, noise.velocity
-    if not noise.velocity_sigma:
-        start = start[0], tau, start[2]
+    start: tuple[float, ...] = (typical, tau)
+    if noise.velocity_sigma:
+        start = noise.velocity_sigma, noise.velocity_tau
+    if not apart:
+        start = (*start, noise.velocity)
     return Change(VELOCITY_LASTS, (VELOCITY_LASTS,), start, enter, describe)
 
 

@@ -39,6 +39,7 @@ Say = Callable[[str], object]
 ROUNDS = 14
 FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
+SIZE_OF_VELOCITY = ("gnss_noise", "velocity")
 LEAST_FAR = 0.06  # of the logarithm of the innovations' size
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
@@ -193,6 +194,7 @@ def _noise_step(state: State, given: bool) -> Change | None:
     if not found:
         return None
     found.sort(key=lambda f: -f[0])
+    found.insert(0, found.pop(size_first([(f[2], f[1]) for f in found])))
     value, gain, change, values, noise = found[0]
     if state.problem is not whole.problem:
         gain = whole.evaluate(noise).log_likelihood - whole.result.log_likelihood
@@ -200,6 +202,17 @@ def _noise_step(state: State, given: bool) -> Change | None:
         return None
     rivals = [(f[2].effect, f[0] - value, f[2].key) for f in found[1:]]
     return Change(change, values, gain, state.noise, rivals, noise)
+
+
+def size_first(ranked: list[tuple[random_effects.Change, float]]) -> int:
+    """Which of the changes fitted, the best first, is held: (change, gain, nats). Velocities half
+    of whose gain is their size alone have errors of another size, whatever lasts of them besides.
+    """
+    best, most = ranked[0]
+    for k, (change, gain) in enumerate(ranked):
+        if best.effect == random_effects.VELOCITY_LASTS and change.key == SIZE_OF_VELOCITY:
+            return k if gain > 0.5 * most else 0
+    return 0
 
 
 def _accept(state: State, found: Change) -> None:
