@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from imu_lib import faults
+from imu_lib.faults import passing
 from imu_lib.record import Record
 
 CHANNELS = [f"{k}_{a}" for k in ("gyro", "accel") for a in "xyz"]
@@ -99,3 +100,8 @@ def test_a_tilt_by_a_hand_that_shakes_more_than_the_gyros_turn():
         turned(x, 8e-3, 91.0, 1.5)
         kinds = [f.kind for f in found(x)]
         assert kinds == ["disturbance", "tilt"] or kinds == ["tilt", "disturbance"], seed
+
+
+@pytest.mark.parametrize("scale", [0.0, 1e200])
+def test_a_channel_without_noise_to_judge_by_has_no_level_that_it_keeps(scale):
+    assert not passing._steady(scale * np.r_[np.ones(99), 1e108], np.ones(100))

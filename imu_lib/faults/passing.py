@@ -126,9 +126,12 @@ def _steady(e: np.ndarray, dof: np.ndarray) -> bool:
     part = e[dof > 0]
     if len(part) < 20:
         return False
-    few = np.array([p.mean() for p in np.array_split(part, 20)])
+    mean = float(part.mean())
+    if not 0.0 < mean < np.inf:  # nothing but one value, of which no noise was left to judge by
+        return False
+    few = np.array([p.mean() / mean for p in np.array_split(part, 20)])
     chance = 1.0 / max(float(np.mean(dof[dof > 0])) * len(part) / 20.0, 1e-9)
-    return bool(np.var(few) / part.mean() ** 2 < STEADY * chance)
+    return bool(np.var(few) < STEADY * chance)
 
 
 def _wide(y: np.ndarray, part: slice) -> bool:
