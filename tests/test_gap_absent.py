@@ -1,5 +1,7 @@
 """What a given model has and the record has not is told, and the grown model is without it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,18 @@ def test_what_no_channel_feels_is_told_and_not_grown(record):
     assert found.to_json()["record"]["absent"][0]["effect"] == record.name
     again = gap.close(calm(), found.model, simulations=0, jobs=1)
     assert not again.absent and not again.steps
+
+
+@pytest.mark.parametrize(("other", "same"), [(9.5, True), (8.0, False)])
+def test_a_frequency_that_the_other_wanders_to_is_the_others(other, same):
+    # a fan of another day: both lines are narrow, the foot of one is where the other stands
+    fan = Vibration(
+        frequency=11.0, amplitude=(0.02,), channels=("accel_x",), bandwidth=0.3,
+        profile_frequency=(9.0, 10.0, 11.0, 11.5), profile=(0.1, 0.2, 1.0, 0.1),
+    )  # fmt: skip
+    found = SimpleNamespace(process=SHAKES.with_(frequency=other))
+    assert absent.one(found, fan) == same
+    assert absent.one(SimpleNamespace(process=fan), SHAKES.with_(frequency=other)) == same
 
 
 @pytest.mark.parametrize("record", [SHAKES, SHARED], ids=lambda p: p.name)

@@ -102,10 +102,20 @@ def of_vibrations(
 
 
 def one(found: Finding, held: Vibration) -> bool:
-    """Whether a finding is a vibration of the given model, be it of another amplitude."""
+    """Whether a finding is a vibration of the given model, be it of another amplitude or of a
+    frequency that the other one's wanders to.
+    """
     p = found.process
     slack = max(held.bandwidth, p.bandwidth, ONE * held.frequency)
-    return abs(p.frequency - held.frequency) < slack and bool(set(p.channels) & set(held.channels))
+    near = abs(p.frequency - held.frequency) < slack
+    near |= _wanders_to(p, held.frequency) or _wanders_to(held, p.frequency)
+    return near and bool(set(p.channels) & set(held.channels))
+
+
+def _wanders_to(p: Vibration, frequency: float) -> bool:
+    """Whether the measured profile of a vibration holds a frequency, Hz."""
+    at = p.profile_frequency
+    return at is not None and min(at) <= frequency <= max(at)
 
 
 def _of_channel(p: Vibration, name: str) -> Callable[[int, float, np.random.Generator], Array]:
