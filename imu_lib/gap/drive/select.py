@@ -20,7 +20,7 @@ from scipy.stats import t as student
 
 from imu_lib.arrays import Array, ArrayLike
 
-from . import columns
+from . import columns, receiver_filter
 
 if TYPE_CHECKING:
     from .problem import Innovations, Problem
@@ -75,24 +75,6 @@ def cancelling(index: Sequence[int] | Array, x: Array, cov: Array) -> Array:
     return out
 
 
-_FILTERS = GROUPS["other: receiver's velocity is smoothed"]
-_TAU2 = np.square(columns.SMOOTHED)  # s^2
-SHORTEST = columns.SMOOTHED[0] / 2.0  # s, of a filter that slow motion shows
-
-
-def no_filter(index: Sequence[int] | Array, x: Array) -> np.ndarray:
-    """Mask of the time constants of a receiver's filter that are none: their sum takes nothing from
-    slow motion, as a filter does by the square of its time constant. Of fast motion it may take or
-    give, where the readings hold noise that the vehicle did not move with.
-    """
-    place = {int(i): k for k, i in enumerate(index)}
-    out = np.zeros(len(place), bool)
-    part = [place[i] for i in _FILTERS if i in place]
-    if len(part) == len(_FILTERS):
-        out[part] = _TAU2 @ x[part] < SHORTEST**2 * np.abs(x[part]).sum()
-    return out
-
-
 @dataclass(frozen=True)
 class Regression:
     """Information (P, P) and score (P,) of all columns, for total values; temper: by how much
@@ -138,7 +120,7 @@ class Regression:
         x, cov, gain = self.solved(index)
         for _ in range(4):
             away = (np.abs(x) > LIMIT[index]) | cancelling(index, x, cov)
-            away |= no_filter(index, x)
+            away |= receiver_filter.none(index, x)
             if not away.any():
                 break
             part &= ~away
@@ -162,7 +144,7 @@ class Regression:
             or any(
                 size.get(bias, 0.0) > BOTH and size.get(scale, 0.0) > BOTH for bias, scale in PAIRS
             )
-            or (_FILTERS[0] in size and no_filter(index, x).any())
+            or receiver_filter.none(index, x).any()
         ):
             return self.solve(part)[2]
         return 0.5 * float(b @ x)
