@@ -17,6 +17,7 @@ from imu_lib.gap.long.views import shifted
 from imu_lib.gap.loop import close
 from imu_lib.gap.steps import Step
 from imu_lib.model import Model
+from imu_lib.processes import Vibration
 from imu_lib.record import Record
 
 #: Samples of a stretch that is looked at, at the least, and stretches at the most.
@@ -75,7 +76,7 @@ def _seen(
 
 def _shaking(seen: Report, known: list[Step]) -> list[Step]:
     """The vibrations of a stretch that are not known, each with its times in it."""
-    new = [s for s in seen.record_steps if s.effect == "vibration"]
+    new = [s for s in seen.record_steps if s.effect == Vibration.name]
     new = [s for s in new if not any(alike(s, t) for t in known)]
     whole = {"from": 0.0, "to": seen.record.duration}
     return [
@@ -92,7 +93,7 @@ def _others(found: Report, seen: Report) -> list[str]:
         for where, s in seen.steps
         if (where, s.effect) not in known
         and s.confidence > SURE
-        and s.effect not in (*OF_WHOLE, "vibration")
+        and s.effect not in (*OF_WHOLE, Vibration.name)
     ]
     for name, c in seen.channels.items():
         if c.result.unexplained and not found.channels[name].result.unexplained:

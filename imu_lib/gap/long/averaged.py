@@ -30,7 +30,7 @@ class Averaged(LowPass):
         """The filter of means of `size` samples at `fs` Hz."""
         rate = fs if inner is None or inner.rate is None else inner.rate
         return cls(
-            cutoff=_half_power(size) * fs,
+            cutoff=_half_power(size, 1) * fs,
             taps=size,
             rate=float(rate),
             size=size,
