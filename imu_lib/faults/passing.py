@@ -9,7 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from imu_lib.faults.finding import Finding, named, seconds
+from imu_lib.faults import faint_shake
+from imu_lib.faults.finding import Finding
 from imu_lib.faults.levels import Prepared
 
 #: s and samples of a block at the least, and blocks at the most.
@@ -77,7 +78,10 @@ def find(
     if not _wide(channels[loudest].fast, part):
         return []
     members = tuple(names[i] for i in felt)
-    return [_finding(members, channels, part, time, float(gains[felt, best].sum()))]
+    span = float(time[part.start]), float(time[min(part.stop, n - 1)])
+    evidence = {"gain": float(gains[felt, best].sum())}
+    looks = "a noise level that wanders"
+    return [faint_shake.finding(members, channels, part, span, evidence, looks)]
 
 
 def _energy(ready: Prepared, out: np.ndarray, size: int, k: int) -> tuple[np.ndarray, np.ndarray]:
@@ -149,36 +153,3 @@ def _spectrum(x: np.ndarray) -> np.ndarray:
     window = np.sin(np.pi * (np.arange(m) + 0.5) / m)
     parts = x[: len(x) // m * m].reshape(-1, m)
     return np.mean(np.abs(np.fft.rfft(parts * window, axis=1)) ** 2, axis=0)[1:]
-
-
-def _finding(
-    members: tuple[str, ...],
-    channels: dict[str, Prepared],
-    part: slice,
-    time: np.ndarray,
-    gain: float,
-) -> Finding:
-    start, stop = float(time[part.start]), float(time[min(part.stop, len(time) - 1)])
-    peaks = []
-    for c in members:
-        x = channels[c].x[part]
-        off = x - np.median(x)
-        peaks.append(float(off[np.argmax(np.abs(off))]))
-    score = max(float(np.abs(channels[c].fast[part]).max()) for c in members)
-    return Finding(
-        "disturbance",
-        members,
-        start,
-        stop,
-        {
-            "start": start,
-            "duration": stop - start,
-            "peak": peaks,
-            "channels": list(members),
-        },
-        {"peak_over_noise": score, "gain": gain},
-        f"A faint shake at {seconds(start)} s, {stop - start:.2g} s long, on {named(members)}.",
-        "It is no error of the sensor; left in, it looks like a noise level that wanders. It is "
-        "masked.",
-        np.arange(part.start, part.stop),
-    )

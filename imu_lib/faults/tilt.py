@@ -208,7 +208,7 @@ class _Bench:
         """
         w = self.w
         i = np.arange(left, w.k - span - right + 1, max(1, span // 4))
-        if w is None or len(i) < FEWEST:
+        if len(i) < FEWEST:
             return np.zeros(3)
         sides = 0.5 * (w.mean(i - left, i) + w.mean(i + span, i + span + right))
         off = (w.mean(i, i + span) - sides) * span * w.dt

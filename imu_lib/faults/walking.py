@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import gammainccinv
 
-from imu_lib.faults import ranks
-from imu_lib.faults.finding import Finding, named, seconds
+from imu_lib.faults import faint_shake, ranks
+from imu_lib.faults.finding import Finding
 from imu_lib.faults.levels import Prepared, windows
 
 #: s of the blocks of energy, and blocks a second from which on they show steps.
@@ -34,10 +34,6 @@ ABOUT = 0.6
 RUNS, POWER = 0.25, 10.0
 #: Share of blocks within a walk in which a channel that felt it is louder than usual, over chance.
 FELT = 3.0
-MEANS = (
-    "It is no error of the sensor; left in, it looks like heavy tails or a noise level that "
-    "wanders. It is masked."
-)
 
 
 def find(
@@ -152,21 +148,6 @@ def _finding(
     if not members:
         members = (names[int(np.argmax(felt))],)
     part = slice(low * size, min(high * size, len(time)))
-    peaks = []
-    for c in members:
-        x = channels[c].x[part]
-        off = x - np.median(x)
-        peaks.append(float(off[np.argmax(np.abs(off))]))
-    score = max(float(np.abs(channels[c].fast[part]).max()) for c in members)
-    start, stop = float(time[part.start]), float(time[part.stop - 1])
-    return Finding(
-        "disturbance",
-        members,
-        start,
-        stop,
-        {"start": start, "duration": stop - start, "peak": peaks, "channels": list(members)},
-        {"peak_over_noise": score, "rhythm": rhythm},
-        f"A faint shake at {seconds(start)} s, {stop - start:.2g} s long, on {named(members)}.",
-        MEANS,
-        np.arange(part.start, part.stop),
-    )
+    span_s = float(time[part.start]), float(time[part.stop - 1])
+    looks = "heavy tails or a noise level that wanders"
+    return faint_shake.finding(members, channels, part, span_s, {"rhythm": rhythm}, looks)
