@@ -167,7 +167,10 @@ def test_an_interval_goes_where_the_path_has_moved_the_likelihood():
         return SimpleNamespace(by_fix=np.array([-0.5 * (np.log(x / 0.486) / 0.004) ** 2]))
 
     change = SimpleNamespace(
-        start=(0.51,), enter=lambda noise, v: float(v[0]), describe=lambda v: {"ratio": float(v[0])}
+        start=(0.51,),
+        middle=np.log([0.51]),
+        enter=lambda noise, v: float(v[0]),
+        describe=lambda v: {"ratio": float(v[0])},
     )
     found = SimpleNamespace(change=change, values=np.array([0.51]))
     state = SimpleNamespace(evaluate=evaluate, noise=None, free=False, changes=[found])

@@ -14,6 +14,7 @@ from imu_lib.gap.drive import (
     joint,
     left,
     levels,
+    profile,
     random_effects,
     readings,
     search,
@@ -94,6 +95,38 @@ def test_values_follow_the_ridge_of_the_likelihood():
     together = joint.Joint(None, (), np.zeros(2), np.zeros(2), np.ones(2), ())
     object.__setattr__(together, "slope", lambda x: (np.zeros(2), information))
     np.testing.assert_allclose(together.follow(slice(1, 2)), [[-0.8], [1.0]])
+
+
+class Bent(joint.Joint):
+    """A likelihood of two parameters whose ridge is a parabola: of the first alone a normal one of
+    unit width.
+    """
+
+    def value(self, x):
+        return float(-0.5 * x[0] ** 2 - 50.0 * (x[1] - 0.5 * x[0] ** 2) ** 2)
+
+    def slope(self, x):
+        off, bent = 100.0 * (x[1] - 0.5 * x[0] ** 2), np.array([-x[0], 1.0])
+        return np.array([-x[0], 0.0]) - off * bent, 100.0 * np.outer(bent, bent) + np.diag([1.0, 0])
+
+
+def test_an_interval_goes_along_a_ridge_that_bends():
+    # along the straight line that the ridge leaves, 0.95 of the chance lies within 0.6
+    bent = Bent(None, (), np.zeros(2), np.zeros(2), np.ones(2), ())
+    low, middle, high = profile.quantiles(bent, np.zeros(2), 0, 1.0)
+    assert (low, middle, high) == pytest.approx((-1.96, 0.0, 1.96), abs=0.03)
+    # a width that was taken too small is no limit
+    low, _, high = profile.quantiles(bent, np.zeros(2), 0, 0.2)
+    assert (low, high) == pytest.approx((-1.96, 1.96), abs=0.1)
+
+
+def test_what_is_usual_is_not_where_a_fit_is_started():
+    state = state_of(Noise(MODEL), duration=90.0, velocity=False)
+    base, change = state.result.log_likelihood, change_of(state, "gnss_correlated")
+    ((_, tried),) = random_effects.screen(state, state.noise, base, [change])
+    assert tried.start != change.start
+    np.testing.assert_array_equal(tried.middle, change.middle)
+    assert tried.pull(change.middle) == 0.0
 
 
 def test_a_white_noise_that_the_readings_show_is_not_absurd(monkeypatch):

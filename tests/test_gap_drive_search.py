@@ -17,7 +17,7 @@ from imu_lib.gap.drive import (
     left,
     linear,
     path,
-    posterior,
+    profile,
     prune,
     random_effects,
     readings,
@@ -96,9 +96,9 @@ def test_two_solutions_in_turn_are_parted_by_their_code():
 def test_intervals_of_a_skewed_likelihood():
     # a gamma density of the logarithm: its quantiles are known
     x = np.linspace(-8.0, 8.0, 4001)
-    weight = np.exp(3.0 * x - np.exp(x))  # of log(g), g of shape 3
-    low, high = posterior._quantiles(x, weight)
+    low, middle, high = profile.of_curve(x, 3.0 * x - np.exp(x))  # of log(g), g of shape 3
     assert abs(np.exp(low) - 0.6187) < 0.01 and abs(np.exp(high) - 7.2247) < 0.03
+    assert abs(np.exp(middle) - 2.6741) < 0.02
 
 
 def test_no_scale_factor_of_a_quarter():

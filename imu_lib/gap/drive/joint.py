@@ -57,7 +57,7 @@ class Joint:
             state,
             ratios,
             np.concatenate([own, *values]),
-            np.concatenate([usual, *(np.log(c.change.start) for c in state.changes)]),
+            np.concatenate([usual, *(c.change.middle for c in state.changes)]),
             np.append(wide, np.full(ends[-1] - own.size, random_effects.PRIOR)),
             tuple(slice(a, b) for a, b in zip(ends[:-1], ends[1:])),
         )

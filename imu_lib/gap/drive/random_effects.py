@@ -28,13 +28,14 @@ LEAST = 0.02  # ratio of errors of fixes to the stated ones: what is below is no
 #: Of no name in the catalogue.
 VELOCITY_LASTS = "other: errors of the receiver's velocities last"
 LASTING = (1.0, 10.0)  # s, to start with
+MEMORIES = (5.0, 60.0)  # s, of the errors of positions, to start with
 PRIOR = 2.0  # of the logarithm of a parameter: a factor of seven is usual, a million is none
 
 
 @dataclass(frozen=True)
 class Change:
-    """A change of the noise: effect and its `key` (what may change once), start values of the
-    logarithms of its parameters, and how they enter.
+    """A change of the noise: effect and its `key` (what may change once), start values of its
+    parameters, how they enter, and what is usual for them where that is not the start.
     """
 
     effect: str
@@ -42,6 +43,16 @@ class Change:
     start: tuple[float, ...]
     enter: Callable[[Noise, Array], Noise]
     describe: Callable[[Array], dict[str, Any]]
+    usual: tuple[float, ...] = ()
+
+    def pull(self, x: Array) -> float:
+        """Nats by which logarithms of the parameters are away from what is usual."""
+        return 0.5 * float(np.sum(((x - self.middle) / PRIOR) ** 2))
+
+    @property
+    def middle(self) -> Array:
+        """Logarithms of what is usual."""
+        return np.log(self.usual or self.start)
 
     def fitted(self, state: State, noise: Noise, base: float) -> tuple[Array, float, Noise]:
         """Maximise: (values, gain, Noise)."""
@@ -49,8 +60,7 @@ class Change:
         def loss(x: Array) -> float:
             with np.errstate(over="ignore"):
                 value = state.evaluate(self.enter(noise, np.exp(x))).log_likelihood
-            pull = 0.5 * float(np.sum(((x - np.log(self.start)) / PRIOR) ** 2))
-            return -value + pull if np.isfinite(value) else 1e12
+            return -value + self.pull(x) if np.isfinite(value) else 1e12
 
         start = np.log(self.start)
         k = start.size
@@ -107,7 +117,7 @@ def _of_fixes(problem: Problem, noise: Noise) -> list[Change]:
     if not problem.use[:, 0].any():
         return out
     typical = float(np.median(np.sqrt(problem.stated[problem.use[:, 0], :2])))
-    for tau in (5.0, 60.0):
+    for tau in MEMORIES:
         out.append(
             Change(
                 "gnss_correlated",
@@ -115,6 +125,7 @@ def _of_fixes(problem: Problem, noise: Noise) -> list[Change]:
                 (noise.sigma or typical, noise.tau if noise.sigma else tau),
                 lambda n, v: n.with_(sigma=float(v[0]), tau=float(v[1])),
                 lambda v: {"sigma": float(v[0]), "correlation_time": float(v[1])},
+                (typical, float(np.sqrt(np.prod(MEMORIES)))),
             )  # fmt: skip
         )
     out.append(
@@ -246,7 +257,9 @@ def screen(
         for side in _FACTORS.get(change.effect, _OTHERS):
             last = 0.0
             for factor in side:
-                tried = replace(change, start=(first * factor, *others))
+                tried = replace(
+                    change, start=(first * factor, *others), usual=change.usual or change.start
+                )
                 entered = tried.enter(noise, np.array(tried.start, float))
                 value = state.evaluate(entered).log_likelihood - base
                 value = value if np.isfinite(value) else -np.inf
