@@ -20,6 +20,7 @@ STYLE = (
     "0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}"
     "td,th{white-space:nowrap;padding:.2rem .6rem;border-bottom:1px solid "
     "#ccc;text-align:right}td:first-child,th:first-child{text-align:left}"
+    "td.words{white-space:normal;text-align:left;min-width:18rem}"
     "img{max-width:100%}figcaption{color:#444;font-size:.9rem}.note{color:#444}@media "
     "(prefers-color-scheme:dark){body{background:#1b1b1b;color:#ddd}td,th{border-color:#444}"
     "figcaption,.note{color:#aaa}img{background:#fff}}"
@@ -57,14 +58,19 @@ def bullets(items):
     )
 
 
+WORDS = 40  # characters from which on a cell is a text, which runs over several lines
+
+
 def table_html(header, rows):
     """A table; cells are escaped."""
     head = "".join(f"<th>{html.escape(str(cell))}</th>" for cell in header)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(str(cell))}</td>" for cell in row) + "</tr>"
-        for row in rows
-    )
+    body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(cell):
+    text = str(cell)
+    return f"<td{' class=words' if len(text) > WORDS else ''}>{html.escape(text)}</td>"
 
 
 def png(ax):

@@ -284,6 +284,41 @@ def test_a_parameter_whose_usual_size_would_not_be_named_is_listed():
     assert ("accel_scale", "scale x") in listed and ("accel_scale", "scale y") not in listed
 
 
+def _of_a_clock(true, sd, seed):
+    """A regression that sees a clock of `true` priors with a standard deviation of `sd` priors."""
+    count, k = len(columns.ALL), columns.of("imu_clock")[0]
+    prior = columns.ALL[k].prior
+    x = prior * (true + sd * np.random.default_rng(seed).standard_normal())
+    information, score = np.zeros((count, count)), np.zeros(count)
+    information[k, k] = (sd * prior) ** -2.0
+    score[k] = x * information[k, k]
+    return select.Regression(information, score, 1.0, 1000), k, true * prior
+
+
+def test_a_value_beyond_its_prior_is_not_drawn_to_nothing():
+    # the prior alone would draw it by 1.2 of its standard deviations: 80 % of the intervals held it
+    held = 0
+    for seed in range(400):
+        reg, k, true = _of_a_clock(4.0, 0.37, seed)
+        (x,), (sd,) = reg.told([k])
+        held += abs(x - true) < 1.96 * sd
+    assert 0.92 < held / 400  # 95 % and three standard deviations of 400 draws
+
+
+def test_a_value_of_the_usual_size_is_told_as_it_is_held():
+    reg, k, _ = _of_a_clock(0.7, 0.2, 1)
+    assert reg.told([k])[0] == pytest.approx(reg.solve([k])[0])
+    assert reg.told([k])[1] == pytest.approx(reg.sd([k]))
+
+
+def test_a_clock_that_was_found_is_not_listed_as_invisible():
+    reg, _, _ = _of_a_clock(4.0, 0.37, 2)
+    turned = np.zeros(3), np.full(3, 0.001)
+    for kept, listed in (((), True), (("imu_clock",), False)):
+        state = SimpleNamespace(reg=reg, kept=kept, use=np.ones((9, 6), bool))
+        assert listed == any(u["effect"] == "imu_clock" for u in left.invisible(state, turned))
+
+
 def test_a_component_that_the_drive_does_not_show_is_printed_without_a_value():
     from imu_lib.cli.gap_drive import values
 

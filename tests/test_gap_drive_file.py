@@ -1,5 +1,7 @@
 """What the gap workflow wrote of a drive is taken by `outages` and by the workflow itself."""
 
+import dataclasses
+import html
 import json
 
 import drive_generator as generator
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 
 from imu_lib import gap
+from imu_lib.cli import gap_drive_report
 from imu_lib.cli.main import main
 from imu_lib.drive import from_arrays
 from imu_lib.model import Model
@@ -63,10 +66,29 @@ def test_outages_take_the_model_file(files):
         assert after[name] < before[name]
 
 
-def test_the_search_starts_where_the_file_stands(files, drive):
+@pytest.fixture(scope="module")
+def again(files, drive):
     held = Model.load(files / "out" / "model.json")
-    again = gap.close(drive, held, judge=False, random=False)
+    return gap.close(drive, held, judge=False, random=False)
+
+
+def test_the_search_starts_where_the_file_stands(files, again):
+    held = Model.load(files / "out" / "model.json")
     assert list(again.to_json()) == ["drive"]
     arms = [next(e["arm"] for e in m.drive if e.name == "lever_arm") for m in (held, again.model)]
     assert arms[1] == pytest.approx(arms[0], abs=0.1)
     assert again.after.index < 3.0
+
+
+def test_the_page_says_what_the_terminal_says(again, tmp_path):
+    noted = dataclasses.replace(again, notes=("a note < of the drive",))
+    gap_drive_report.write(noted, tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "a note &lt; of the drive" in page
+    assert again.invisible  # or nothing is asked below
+    for entry in again.invisible:
+        assert html.escape(entry["why"]) in page
+        component = entry["parameter"].partition(" ")[2]
+        assert f"{component} {entry['upper_limit']:.3g}".strip() in page
+    # a long reason runs over lines, or the table is wider than the page
+    assert "<td class=words>" in page

@@ -37,6 +37,8 @@ def write(found, path) -> None:
         report.figure_html(report.png(plots.drive_gap_innovations(found).ravel()[0]), INNOVATIONS),
     ]
     parts += _outages(found) + _invisible(found)
+    if found.notes:
+        parts += [report.heading("Notes"), report.bullets(found.notes)]
     with open(path, "w", encoding="utf-8") as handle:
         handle.write(report.page("What does the filter not know about this drive?", *parts))
 
@@ -97,26 +99,29 @@ def _outages(found):
                 f"{found.outages.duration:.0f} s, paired."
             )
         )
-    for name in found.outages.study.models:
-        parts.append(
-            report.figure_html(
-                report.png(
-                    plots.outage_fan(found.outages.study, name=name, against=found.outages.against)
-                ),
-                f"Errors in all outages, {name}, with the radius that the filter expects to hold "
-                "95 % of them.",
-            )
+    study, against = found.outages.study, found.outages.against
+    fans = {name: plots.outage_fan(study, name=name, against=against) for name in study.models}
+    top = max(ax.get_ylim()[1] for ax in fans.values())
+    for name, ax in fans.items():
+        ax.set_ylim(0.0, top)  # one scale, so that the two are seen to differ
+        caption = (
+            f"Errors in all outages, {name}, with the radius that the filter expects to hold 95 % "
+            "of them."
         )
+        parts.append(report.figure_html(ax, caption))
     return parts
 
 
 def _invisible(found):
     if not found.invisible:
         return []
-    rows = [
-        [i["effect"], i["parameter"], i["why"], f"{i['upper_limit']:.3g}"] for i in found.invisible
-    ]
+    alike = {}  # components of one effect that are not seen for one reason
+    for entry in found.invisible:
+        name, _, component = entry["parameter"].partition(" ")
+        limit = f"{component} {entry['upper_limit']:.3g}".strip()
+        alike.setdefault((entry["effect"], name, entry["why"]), []).append(limit)
+    rows = [[effect, name, ", ".join(limits), why] for (effect, name, why), limits in alike.items()]
     return [
         report.heading("Not visible on this drive"),
-        report.table_html(["effect", "parameter", "why", "upper limit (SI)"], rows),
+        report.table_html(["effect", "parameter", "upper limit (SI)", "why"], rows),
     ]

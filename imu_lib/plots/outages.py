@@ -118,7 +118,8 @@ def outage_details(study, indices, *, against=None, axes=None):
 @style.styled
 def outage_fan(study, *, name=None, against=None, ax=None):
     """All outages of one model laid over each other, with the radius that the filter expects to
-    hold 95 % of them.
+    hold 95 % of them. Of fewer than 20 outages the largest error is drawn in the place of what
+    95 % of them keep to.
 
     For a horizontal error of unequal and correlated components, the 95 % radius lies between 1.73
     (one round cloud) and 1.96 (a line) times the horizontal standard deviation; the round one is
@@ -129,8 +130,10 @@ def outage_fan(study, *, name=None, against=None, ax=None):
     m = study.models[name]
     ax = style.axes(ax, x="time since the last fix, s", y="horizontal error, m")
     longest = max(m.time, key=len)
+    count = len(m.time)
+    few = count < 20  # of which one is more than 5 %
     for time, error in zip(m.time, m.error[against]):
-        ax.plot(time, error, color=style.BLUE, lw=0.7, alpha=0.35)
+        ax.plot(time, error, color=style.BLUE, lw=0.7, alpha=0.8 if few else 0.35)
     grid = np.linspace(0.0, longest[-1], 61)[1:]
     at = np.array(
         [
@@ -146,10 +149,10 @@ def outage_fan(study, *, name=None, against=None, ax=None):
     )
     ax.plot(
         grid,
-        np.nanquantile(at, 0.95, axis=0),
+        np.nanquantile(at, 1.0 if few else 0.95, axis=0),
         color=style.BLACK,
         lw=2.0,
-        label="95 % of the outages",
+        label=f"largest of {count} outages" if few else "95 % of the outages",
     )
     ax.plot(
         grid,
@@ -158,7 +161,7 @@ def outage_fan(study, *, name=None, against=None, ax=None):
         lw=2.0,
         label="95 % as the filter expects",
     )
-    ax.plot([], [], color=style.BLUE, lw=0.7, label=f"{name}, {len(m.time)} outages")
+    ax.plot([], [], color=style.BLUE, lw=0.7, label=f"{name}, {count} outages")
     ax.legend()
     return ax
 

@@ -45,6 +45,8 @@ def invisible(state: State, turned: Turned | None) -> list[dict[str, Any]]:
             fixless = columns.ALL[i].component == "velocity_offset"
             if fixless and not state.use[:, 3].any():
                 continue
+            if effect.name in state.kept and abs(x) > APART * wide:
+                continue  # larger than is usual, and seen for that
             # one as large as is usual would not gain the price of its name
             usual = 0.5 * max((columns.ALL[i].prior / sd) ** 2 - 1.0, 0.0)
             if usual < price:

@@ -61,9 +61,8 @@ def of(
     if smoothed_delay(state) is not None:
         kept.remove("gnss_time_offset")
     index = [i for e in state.kept for i in select.GROUPS[e]]
-    solved, _, total = state.reg.solve(index)
-    sd = dict(zip(index, state.reg.sd(index)))
-    values = dict(zip(index, solved))
+    total = state.reg.solve(index)[2]
+    values, sd = (dict(zip(index, found)) for found in state.reg.told(index))
     # one that would be larger than its name allows is held at nothing
     kept = [e for e in kept if any(values[i] for i in select.GROUPS[e])]
     names = [n for n in select.GROUPS if n not in state.kept]
