@@ -14,11 +14,13 @@ from imu_lib.gap.drive import (
     joint,
     left,
     levels,
+    path,
     profile,
     random_effects,
     readings,
     search,
     shocks,
+    swap,
 )
 from imu_lib.gap.drive.problem import Noise
 from imu_lib.gap.drive.state import Change, State
@@ -185,3 +187,30 @@ def test_nothing_is_hidden_where_nothing_is():
     names = search.candidates(state.problem)
     assert not shocks.hidden(state, lambda text: None)
     assert not hidden.look(state, names, lambda text: None)
+
+
+def test_a_shake_that_is_there_at_rest_too_stands_in_the_place_of_a_slow_noise():
+    # taken for a slow noise while other channels still had the wrong one; nothing put it right
+    shaken = {"channel": "accel_x", "N": 0.02, "N_per_speed": 3e-3}
+    state = state_of(Noise(MODEL), [("vibration", shaken)])
+    state.base = state.noise
+    wrong = next(
+        c
+        for c in random_effects.changes(state.problem, state.noise, True)
+        if c.key == ("bias_model", "accel_x", "gauss_markov", "sigma")
+    )
+    values, gain, noise = wrong.fitted(state, state.noise, state.result.log_likelihood)
+    state.changes, before = [Change(wrong, values, gain, state.noise)], state.noise
+    state.noise = noise
+    state.weigh()
+    swap.noises(state, True, lambda text: None)
+    (held,) = state.changes
+    told = held.change.describe(held.values)
+    assert held.change.effect == "vibration"
+    assert told["N"] == pytest.approx(0.02, rel=0.3)
+    assert told["N_per_speed"] == pytest.approx(3e-3, rel=0.3)
+    # what stood there is a rival now, and the path's own filter knows the level at rest
+    assert wrong.key in [key for _, _, key in held.rivals]
+    (effect,) = path._vibrations(state.noise)
+    assert effect.parameters == pytest.approx(told)
+    assert state.noise.model is before.model

@@ -196,10 +196,11 @@ def _correlated(noise: Noise) -> tuple[DriveEffect, ...]:
 
 def _vibrations(noise: Noise) -> Iterator[DriveEffect]:
     """White noise that follows the speed: without it a path believes its attitude too much."""
-    for channel, growth in zip(CHANNELS, noise.per_speed):
+    for channel, growth, still in zip(CHANNELS, noise.per_speed, noise.still):
         if growth > 0.0:
             density = sum(t.N**2 for t in noise.model[channel].terms if isinstance(t, WhiteNoise))
-            parameters = {"channel": channel, "N": density**0.5, "N_per_speed": growth}
+            level = density**0.5 if still is None else still
+            parameters = {"channel": channel, "N": level, "N_per_speed": growth}
             yield DriveEffect("vibration", parameters)
 
 

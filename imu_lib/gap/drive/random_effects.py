@@ -221,6 +221,30 @@ def _vibration(number: int, noise: Noise, speed: float) -> Change:
     return Change("vibration", ("vibration", channel), start, enter, describe)
 
 
+def shaken(problem: Problem, noise: Noise, channel: str) -> Change:
+    """White noise of a channel that follows the speed, and at rest is larger than the sensor's own,
+    too: an engine that shakes the car while it stands.
+    """
+    number = CHANNELS.index(channel)
+    speed = float(np.sqrt(np.mean(problem.speed**2))) or 1.0
+
+    own = max(_white(noise.model, channel), 1e-9)
+
+    def enter(n: Noise, v: Array) -> Noise:
+        level, growth = float(np.hypot(own, v[0])), float(v[1])
+        return n.with_(
+            still=tuple(level if k == number else x for k, x in enumerate(n.still)),
+            per_speed=tuple(growth if k == number else x for k, x in enumerate(n.per_speed)),
+        )
+
+    def describe(v: Array) -> dict[str, Any]:
+        level = float(np.hypot(own, v[0]))
+        return {"channel": channel, "N": level, "N_per_speed": float(v[1])}
+
+    start = 3.0 * own, 3.0 * own / speed
+    return Change("vibration", ("vibration", channel), start, enter, describe)
+
+
 _CHANGEABLE = {
     ("white_noise", "N"), ("random_walk", "K"), ("gauss_markov", "sigma"), ("flicker", "B"),
     ("gauss_markov", "correlation_time"), ("gauss_markov_2", "sigma"), ("autoregressive", "sigma"),

@@ -106,7 +106,7 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
         if not again:
             break
     prune.worthless(state, say)
-    swap.white(state, given, say)
+    swap.noises(state, given, say)
     prune.noises(state, say)
     if state.changes:
         prune.effects(state, say)

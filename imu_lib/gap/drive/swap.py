@@ -1,46 +1,73 @@
-"""White noise at rest and a vibration that follows the speed, tried in each other's place.
+"""Noises of one channel tried in each other's place.
 
-Which of the two was taken was decided on the path of that moment, which has moved since.
+Which of them was taken was decided on the path of that moment, and before others were held; both
+have changed since.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+
+from imu_lib.arrays import Array
 
 from . import prune, random_effects, readings
+from .random_effects import Change as Option
 from .state import Change, State
 
-WHITE = ("white_noise", "N")
+OF_CHANNELS = ("bias_model", "vibration")
+FITTED = 3  # of what a few values promise
+PROMISED = 0.5  # of the gain of what is held: what promises less is not fitted
+BETTER = 2.0  # nats by which another has to be better
 
 
-def white(state: State, given: bool, say: Callable[[str], object]) -> None:
-    """Put a vibration in the place of white noise that was changed, or the reverse, where it does
-    better on the path as it is; given : a model's white noise may be wrong.
+def noises(state: State, given: bool, say: Callable[[str], object]) -> None:
+    """Put another noise of the same channel in the place of one that was changed, where it does
+    better on the path as it is; given : a model's processes may be wrong.
     """
     measured = readings.densities(state.problem)
-    for change in list(state.changes):
-        if not _is_white(change.change.key):
-            continue
+    short = replace(state, problem=state.problem.brief())
+    for change in [c for c in state.changes if c.change.effect in OF_CHANNELS]:
         noise = prune.without(state, [change])
-        options = [
-            c
-            for c in random_effects.changes(state.problem, noise, given)
-            if _is_white(c.key) and c.key[1] == change.change.key[1] and c.key != change.change.key
-        ]
-        base = state.evaluate(noise).log_likelihood
-        for _, option in random_effects.screen(state, noise, base, options):
-            values, gain, entered = option.fitted(state, noise, base)
-            now = state.result.log_likelihood - base
-            now += readings.evidence(change.change, change.values, measured)
-            if gain + readings.evidence(option, values, measured) <= now:
-                continue
-            say(f"{option.key} in the place of {change.change.key}")
-            put = Change(option, values, gain, change.before, change.rivals, entered)
-            state.changes[state.changes.index(change)] = put
+        base = short.evaluate(noise).log_likelihood
+
+        held = change.change
+        gain = short.evaluate(state.noise).log_likelihood - base
+        now = _worth(held, change.values, gain, measured)
+        found = [(now, gain, held, change.values, state.noise)]
+        others = _others(short, change, given, gain)
+        for option in [held, *others] if others else []:
+            values, gain, entered = option.fitted(short, noise, base)
+            value = _worth(option, values, gain, measured) - (BETTER if option is not held else 0.0)
+            found.append((value, gain, option, values, entered))
+        found.sort(key=lambda f: -f[0])
+        best, gain, option, values, entered = found[0]
+        elsewhere = [r for r in change.rivals if r[2][1:2] != option.key[1:2]]
+        rivals = [f for f in found if f[2] is not option]
+        change.rivals = [(f[2].effect, f[0] - best, f[2].key) for f in rivals] + elsewhere
+        if entered is not state.noise:
+            if option is not held:
+                say(f"{option.key} in the place of {held.key}")
+            change.change, change.values, change.gain = option, values, gain
             state.noise = entered
             state.weigh()
-            break
 
 
-def _is_white(key: tuple[str, ...]) -> bool:
-    return key[0] == "vibration" or (key[0] == "bias_model" and key[2:] == WHITE)
+def _worth(option: Option, values: Array, gain: float, measured: tuple[Array, Array]) -> float:
+    """Nats that a noise is worth, with its price and what the readings say of it."""
+    return gain - random_effects.penalty(option) + readings.evidence(option, values, measured)
+
+
+def _others(state: State, change: Change, given: bool, gain: float) -> list[Option]:
+    """What may stand in the place of a change that gains so much, nats."""
+    noise, key = prune.without(state, [change]), change.change.key
+    base = state.evaluate(noise).log_likelihood
+    held = {c.change.key for c in state.changes}
+    options = [
+        c
+        for c in random_effects.changes(state.problem, noise, given)
+        if c.effect in OF_CHANNELS and c.key[1] == key[1] and c.key not in held
+    ]
+    ranked = random_effects.screen(state, noise, base, options)
+    out = [c for value, c in ranked[:FITTED] if value > PROMISED * gain]
+    return [*out, random_effects.shaken(state.problem, noise, key[1])] if given else out
