@@ -7,6 +7,7 @@ import nbformat
 import pytest
 
 from conftest import ROOT
+from imu_lib.book import __main__ as tasks
 from imu_lib.book import build, chapters, execute, left_out
 
 CODE, TEXT = nbformat.v4.new_code_cell, nbformat.v4.new_markdown_cell
@@ -131,3 +132,24 @@ def test_a_wheel_carries_what_a_build_copies():
     text = (ROOT / "book/wheel_hook.py").read_text(encoding="utf-8")
     patterns = text.partition("PATTERNS = (")[2].partition(")")[0]
     assert tuple(re.findall(r'"([^"]+)"', patterns)) == chapters.SOURCES
+
+
+@pytest.mark.parametrize("words", [["build", "--help"], ["-h"], ["pdf", "out.pdf", "-h"]])
+def test_help_of_a_task_builds_nothing(words, monkeypatch, capsys):
+    for name in ("default", "pdf"):
+        monkeypatch.setattr(build, name, None)
+    assert tasks.main(words) == 0
+    told = capsys.readouterr()
+    assert "build: Execute the chapters" in told.out or "pdf: The whole book" in told.out
+    assert not told.err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["build", "--fast"], ["pages", "one", "two"], ["contents", "here"], ["bild"], []],
+)
+def test_a_call_that_no_task_takes_is_one_sentence(words, monkeypatch, capsys):
+    for name in ("default", "pdf"):
+        monkeypatch.setattr(build, name, None)
+    assert tasks.main(words) == 2
+    assert capsys.readouterr().err.count("\n") == 1

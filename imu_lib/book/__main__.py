@@ -1,5 +1,6 @@
 """`python -m imu_lib.book TASK`: what make.py calls for the book."""
 
+import inspect
 import sys
 import time
 from pathlib import Path
@@ -9,22 +10,39 @@ from imu_lib.errors import InputError
 
 
 def main(arguments: list[str]) -> int:
-    task, names = arguments[0], arguments[1:]
     try:
-        return {
-            "build": build_book,
-            "pages": pages,
-            "contents": write_contents,
-            "refresh": refresh,
-            "executable": executable,
-            "pdf": pdf,
-        }[task](names)
+        return run(arguments)
     except (InputError, build.BuildError) as problem:
         print(problem, file=sys.stderr)
         return 2 if isinstance(problem, InputError) else 1
 
 
+def run(arguments: list[str]) -> int:
+    """The task that is asked for, or what it would do."""
+    task, names = (arguments or [""])[0], arguments[1:]
+    options = [word for word in arguments if word.startswith("-")]
+    if {"-h", "--help"} & {*options}:
+        told = [task] if task in TASKS else TASKS
+        print(__doc__, *(f"{name}: {inspect.getdoc(TASKS[name][0])}" for name in told), sep="\n\n")
+        return 0
+    if task not in TASKS:
+        raise InputError(
+            f"there is no task `{task}` for the book: choose one of {', '.join(TASKS)}."
+        )
+    does, most = TASKS[task]
+    if options:
+        raise InputError(f"`{task}` has no option `{options[0]}`: --help shows what it takes.")
+    if len(names) > most:
+        raise InputError(
+            f"`{task}` cannot take `{names[most]}` as well: --help shows what it takes."
+        )
+    return does(names)
+
+
 def build_book(names) -> int:
+    """Execute the chapters and build the pages into the folder that is named, by default
+    book/_build/html.
+    """
     started = time.monotonic()
     page = build.default(Path(names[0]).resolve() if names else None)
     print(f"{page} ({time.monotonic() - started:.0f} s)")
@@ -32,8 +50,8 @@ def build_book(names) -> int:
 
 
 def pages(names) -> int:
-    """Build the pages from the stored outputs, nothing executed, warnings told: for whoever is
-    writing.
+    """Build the pages, into the folder that is named, from the stored outputs; nothing is executed
+    and warnings are told: for whoever is writing.
     """
     print(
         build.default(
@@ -79,9 +97,20 @@ def executable(names) -> int:
 
 
 def pdf(names) -> int:
+    """The whole book as one PDF, under the name that is given."""
     print(build.pdf(Path(names[0]).resolve() if names else None))
     return 0
 
+
+#: Task -> (what does it, how many names it takes at the most).
+TASKS = {
+    "build": (build_book, 1),
+    "pages": (pages, 1),
+    "contents": (write_contents, 0),
+    "refresh": (refresh, sys.maxsize),
+    "executable": (executable, 0),
+    "pdf": (pdf, 1),
+}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))
