@@ -8,6 +8,7 @@ in.
 from __future__ import annotations
 
 import numpy as np
+from gap_noises import strength
 from scipy.fft import dct
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
@@ -91,14 +92,6 @@ class Stretch:
         return x if self.unit is None else np.rint(x / self.unit) * self.unit
 
 
-def _size(gain_of, target):
-    low, high = 1e-12, 1e6
-    for _ in range(70):
-        middle = np.sqrt(low * high)
-        low, high = (low, middle) if gain_of(middle) > target else (middle, high)
-    return np.sqrt(low * high)
-
-
 def put(effect, channels, fs, target, rng, temperature=None):
     """(channels, those it is on, gain, what was put in) with the effect in `target`."""
     if effect in RECORD:
@@ -161,7 +154,7 @@ def _noise(effect, s, rng, want):
     if effect == "telegraph" and rng.random() < 0.4:
         a = s.fast * rng.uniform(3, 15)  # to be seen by eye
     else:
-        a = _size(lambda a: s.of_noise(lambda f: a * a * psd(f)), want)
+        a = strength(lambda a: s.of_noise(lambda f: a * a * psd(f)), want)
     gain = s.of_noise(lambda f: a * a * psd(f))
     return s.plus(a * unit, rng), gain, {**told, "amplitude": a, "over_fast": a / s.fast}
 

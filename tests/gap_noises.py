@@ -107,7 +107,7 @@ def gain_line(d, s0, fs):
 
 def strength(gain_of, target):
     """The strength at which `gain_of` reaches the target (it grows with strength)."""
-    low, high = 1e-9, 1e9
+    low, high = 1e-12, 1e9
     for _ in range(80):
         mid = np.sqrt(low * high)
         low, high = (low, mid) if gain_of(mid) > target else (mid, high)

@@ -3,6 +3,7 @@ solution is from the truth.
 """
 
 import numpy as np
+import pytest
 
 from imu_lib import preset
 from imu_lib.navigation import earth, simulation, trajectory, turin
@@ -10,12 +11,14 @@ from imu_lib.navigation import earth, simulation, trajectory, turin
 PAPER = preset("3dm-gx3-25-2013")
 
 
-def six_minutes():
+@pytest.fixture(scope="module", name="path")
+def the_path():
     whole = turin.drive(2)
     return trajectory.Trajectory(whole.position, whole.angles, 0.0, 360.0)
 
 
-def drawn(path):
+@pytest.fixture(scope="module", name="drive")
+def the_drive(path):
     return simulation.simulate_drive(
         path, PAPER, np.random.default_rng(20), imu=simulation.ImuErrors(turn_on_sd=(3e-3, 0.02))
     )

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-from paper_drive import drawn, six_minutes
+from paper_drive import the_drive, the_path  # noqa: F401  (fixtures)
 
 from imu_lib.navigation import (
     earth,
@@ -23,16 +23,6 @@ from imu_lib.published import (
     level_errors_2013,
     outage_errors_2013,
 )
-
-
-@pytest.fixture(scope="module")
-def path():
-    return six_minutes()
-
-
-@pytest.fixture(scope="module")
-def drive(path):
-    return drawn(path)
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from paper_drive import PAPER, drawn, rms, six_minutes
+from paper_drive import PAPER, rms, the_drive, the_path  # noqa: F401  (fixtures)
 
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
@@ -20,17 +20,6 @@ from imu_lib.navigation.filter import FilterModel, run
 from imu_lib.navigation.preparation import Gnss
 from imu_lib.processes import RandomWalk, WhiteNoise
 from imu_lib.record import CHANNELS
-
-
-@pytest.fixture(scope="module")
-def path():
-    return six_minutes()
-
-
-@pytest.fixture(scope="module")
-def drive(path):
-    return drawn(path)
-
 
 MODEL = FilterModel("18AV", PAPER, turn_on_sd=(3e-3, 0.05))
 
