@@ -6,7 +6,7 @@ too, effect by effect, from the definitions of the file format alone.
 """
 
 import numpy as np
-from drive_motion import FINE, motion, radii
+from drive_motion import FINE, drawn, radii
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
@@ -97,8 +97,9 @@ def make(
     whether the standard deviations of the fixes are in the file; held_sd : factor by which they
     wander between good and bad sky, said by the file as it goes
     """
-    rng = np.random.default_rng(seed)
-    m = motion(kind, duration, rng, rough=rough, slip=slip)
+    m, after = drawn(seed, kind, duration, rough, slip)
+    rng = np.random.default_rng()
+    rng.bit_generator.state = after
     found = dict(effects)
     scale_clock = found.get("imu_clock", {}).get("scale", 0.0)
     t, gyro, accel = imu_means(m, rate)

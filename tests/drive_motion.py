@@ -1,10 +1,12 @@
 """True motion of made-up vehicles, without `imu_lib.navigation`: see `drive_generator`."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import oaconvolve
 from scipy.spatial.transform import Rotation
 
 A, F, OMEGA = 6378137.0, 1 / 298.257223563, 7.292115e-5
@@ -23,6 +25,13 @@ class Motion:
     euler: np.ndarray
     gyro: np.ndarray
     accel: np.ndarray
+
+
+def smoothed(x, sd):
+    """`gaussian_filter1d`, of kernels of thousands of samples, by the Fourier transform."""
+    half = int(4.0 * sd + 0.5)
+    kernel = np.exp(-0.5 * (np.arange(-half, half + 1) / sd) ** 2)
+    return oaconvolve(np.pad(x, half, mode="symmetric"), kernel / kernel.sum(), mode="valid")
 
 
 def commands(kind, t, rng):
@@ -62,11 +71,11 @@ def commands(kind, t, rng):
         turn = np.zeros(n)
     standing = t < 20.0
     speed[standing], turn[standing] = 0.0, 0.0
-    speed = gaussian_filter1d(speed, 2.2 * FINE)
+    speed = smoothed(speed, 2.2 * FINE)
     speed = np.maximum(speed - 0.02, 0.0)
     speed = gaussian_filter1d(speed, 0.2 * FINE)
-    turn = gaussian_filter1d(turn, 0.8 * FINE) * np.minimum(speed / 5.0, 1.0)
-    slope = gaussian_filter1d(steps(-0.04, 0.04, 10.0, 40.0), 4.0 * FINE)
+    turn = smoothed(turn, 0.8 * FINE) * np.minimum(speed / 5.0, 1.0)
+    slope = smoothed(steps(-0.04, 0.04, 10.0, 40.0), 4.0 * FINE)
     course = rng.uniform(-np.pi, np.pi) + np.cumsum(turn) / FINE
     return speed, course, slope
 
@@ -96,6 +105,15 @@ def plumb(lat, h):
     g0 = 9.7803253359 * (1 + 1.931852652458e-3 * s2) / np.sqrt(1 - E2 * s2)
     m = OMEGA**2 * A**3 * (1 - F) / 3.986004418e14
     return g0 * (1 - 2 / A * (1 + F * (1 - 2 * s2) + m) * h + 3 * h**2 / A**2)
+
+
+@lru_cache(maxsize=4)
+def drawn(seed, kind, duration, rough=0.0, slip=0.0):
+    """The motion that a seed draws first, and the state of its generator after that: many tests put
+    one effect after the other into the same motion.
+    """
+    rng = np.random.default_rng(seed)
+    return motion(kind, duration, rng, rough=rough, slip=slip), rng.bit_generator.state
 
 
 def motion(kind, duration, rng, origin=(0.84, 0.15, 300.0), rough=0.0, slip=0.0):
@@ -132,7 +150,7 @@ def motion(kind, duration, rng, origin=(0.84, 0.15, 300.0), rough=0.0, slip=0.0)
             angle += rough * (0.3 + speed / 15.0) * shaken / np.std(shaken)
     yaw = course
     if slip:  # the nose points into the curve's inside by as much as the tyres slip
-        yaw = course - slip * gaussian_filter1d(lateral, 0.5 * FINE)
+        yaw = course - slip * smoothed(lateral, 0.5 * FINE)
     euler = np.stack([roll, pitch, yaw], -1)
     c_nb = Rotation.from_euler("ZYX", euler[:, ::-1])
     c_en = ned_to_ecef(lat, lon)

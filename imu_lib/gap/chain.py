@@ -64,27 +64,44 @@ def followed(y: Array, a: float, flip: float, var: float, walk: float) -> Array:
     """
     n = len(y)
     out = np.empty(n)
-    weight, mean, spread = np.full(2, 0.5), np.empty(2), np.full(2, 1e6 * var)
-    mean[0], mean[1] = y[0] + a / 2, y[0] - a / 2
-    chance = np.empty((2, 2))
-    to, error = np.empty((2, 2)), np.empty((2, 2))
+    low, high, p_low, p_high = y[0] + a / 2, y[0] - a / 2, 1e6 * var, 1e6 * var
+    log_low, log_high = np.log(0.5), np.log(0.5)
+    stays, turns = np.log(1 - flip), np.log(flip)
     for k in range(n):
-        for i in range(2):
-            for j in range(2):
-                before = spread[i] + walk
-                total = before + var
-                off = y[k] - (j - 0.5) * a - mean[i]
-                stays = 1 - flip if i == j else flip
-                chance[i, j] = np.log(weight[i] * stays) - 0.5 * (np.log(total) + off**2 / total)
-                to[i, j] = mean[i] + before / total * off
-                error[i, j] = before * var / total
-        chance = np.exp(chance - chance.max())
-        chance /= chance.sum()
-        for j in range(2):
-            share = chance[:, j] + 1e-300
-            share = share / share.sum()
-            mean[j] = np.sum(share * to[:, j])
-            spread[j] = np.sum(share * (error[:, j] + (to[:, j] - mean[j]) ** 2))
-            weight[j] = max(chance[0, j] + chance[1, j], 1e-300)
-        out[k] = np.log(weight[1] / weight[0])
+        to_low, to_high = y[k] + 0.5 * a, y[k] - 0.5 * a
+        # the filters of both levels before, each gone on to either level now
+        ll, m_ll, p_ll = _gone_on(log_low + stays, low, p_low + walk, to_low, var)
+        lh, m_lh, p_lh = _gone_on(log_low + turns, low, p_low + walk, to_high, var)
+        hl, m_hl, p_hl = _gone_on(log_high + turns, high, p_high + walk, to_low, var)
+        hh, m_hh, p_hh = _gone_on(log_high + stays, high, p_high + walk, to_high, var)
+        log_low, low, p_low = _merged(ll, m_ll, p_ll, hl, m_hl, p_hl)
+        log_high, high, p_high = _merged(lh, m_lh, p_lh, hh, m_hh, p_hh)
+        top = max(log_low, log_high)
+        # no level is ever given up for good
+        log_low, log_high = max(log_low - top, -690.0), max(log_high - top, -690.0)
+        out[k] = log_high - log_low
     return out
+
+
+@njit(cache=True, nogil=True)
+def _gone_on(
+    log_weight: float, mean: float, spread: float, reading: float, var: float
+) -> tuple[float, float, float]:
+    """Log weight, mean and variance of a walk after a `reading` of it with noise of `var`."""
+    total, off = spread + var, reading - mean
+    log_weight -= 0.5 * (np.log(total) + off * off / total)
+    return log_weight, mean + spread / total * off, spread * var / total
+
+
+@njit(cache=True, nogil=True)
+def _merged(
+    log_a: float, a: float, p_a: float, log_b: float, b: float, p_b: float
+) -> tuple[float, float, float]:
+    """Log weight, mean and variance of two normal distributions of such log weights as one."""
+    top = max(log_a, log_b)
+    share_a, share_b = np.exp(log_a - top), np.exp(log_b - top)
+    total = share_a + share_b
+    share_a, share_b = share_a / total, share_b / total
+    mean = share_a * a + share_b * b
+    spread = share_a * (p_a + (a - mean) ** 2) + share_b * (p_b + (b - mean) ** 2)
+    return top + np.log(total), mean, spread

@@ -12,7 +12,7 @@ from numba import njit
 
 from . import attitude, constraint, covariance, measurement, propagation, strapdown
 from .fix_update import take_fix
-from .pieces import accumulate, add, copy, pack, unpack, zero
+from .pieces import accumulate, add, copy, copy_matrix, pack, unpack, zero
 from .structures import MOUNTING, Body, Correction, Live, Pieces, Room
 
 AVERAGE = 0.2  # s over which motion is averaged for the rows of the measurements' states
@@ -215,18 +215,10 @@ def _keep(live, total, phi, nodes, node, smooth):
     pack(live.pieces, nodes.p[node])
     if smooth:
         copy(total, nodes.dx[node])
-        copy_square(phi, nodes.phi[node])
+        copy_matrix(phi, nodes.phi[node])
         for i in range(phi.shape[0]):
             for j in range(phi.shape[0]):
                 phi[i, j] = 1.0 if i == j else 0.0
-
-
-@njit(cache=True)
-def copy_square(given, out):
-    """A square matrix into another."""
-    for i in range(given.shape[0]):
-        for j in range(given.shape[0]):
-            out[i, j] = given[i, j]
 
 
 @njit(cache=True, inline="always")

@@ -1,5 +1,8 @@
 """The filter's covariance between its three pieces and one matrix, and the transition that the
 smoother needs, compiled.
+
+Arrays are copied by loops: an assignment of one array to another takes Numba seconds to compile,
+for the error that it would raise where shapes differ.
 """
 
 import numpy as np
@@ -22,6 +25,13 @@ def add(total, v):
 def copy(source, target):
     for i in range(source.size):
         target[i] = source[i]
+
+
+@njit(cache=True)
+def copy_matrix(source, target):
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
 
 
 @njit(cache=True)

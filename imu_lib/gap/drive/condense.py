@@ -17,6 +17,7 @@ from numba import njit
 from imu_lib.arrays import Array
 from imu_lib.gap.drive.legs import Leg
 from imu_lib.navigation import attitude, covariance, earth, strapdown
+from imu_lib.navigation.pieces import copy, copy_matrix
 from imu_lib.navigation.structures import Imu
 
 from . import columns
@@ -37,10 +38,11 @@ def _error_to(
     c, d = np.empty((3, 3)), np.empty((3, 3))
     attitude.fill_matrix(q, c)
     attitude.fill_matrix(q_to, d)
-    r = c @ d.T
-    out[6] = 0.5 * (r[1, 2] - r[2, 1])
-    out[7] = 0.5 * (r[2, 0] - r[0, 2])
-    out[8] = 0.5 * (r[0, 1] - r[1, 0])
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        out[6 + i] = 0.0
+        for r in range(3):  # what is odd of c d'
+            out[6 + i] += 0.5 * (c[j, r] * d[k, r] - c[k, r] * d[j, r])
 
 
 @njit(cache=True, nogil=True)
@@ -75,7 +77,8 @@ def intervals(
             covariance.fill_dynamics(p, v, felt[steps, 2], f)
             covariance.fill_transition(f, mean_c, step, a[steps], d[steps], f2)
             now = along[steps]
-            now[:3], now[3], now[4] = v, step, scale / (step * step)
+            copy(v, now[:3])
+            now[3], now[4] = step, scale / (step * step)
             now[5], now[6], now[7] = drifts[e, 0], np.sqrt(v[0] ** 2 + v[1] ** 2), drifts[e, 1]
             e, steps = stop, steps + 1
         _carried(
@@ -121,7 +124,7 @@ def _carried(
                 for s in range(9):
                     noise[ch, r, s] += weight * last[s, ch]
         _force(felt[k, 0], felt[k, 1], along[k, 5:], last, force)
-        room[:, :] = phi
+        copy_matrix(phi, room)
         _product(room, a[k], phi)
 
 
@@ -186,9 +189,10 @@ def _run_on(
         for r in range(3):
             turn[r] = imu.dtheta[j, r] - bias[r] * dt
             push[r] = imu.dvel[j, r] - bias[3 + r] * dt
-        mid[:, :] = c
+        copy_matrix(c, mid)
         strapdown.step((p, v, q, c), (turn, push), (last[0], last[1]), dt)
-        last[0], last[1] = turn, push
+        copy(turn, last[0])
+        copy(push, last[1])
         for r in range(3):
             felt[0, r] += turn[r]
             felt[1, r] += push[r]
@@ -198,8 +202,10 @@ def _run_on(
                 mean_c[r, s] += mid[r, s]
         step += dt
         scale += imu.extra_noise[j] * dt
-    mean_c /= part[1] - part[0]
-    felt /= step
+    for r in range(3):
+        for s in range(3):
+            mean_c[r, s] /= part[1] - part[0]
+            felt[r, s] /= step
     return step, scale
 
 

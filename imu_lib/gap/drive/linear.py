@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from imu_lib.arrays import Array
+from imu_lib.navigation.pieces import copy, copy_matrix
 
 from .correction import judge, take
 from .structures import Fixes, Out, Random, Room, Track
@@ -39,7 +40,7 @@ def innovations(track: Track, random: Random, fixes: Fixes, count: int) -> Out:
         np.zeros((6, count)), np.zeros((m, n)), np.zeros((n, count)), np.zeros(n), np.zeros(n),
         np.zeros((9, 6)), np.zeros((15, 9)),
     )  # fmt: skip
-    room.p[9 : 9 + m, 9 : 9 + m] = random.sensors
+    copy_matrix(random.sensors, room.p[9 : 9 + m, 9 : 9 + m])
     for i in range(9 + m, n):
         room.p[i, i] = random.sigma[random.of[i - 9 - m]] ** 2
     for node in range(track.begins.size):
@@ -130,7 +131,7 @@ def _navigation(room: Room, track: Track, random: Random, node: int, s: Array) -
     by_channel, both, phi, gain = room.by_channel, room.both, track.phi[k], track.gain[k]
     first, last, noise = random.first, random.last, track.noise[k]
     channel, weight = random.channel, random.weight
-    level = random.density + random.per_speed * track.speed[node] ** 2
+    square = track.speed[node] ** 2
     by_channel[:, :] = 0.0
     for a in range(m):
         c, w = channel[a], weight[a]
@@ -149,7 +150,7 @@ def _navigation(room: Room, track: Track, random: Random, node: int, s: Array) -
             for j in range(9):
                 p[i, j] += v * both[r, j]
         for c in range(6):
-            v, white = by_channel[i, c], level[c]
+            v, white = by_channel[i, c], random.density[c] + random.per_speed[c] * square
             for j in range(9):
                 p[i, j] += v * both[9 + c, j] + white * noise[c, i, j]
         for j in range(i):
@@ -190,7 +191,9 @@ def _predict_states(room: Room, track: Track, random: Random, node: int) -> None
     phi, gain = track.phi[k], track.gain[k]
     s, jump = random.powers[track.kind[k]], track.jump[k]
     channel, weight, first, last = random.channel, random.weight, random.first, random.last
-    error = -track.bias  # of the six channels
+    error = np.empty(6)  # of the channels
+    for c in range(6):
+        error[c] = -track.bias[c]
     for a in range(m):
         error[channel[a]] += weight[a] * x[9 + a]
     for i in range(9):
@@ -207,7 +210,7 @@ def _predict_states(room: Room, track: Track, random: Random, node: int) -> None
         new[9 + a] = v
     for i in range(9 + m, n):
         new[i] = random.decay[k, random.of[i - 9 - m]] * x[i]
-    x[:] = new
+    copy(new, x)
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
@@ -223,4 +226,4 @@ def _predict_parameters(room: Room, track: Track, random: Random, node: int) -> 
     for i in range(9 + m, z.shape[0]):
         for j in range(count):
             zt[i, j] = random.decay[k, random.of[i - 9 - m]] * z[i, j]
-    z[:, :] = zt
+    copy_matrix(zt, z)
