@@ -138,25 +138,24 @@ class _Moments:
         self.quadrature = Quadrature(moments.m, moments.samples, moments.windows, moments.fs)
 
     def parts(self, shape):
-        """Wavelet variances and densities of the free terms at unit amplitude, and of all that is
-        held.
-        """
-        avar, density = self.terms.parts(
-            shape, self.moments.tau, self.quadrature.f, self.moments.fs
-        )
+        """Wavelet variances of the free terms at unit amplitude, and of all that is held."""
+        return self._split(self.terms.variances(shape, self.moments.tau, self.moments.fs) / 2)
+
+    def _split(self, rows):
+        """Rows of the free terms, and the sum of the others."""
         free = [t for t, _, _ in self.terms.linear]
-        held = [t for t in range(len(avar)) if t not in free]
-        return avar[free] / 2, density[free], avar[held].sum(axis=0) / 2, density[held].sum(axis=0)
+        held = [t for t in range(len(rows)) if t not in free]
+        return rows[free], rows[held].sum(axis=0)
 
     def model(self, theta):
         return self.terms.model(theta[self.count :], np.exp(2 * theta[: self.count]))
 
     def predict(self, theta):
-        nu, _, held, _ = self.parts(theta[self.count :])
+        nu, held = self.parts(theta[self.count :])
         return np.exp(2 * theta[: self.count]) @ nu + held
 
     def jacobian(self, theta, step=1e-4):
-        nu = self.parts(theta[self.count :])[0]
+        nu, _ = self.parts(theta[self.count :])
         columns = list(2 * np.exp(2 * theta[: self.count])[:, None] * nu)
         for k in range(self.count, len(theta)):
             e = step * np.eye(len(theta))[k]
@@ -164,7 +163,9 @@ class _Moments:
         return np.stack(columns, axis=1)
 
     def covariance(self, theta):
-        _, density, _, held = self.parts(theta[self.count :])
+        density, held = self._split(
+            self.terms.densities(theta[self.count :], self.quadrature.f, self.moments.fs)
+        )
         return self.quadrature.covariance(np.exp(2 * theta[: self.count]) @ density + held) / 4
 
     def starts(self, places=6):
@@ -173,7 +174,7 @@ class _Moments:
         """
         axis = np.log(np.geomspace(4 / self.moments.fs, self.moments.tau[-1] / 2, places))
         for row in product(axis, repeat=len(self.terms.shape)):
-            nu, _, held, _ = self.parts(np.array(row))
+            nu, held = self.parts(np.array(row))
             columns = (nu / self.moments.variance).T
             scale = columns.max(axis=0)
             squares = nnls(columns / scale, 1 - held / self.moments.variance)[0] / scale

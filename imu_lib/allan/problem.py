@@ -11,6 +11,7 @@ keeps the solution unbiased.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -69,54 +70,56 @@ class Terms:
         }
         return self.template.with_values(values)
 
-    def parts(self, shape: Array, tau: Array, f: Array, fs: float) -> tuple[Array, Array]:
-        """Allan variance (terms + 1, j) and density (terms + 1, k) at unit amplitude; after the
-        terms, what the stages add.
-        """
+    def variances(self, shape: Array, tau: Array, fs: float) -> Array:
+        """Allan variance (terms + 1, j) at unit amplitude; after the terms, what the stages add."""
         rows = [
-            self._part(
-                t,
-                tuple(float(v) for (s, _, _), v in zip(self.shape, shape, strict=True) if s == t),
-                tau,
-                f,
-                fs,
-            )
+            self._kept("variance", t, own, lambda one: one.avar(tau, fs))
+            for t, own in self._shapes(shape)
+        ]
+        return np.array([*rows, -3 / tau**2] if self.filtered else rows)
+
+    def densities(self, shape: Array, f: Array, fs: float) -> Array:
+        """Density (terms + 1, k) at unit amplitude; after the terms, that of the stages."""
+
+        def density(one: Sum) -> Array:
+            try:
+                return one.psd(f, fs)
+            except UndefinedFormError:  # a ramp, a sinusoid: no random part
+                return np.zeros(f.shape)
+
+        rows = [self._kept("density", t, own, density) for t, own in self._shapes(shape)]
+        return np.array([*rows, -8 * fs * np.sin(np.pi * f / fs) ** 2] if self.filtered else rows)
+
+    def _shapes(self, shape: Array) -> list[tuple[int | None, tuple[float, ...]]]:
+        """Each term with its own log shape parameters; None for the stages."""
+        values = list(zip(self.shape, shape, strict=True))
+        own = [
+            (t, tuple(float(v) for (s, _, _), v in values if s == t))
             for t in range(len(self.template.terms))
         ]
-        rows.append(self._part(None, (), tau, f, fs))
-        if self.filtered:
-            rows.append((-3 / tau**2, -8 * fs * np.sin(np.pi * f / fs) ** 2))
-        return np.array([a for a, _ in rows]), np.array([s for _, s in rows])
+        return [*own, (None, ())]
 
-    def _part(
-        self, t: int | None, shape: tuple[float, ...], tau: Array, f: Array, fs: float
-    ) -> tuple[Array, Array]:
-        key = (t, shape)
+    def _kept(
+        self, what: str, t: int | None, shape: tuple[float, ...], form: Callable[[Sum], Array]
+    ) -> Array:
+        """A closed form of one term at unit amplitude, reckoned once."""
+        key = what, t, shape
         if key not in self.cache:
-            if len(self.cache) > 300:
+            if len(self.cache) > 600:
                 self.cache.clear()
-            if t is None:
-                one = Sum((), self.stages)
-            else:
-                values = dict(
-                    zip([name for s, name, _ in self.shape if s == t], np.exp(shape), strict=True)
-                )
-                values |= {name: 1.0 for s, name, _ in self.linear if s == t}
-                term = self.template.terms[t].with_(**values)
-                slow = (
-                    getattr(term, "correlation_time", 0)
-                    * min((s.cutoff for s in self.filter), default=0)
-                    > 20
-                )
-                one = Sum(
-                    (term,), () if slow else self.filter
-                )  # the filter does not touch what is slow
-            try:
-                density = one.psd(f, fs)
-            except UndefinedFormError:  # a ramp, a sinusoid: no random part
-                density = np.zeros(f.shape)
-            self.cache[key] = one.avar(tau, fs), density
+            self.cache[key] = form(Sum((), self.stages) if t is None else self._unit(t, shape))
         return self.cache[key]
+
+    def _unit(self, t: int, shape: tuple[float, ...]) -> Sum:
+        """One term at unit amplitude, behind the filter unless it is too slow to be touched."""
+        values = dict(
+            zip([name for s, name, _ in self.shape if s == t], np.exp(shape), strict=True)
+        )
+        values |= {name: 1.0 for s, name, _ in self.linear if s == t}
+        term = self.template.terms[t].with_(**values)
+        lowest = min((s.cutoff for s in self.filter), default=0)
+        slow = getattr(term, "correlation_time", 0) * lowest > 20
+        return Sum((term,), () if slow else self.filter)
 
 
 class Problem:
@@ -156,7 +159,7 @@ class Problem:
 
     def design(self, shape: Array) -> tuple[Array, Array]:
         """Allan variance of the free terms (j, terms) and of what is held (j,)."""
-        avar, _ = self.terms.parts(shape, self.tau, self.quad.f, self.fs)
+        avar = self.terms.variances(shape, self.tau, self.fs)
         return avar[self.free].T, avar[self.held].sum(axis=0)
 
     def predict(self, shape: Array, squares: Array) -> Array:
@@ -166,7 +169,8 @@ class Problem:
 
     def covariance(self, shape: Array, squares: Array) -> Array:
         """Covariance of the estimates under the model (j, j), with a ramp's cross terms."""
-        avar, density = self.terms.parts(shape, self.tau, self.quad.f, self.fs)
+        avar = self.terms.variances(shape, self.tau, self.fs)
+        density = self.terms.densities(shape, self.quad.f, self.fs)
         weight = np.ones(len(avar))
         weight[self.free] = squares
         total = weight @ density

@@ -33,9 +33,8 @@ PLAIN, CROWD = 120.0, 16
 FINE = 0.25
 #: s between two findings that are one.
 JOINED = 0.6
-#: s of the windows in which a knock rings down, for how long at the most, and share of the record's
-#: windows that are as quiet as what follows it.
-WINDOW, RINGS, USUAL = 0.1, 8.0, 0.97
+#: s in which a knock rings down, at the most.
+RINGS = 8.0
 #: s up to which it is a knock.
 KNOCK = 1.0
 
@@ -243,13 +242,12 @@ def _rung_down(hit: Hit, channels, names, rate: float, stop: int) -> int:
     """The row up to which what follows a knock is louder than nearly all of the record: it rings
     below the level at which single samples stand out.
     """
-    size = max(4, round(WINDOW * rate))
     end = min(len(channels[names[0]].x), stop + int(RINGS * rate))
     out = stop
     for c in hit.channels:
-        y, at = channels[names[c]].fast, stop
-        usual = np.quantile((windows(y, size, 0) ** 2).mean(axis=1), USUAL)
-        while at + size <= end and np.mean(y[at : at + size] ** 2) > usual:
+        ready, at = channels[names[c]], stop
+        y, size = ready.fast, ready.window
+        while at + size <= end and np.mean(y[at : at + size] ** 2) > ready.usual:
             at += size
         out = max(out, at)
     return out

@@ -5,6 +5,7 @@ off, what is left divided by the noise of its surroundings; and window statistic
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
@@ -13,6 +14,9 @@ from scipy.ndimage import median_filter, uniform_filter1d
 BLOCK, REACH = 8.0, 5
 #: Samples of such a block at the least and s over which the slow part is averaged.
 LEAST_BLOCK, SLOW = 64, 1.0
+#: s of the windows in which a knock rings down, and share of the record's windows that are as quiet
+#: as what follows it.
+WINDOW, USUAL = 0.1, 0.97
 #: Windows in a part of the record of which the tail is taken, at the least, and parts at the most.
 PART, MOST_PARTS = 200, 25
 
@@ -23,13 +27,19 @@ class Prepared:
 
     x : ndarray, shape (n,), bad rows bridged. fast : its part above about 1 Hz over `sigma`,
     shape (n,). sigma : noise level of the surroundings, shape (n,), the signal's unit. bad : rows
-    that were bridged, shape (n,), bool.
+    that were bridged, shape (n,), bool. window : samples in which a knock rings down.
     """
 
     x: np.ndarray
     fast: np.ndarray
     sigma: np.ndarray
     bad: np.ndarray
+    window: int
+
+    @cached_property
+    def usual(self) -> float:
+        """Mean square of `fast` that nearly all windows of the record stay below."""
+        return float(np.quantile((windows(self.fast, self.window, 0) ** 2).mean(axis=1), USUAL))
 
 
 def prepared(x: np.ndarray, bad: np.ndarray, rate: float, grid: float) -> Prepared:
@@ -57,7 +67,7 @@ def prepared(x: np.ndarray, bad: np.ndarray, rate: float, grid: float) -> Prepar
     wide = np.maximum(wide, 0.05 * floor if floor > 0 else 1e-300)
     sigma = np.repeat(wide, block)
     sigma = np.r_[sigma, np.full(n - len(sigma), wide[-1])]
-    return Prepared(x, residual / sigma, sigma, bad)
+    return Prepared(x, residual / sigma, sigma, bad, max(4, round(WINDOW * rate)))
 
 
 def bridged(x: np.ndarray, bad: np.ndarray) -> np.ndarray:

@@ -116,6 +116,7 @@ class _Bench:
                     change = f.change(width, guard)
                     self.wander[width, guard] = sudden(change, 2 * (width + guard))
         self._candidates: list[int] | None = None
+        self._levels: dict[tuple[int, int], np.ndarray] = {}
 
     def candidates(self) -> list[int]:
         """Boundaries of blocks at which an accelerometer changes for good, the clearest MOST."""
@@ -160,8 +161,11 @@ class _Bench:
         f, w = self.f, self.w
         before, after = f.mean(low - left, low), f.mean(high, high + right)
         change = after - before
+        usual = self._usual(left, low, high)
+        if np.all(np.abs(change) < CHANGED * usual):  # told before what takes longer
+            return None
         sides = np.sqrt(1 / left + 1 / right)
-        sd = np.maximum(_scatter(f, low - left, high + right) * sides, self._usual(left, low, high))
+        sd = np.maximum(_scatter(f, low - left, high + right) * sides, usual)
         score = float(np.max(np.abs(change) / sd))
         if score < CHANGED:
             return None
@@ -216,13 +220,14 @@ class _Bench:
 
     def _usual(self, width, low, high) -> np.ndarray:
         """What a level wanders in as long beyond white noise: standard deviations, shape (3,)."""
-        keys = [k for k in self.wander if k[0] <= max(width, WIDTHS[0])]
-        if not keys:
-            return np.zeros(3)
         guard = (high - low + 1) // 2
-        key = min(keys, key=lambda k: (abs(k[0] - width), abs(k[1] - guard)))
-        scale = self.wander[key][1][:, 0]
-        return np.where(np.isfinite(scale), scale / np.sqrt(1.5), 0.0)
+        asked = width, guard
+        if asked not in self._levels:
+            keys = [k for k in self.wander if k[0] <= max(width, WIDTHS[0])]
+            key = min(keys, key=lambda k: (abs(k[0] - width), abs(k[1] - guard)), default=None)
+            scale = self.wander[key][1][:, 0] if key else np.zeros(3)
+            self._levels[asked] = np.where(np.isfinite(scale), scale / np.sqrt(1.5), 0.0)
+        return self._levels[asked]
 
 
 def _shortest(turns: list[Turn | None]) -> Turn | None:
