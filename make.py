@@ -78,12 +78,15 @@ def test(arguments):
         PYTHON,
         "-m",
         "pytest",
-        *filter(None, notebooks),  # the longest files first: the last ones fill the two workers
+        # long files first and in this order, short ones fill the end; the last chapter first, so
+        # that the kernels of drives are compiled by one worker before the other asks for them
+        *filter(None, reversed(notebooks)),
         "tests",
         "-n",
         "2",
         "--dist",
         "loadfile",
+        "--no-loadscope-reorder",
         "--nbval",
         "--nbval-current-env",
         "--nbval-cell-timeout",
