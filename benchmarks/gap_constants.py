@@ -25,6 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "benchmarks")]
 
 import gap_generator as generator  # noqa: E402
+import gap_hidden as hidden  # noqa: E402
 import numpy as np  # noqa: E402
 from gap_score import RESULTS, wilson  # noqa: E402
 
@@ -53,7 +54,7 @@ def screened(cases: int, first: int) -> dict:
     most, rounds.MOST_OF_SCREENED = rounds.MOST_OF_SCREENED, np.inf
     rounds._weighed = weighed
     try:
-        for k, kind in enumerate(("none", *generator.SPECTRAL, *generator.DRIFTS, "low_pass")):
+        for k, kind in enumerate(("none", *hidden.SPECTRAL, *hidden.DRIFTS, "low_pass")):
             for i in range(cases):
                 effects = () if kind == "none" else (kind,)
                 seed = first + 100 * k + i

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections import Counter
 
-import gap_generator as generator
+import gap_hidden as hidden
+import gap_noises as noises
 import numpy as np
 
 from imu_lib.processes import Sum
@@ -18,7 +19,7 @@ from imu_lib.processes import Sum
 #: Frequencies at which spectra are compared, and the accuracy of a spectrum that is no error.
 FREQUENCIES, ACCURACY = 160, 0.01
 #: Effects behind which the spectrum of the noises is still that of the samples.
-JUDGED = (*generator.SPECTRAL, *generator.DRIFTS, "sinusoid", "parameter_change")
+JUDGED = (*hidden.SPECTRAL, *hidden.DRIFTS, "sinusoid", "parameter_change")
 
 
 def truth(made, channel):
@@ -74,7 +75,7 @@ def _spectrum(entries, models, fs, n) -> dict:
     frequency at once, and where it is furthest off.
     """
     f = np.geomspace(2 * fs / n, 0.49 * fs, FREQUENCIES)
-    true = np.log(generator.base_psd(entries, f, fs))
+    true = np.log(noises.base_psd(entries, f, fs))
     log = np.log([m.psd(f, fs) for m in models])
     middle, sd = log.mean(axis=0), np.hypot(log.std(axis=0), ACCURACY)
     width = np.quantile(np.max(np.abs(log - middle) / sd, axis=1), 0.95)

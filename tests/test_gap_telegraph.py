@@ -1,6 +1,7 @@
 """Two levels against the Gaussian process of the same spectrum."""
 
 import gap_generator as generator
+import gap_noises as noises
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
@@ -82,9 +83,9 @@ def test_levels_lost_in_the_noise_are_told_from_a_gauss_markov_process(rate, see
     rng = np.random.default_rng(seed)
     x = generator.noise(base[0], N, FS, rng)
     f = np.arange(1, N // 2 + 1) * FS / N
-    shape = generator.spectrum({"process": "telegraph", "rate": rate, "amplitude": 1.0}, f, FS)
-    a = generator.strength(
-        lambda v: generator.gain_spectral(generator.base_psd(base, f, FS), v * v * shape), 300
+    shape = noises.spectrum({"process": "telegraph", "rate": rate, "amplitude": 1.0}, f, FS)
+    a = noises.strength(
+        lambda v: noises.gain_spectral(noises.base_psd(base, f, FS), v * v * shape), 300
     )
     truth = {
         "telegraph": {"process": "telegraph", "rate": rate, "amplitude": a},

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.faults.finding import Finding, seconds
-from imu_lib.faults.tilt import CHANGED, MEANS, angle_in_words, rotation
+from imu_lib.faults.tilt import MEANS, angle_in_words
+from imu_lib.faults.turn import CHANGED, rotation
 
 #: s on each side of a hole that tell the attitude, and rad of a change told at the least.
 ASIDE, LEAST_IN_HOLE = 60.0, 3e-3

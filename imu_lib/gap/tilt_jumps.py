@@ -11,7 +11,8 @@ import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.faults.finding import seconds
-from imu_lib.faults.tilt import MEANS, angle_in_words, rotation
+from imu_lib.faults.tilt import MEANS, angle_in_words
+from imu_lib.faults.turn import rotation
 from imu_lib.gap.effects.step import Step as Jump
 from imu_lib.gap.ramped import Ramp, ramp_of
 from imu_lib.gap.steps import Step
