@@ -14,8 +14,9 @@ import numpy as np
 
 from imu_lib import timing
 from imu_lib.archive import load_arrays, numbers
+from imu_lib.arrays import frozen
 from imu_lib.errors import InputError
-from imu_lib.record import Record, frozen_array
+from imu_lib.record import Record
 
 _SHAPES = {
     "gyro": "time",
@@ -70,7 +71,7 @@ class Drive:
             value = getattr(self, key)
             if value is None:
                 continue
-            value = frozen_array(value, key, (-1,))
+            value = frozen(value, key, (-1,))
             if len(value) < 2 or not np.isfinite(value).all() or (np.diff(value) <= 0).any():
                 what = {"time": "samples", "gnss_time": "fixes"}.get(key, "points of the reference")
                 raise ValueError(
@@ -85,9 +86,9 @@ class Drive:
             if getattr(self, clock) is None:
                 raise ValueError(f"`{key}` has no `{clock}`")
             n = len(getattr(self, clock))
-            put(self, key, frozen_array(value, key, (n,) if key in _FLAT else (n, 3)))
+            put(self, key, frozen(value, key, (n,) if key in _FLAT else (n, 3)))
         if self.lever_arm is not None:
-            put(self, "lever_arm", frozen_array(self.lever_arm, "lever_arm", (3,)))
+            put(self, "lever_arm", frozen(self.lever_arm, "lever_arm", (3,)))
         for key in ("gyro", "accel"):
             if not np.isfinite(getattr(self, key)).all():
                 row = int(np.flatnonzero(~np.isfinite(getattr(self, key)).all(axis=1))[0])

@@ -15,29 +15,10 @@ from typing import Any
 import numpy as np
 
 from imu_lib import timing, units
-from imu_lib.arrays import Array, ArrayLike
+from imu_lib.arrays import Array, frozen
 from imu_lib.errors import InputError
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
-
-
-def frozen_array(value: ArrayLike, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """A read-only contiguous float64 array of `shape` (-1 where any length will do); ValueError
-    naming `name` otherwise.
-    """
-    try:
-        array = np.ascontiguousarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"`{name}` must hold numbers") from None
-    if array.ndim != len(shape) or any(
-        want not in (-1, got) for want, got in zip(shape, array.shape)
-    ):
-        wanted = ", ".join("n" if s == -1 else str(s) for s in shape)
-        raise ValueError(f"`{name}` must have the shape ({wanted}), not {array.shape}")
-    if array is value or array.base is not None:
-        array = array.copy() if array.flags.writeable else array
-    array.setflags(write=False)
-    return array
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +54,7 @@ class Record:
         n = np.size(self.channels[first])
         if n < 2:
             raise ValueError(f"`{first}` has {n} sample(s); at least two are needed")
-        channels = {
-            c: frozen_array(self.channels[c], c, (n,)) for c in CHANNELS if c in self.channels
-        }
+        channels = {c: frozen(self.channels[c], c, (n,)) for c in CHANNELS if c in self.channels}
         for name, x in channels.items():
             if np.isinf(x).any():
                 raise ValueError(
@@ -92,7 +71,7 @@ class Record:
         put(self, "rate", rate)
         put(self, "notes", tuple(self.notes))
         if self.time is not None:
-            time = frozen_array(self.time, "time", (n,))
+            time = frozen(self.time, "time", (n,))
             wrong = np.flatnonzero(~(np.diff(time) > 0))
             if not np.isfinite(time[0]) or wrong.size:
                 raise ValueError(
@@ -101,7 +80,7 @@ class Record:
                 )
             put(self, "time", time)
         if self.temperature is not None:
-            put(self, "temperature", frozen_array(self.temperature, "temperature", (n,)))
+            put(self, "temperature", frozen(self.temperature, "temperature", (n,)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy cannot be pickled, and records travel to worker processes

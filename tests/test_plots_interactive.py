@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from imu_lib import allan, plots, units
-from imu_lib.plots.interactive import POINTS, Explorable, _range, described
+from imu_lib.plots.interactive import Explorable, _range, described
+from imu_lib.plots.traces import POINTS
 from imu_lib.processes import RandomWalk, WhiteNoise
 
 matplotlib.use("Agg")
