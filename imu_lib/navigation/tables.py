@@ -4,7 +4,10 @@ runs.
 
 import numpy as np
 
+from imu_lib.arrays import Array
+
 from .earth import horizontal
+from .states import SensorStates
 from .structures import FixTable, SpeedTable
 
 
@@ -61,16 +64,23 @@ def parked(stretch, fixes, last, angles):
     return float(angles(last[None, 6:10])[0, 2])
 
 
-def across(sensors, rate, x, p, gap):
-    """Sensor states (m,) and their covariance carried over a hole in the data, `gap` s."""
-    steps = max(int(round(gap * rate)), 0)
+def over(sensors: SensorStates, steps: int) -> tuple[Array, Array]:
+    """Transition and noise (m, m) of the sensor states over so many steps, by doubling: the noise
+    of 2k steps is that of k, carried on, and that of k.
+    """
     power, total = sensors.transition.copy(), sensors.noise.copy()
-    out_s, out_q = np.eye(x.size), np.zeros_like(total)
-    while steps:  # doubling: the noise of 2k steps is that of k, carried on, and that of k
+    out_s, out_q = np.eye(len(total)), np.zeros_like(total)
+    while steps:
         if steps & 1:
             out_q = power @ out_q @ power.T + total
             out_s = power @ out_s
         total = power @ total @ power.T + total
         power = power @ power
         steps >>= 1
-    return out_s @ x, out_s @ p @ out_s.T + out_q
+    return out_s, out_q
+
+
+def across(sensors, rate, x, p, gap):
+    """Sensor states (m,) and their covariance carried over a hole in the data, `gap` s."""
+    transition, noise = over(sensors, max(int(round(gap * rate)), 0))
+    return transition @ x, transition @ p @ transition.T + noise

@@ -7,27 +7,22 @@ its samples are then nearly independent complex numbers, normal where there is n
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.fft import next_fast_len
 
 from imu_lib.arrays import Array
 from imu_lib.vibrations.behaviour import (
-    BREATHES,
     SWEEPS,
-    breathes,
     carried,
     coherent,
     fading,
-    rises,
-    sweeps,
     wander,
 )
-from imu_lib.vibrations.episodes import BLOCKS, episodes
 from imu_lib.vibrations.narrow_band import Place
 from imu_lib.vibrations.response import beside, felt_on, within
 from imu_lib.vibrations.transforms import Transforms
+from imu_lib.vibrations.wide_band import WideBand
 
 #: Width over frequency up to which what several channels show at one place is one cause.
 NARROW = 0.04
@@ -98,7 +93,7 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
     on = (time >= place.start) & (time <= place.stop)
     broad = place.high - place.low > NARROW * place.high
     felt = felt_on(z, on, (b - a) / count, found_on, wide=broad)
-    wide = _Wide.around(felt, a, b, transforms)
+    wide = WideBand.around(felt, a, b, transforms)
     spans = wide.episodes(transforms.duration)
     on = within(spans, time)
     felt = felt_on(z, on, (b - a) / count, found_on, beside(spans, a, b, transforms), wide=broad)
@@ -145,7 +140,7 @@ def examined(place: Place, found_on: set[str], transforms: Transforms) -> Source
     )
 
 
-def _amplitude(wide: _Wide, best: str, line: bool) -> tuple[tuple[float, float] | None, bool]:
+def _amplitude(wide: WideBand, best: str, line: bool) -> tuple[tuple[float, float] | None, bool]:
     """How the amplitude wanders, and whether most of it is one wave, of a `line` that is there all
     the time.
     """
@@ -153,55 +148,6 @@ def _amplitude(wide: _Wide, best: str, line: bool) -> tuple[tuple[float, float] 
     if not line or x is None:
         return None, False
     return wander(x, wide.width), carried(x)
-
-
-@dataclass(frozen=True)
-class _Wide:
-    """A band as much wider as its strength allows, so that its samples are shorter: `z` by channel,
-    noise of mean square 1, the `ratio` of each, the band's `width` in Hz.
-    """
-
-    z: dict[str, Array]
-    ratio: dict[str, float]
-    width: float
-
-    @classmethod
-    def around(
-        cls, felt: dict[str, tuple[float, float]], a: int, b: int, transforms: Transforms
-    ) -> _Wide:
-        strength = max(r - 1.0 for r, _ in felt.values())
-        wider = int(np.clip(min(strength / 2, BLOCKS / (b - a)), 1, 40) * (b - a))
-        middle, half = (a + b) // 2, wider // 2 + 1
-        if wider > b - a and middle - half > 1 and middle + half < transforms.n // 2:
-            a, b = middle - half, middle + half
-        z = {name: transforms.zoom(name, a, b) for name in felt}
-        share = (b - a) / len(next(iter(z.values())))
-        z = {name: x / np.sqrt(share) for name, x in z.items()}
-        ratio = {name: max(float(np.mean(np.abs(x) ** 2)), 1.001) for name, x in z.items()}
-        return cls(z, ratio, len(next(iter(z.values()))) / transforms.duration)
-
-    def episodes(self, duration: float) -> tuple[tuple[float, float], ...]:
-        """(from, to) in s; empty where it is there all the time."""
-        weight = {name: (r - 1) / r for name, r in self.ratio.items()}
-        total = sum(weight.values())
-        power = np.asarray(sum(w / total * np.abs(self.z[name]) ** 2 for name, w in weight.items()))
-        return episodes(power, min(len(weight), 2), duration) or ()
-
-    def strange(self, source: dict[str, Any], best: str, duration: float) -> str:
-        """Why it behaves as no vibration does, or nothing."""
-        # who feels it only in its episodes is not among the channels of the wider band
-        x = self.z[best if best in self.z else max(self.ratio, key=lambda c: self.ratio[c])]
-        spans = source["spans"]
-        time = (np.arange(len(x)) + 0.5) / len(x) * duration
-        on = within(spans, time)
-        whole = not spans
-        if sweeps(x[on], self.width, source["crossed"], source["frequency"], whole=whole):
-            return SWEEPS
-        parts = [x[within([span], time)] for span in spans]
-        line = source["bandwidth"] <= 0.1 * source["frequency"]
-        if line and (breathes(x[on]) or rises(parts)):
-            return BREATHES
-        return ""
 
 
 def _width(

@@ -13,6 +13,7 @@ from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.model import Model
 from imu_lib.navigation.states import SensorStates, sensor_states
+from imu_lib.navigation.tables import over
 from imu_lib.processes import Constant, Flicker, GaussMarkov, Process, Sum, WhiteNoise
 from imu_lib.record import CHANNELS
 from imu_lib.units import DEG
@@ -214,22 +215,9 @@ def _of_fixes(noise: Noise, gap: Array, first: int) -> tuple[Array, Array, Array
 
 
 def _powers(sensors: SensorStates, counts: Array) -> tuple[Array, Array]:
-    """Transition and noise of the sensor states over each number of IMU steps, by doubling."""
-    powers, walks = [], []
-    m = sensors.count
-    for count in counts:
-        steps, power, total = int(count), sensors.transition.copy(), sensors.noise.copy()
-        out_s, out_q = np.eye(m), np.zeros((m, m))
-        while steps:
-            if steps & 1:
-                out_q = power @ out_q @ power.T + total
-                out_s = power @ out_s
-            total = power @ total @ power.T + total
-            power = power @ power
-            steps >>= 1
-        powers.append(out_s)
-        walks.append(out_q)
-    return np.array(powers), np.array(walks)
+    """Transition and noise of the sensor states over each number of IMU steps."""
+    both = [over(sensors, int(count)) for count in counts]
+    return np.array([s for s, _ in both]), np.array([q for _, q in both])
 
 
 def _blocks(powers: Array) -> tuple[Array, Array]:

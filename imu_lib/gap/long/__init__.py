@@ -26,6 +26,7 @@ from imu_lib.errors import InputError
 from imu_lib.gap import absent, loop
 from imu_lib.gap.found import Report
 from imu_lib.gap.long import begun, joined, looked_at, views
+from imu_lib.gap.long.progress import Told
 from imu_lib.gap.long.scan import Scan, scan
 from imu_lib.gap.long.windows import Stretch, stretches, typical_run
 from imu_lib.gap.steps import Step
@@ -69,7 +70,7 @@ def close(
         return _at_once(record, model, channels, seed, simulations, jobs, progress)
     names, fs, runs = _names(record, channels), record.rate, record.continuous()
     jobs = jobs or min(2, os.cpu_count() or 1)
-    say = _Told(progress)
+    say = Told(progress)
     block = max(2, -(-record.longest // MEANS))
     say.at(0, "one pass over the record")
     work = [(record, n, runs, block) for n in names]
@@ -118,7 +119,7 @@ def _part(
     model: Model | None,
     scans: list[Scan],
     scores: Array,
-    say: _Told,
+    say: Told,
     options: dict[str, Any],
 ) -> tuple[float, Report]:
     """The part at the full rate that is most like the rest: where it begins, s, and what is
@@ -147,7 +148,7 @@ def _looked_at(
     window: int,
     rate: float,
     seed: int,
-    say: _Told,
+    say: Told,
 ) -> tuple[list[Step], list[str], list[str]]:
     """Windows unlike the rest, of which `grown` is the model: the steps with theirs, what is said
     of them, and what is left there without a name.
@@ -269,20 +270,6 @@ def _warmth(record: LongRecord, runs: Array, block: int) -> Array | None:
         means.feed(x)
     out = kept.values
     return ensemble.filled(out) if np.isfinite(out).any() else None
-
-
-class _Told:
-    """Progress over the stages, in hundredths."""
-
-    def __init__(self, progress: loop.Progress | None) -> None:
-        self.progress = progress
-
-    def at(self, done: int, text: str) -> None:
-        if self.progress is not None:
-            self.progress(done, 100, text)
-
-    def of(self, stage: str, first: int, share: int, done: int, total: int, text: str) -> None:
-        self.at(first + round(share * done / total), f"{stage}: {text}")
 
 
 def _said(record: LongRecord, fast: Report, slow: Report, start: float, block: int) -> list[str]:
