@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 import gap_chips  # noqa: E402
+from _log import Log  # noqa: E402
 
 from imu_lib.gap import close  # noqa: E402
 from imu_lib.record import Record  # noqa: E402
@@ -92,17 +93,14 @@ def main():
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
     parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
-    log = Path(args.log) if args.log else None
-    cases = [json.loads(r) for r in log.read_text().splitlines()] if log and log.exists() else []
+    log = Log(args.log)
+    cases = log.rows
     have, started = {(c["kind"], c["seed"]) for c in cases}, time.time()
     for seed in range(args.first, args.first + args.cases):
         for kind in args.kinds.split(","):
             if (kind, seed) in have or time.time() - started > 60 * args.minutes:
                 continue
-            cases.append(run(kind, seed))
-            if log:
-                with log.open("a") as handle:
-                    handle.write(json.dumps(cases[-1]) + "\n")
+            log.add(run(kind, seed))
             names = {s["effect"]: s["confidence"] for s in cases[-1]["steps"]}
             print(kind, seed, judged(cases[-1]), names, cases[-1]["unexplained"], flush=True)
     table = summary(cases)

@@ -29,6 +29,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "benchmarks")]
 
 import gap_generator as generator  # noqa: E402
 import numpy as np  # noqa: E402
+from _log import Log  # noqa: E402
 from gap_score import RESULTS, plan, wilson  # noqa: E402
 
 from imu_lib.ensembles import ensemble  # noqa: E402
@@ -123,20 +124,15 @@ def main(argv=None):
     args = parser.parse_args(argv)
     cases = plan(args.kinds.split(","), args.cases, args.first)
     cases.sort(key=lambda c: (c[0] - args.first) % 1000)  # kinds take turns
-    log = Path(args.log) if args.log else None
-    rows = (
-        [json.loads(line) for line in log.read_text().splitlines()] if log and log.exists() else []
-    )
+    log = Log(args.log)
+    rows = log.rows
     done, started = {(r["kind"], r["seed"]) for r in rows}, time.time()
     for case in cases:
         if (case[1], case[0]) in done:
             continue
         if time.time() - started > 60 * args.minutes:
             break
-        rows.append(run(case, free=args.free))
-        if log:
-            with log.open("a") as file:
-                file.write(json.dumps(rows[-1], default=float) + "\n")
+        log.add(run(case, free=args.free))
         if alarms(rows[-1]):
             print(rows[-1], flush=True)
     for row in table(rows):

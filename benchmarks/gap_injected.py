@@ -33,6 +33,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks"), str(ROOT / "tests")]
 import gap_put  # noqa: E402
 import gap_strange  # noqa: E402
 import numpy as np  # noqa: E402
+from _log import Log  # noqa: E402
 from statsmodels.stats.proportion import proportion_confint  # noqa: E402
 
 from imu_lib.gap import close  # noqa: E402
@@ -281,8 +282,8 @@ def main():
     parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
     data = None if args.drawn else Path(os.environ["IMU_LIB_DATA"])
-    log = Path(args.log) if args.log else None
-    rows = [json.loads(r) for r in log.read_text().splitlines()] if log and log.exists() else []
+    log = Log(args.log)
+    rows = log.rows
     have = {r["seed"] for r in rows}
     before = {r["key"]: r["before"] for r in rows if "key" in r}
     started = time.time()
@@ -292,10 +293,7 @@ def main():
         if time.time() - started > 60 * args.minutes:
             break
         new = run(case, data, before)
-        rows += new
-        if log:
-            with log.open("a") as handle:
-                handle.writelines(json.dumps(row, default=float) + "\n" for row in new)
+        log.add(*new)
         for row in new:
             if "skipped" not in row:
                 _tell(row)

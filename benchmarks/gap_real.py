@@ -26,6 +26,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT)]
 
+from _log import Log  # noqa: E402
+
 from imu_lib import datasets, read_record  # noqa: E402
 from imu_lib.gap import close  # noqa: E402
 from imu_lib.model import Model  # noqa: E402
@@ -174,8 +176,8 @@ def main():
     parser.add_argument("--pictures", action="store_true", help="only the curves of stored models")
     parser.add_argument("--print", action="store_true", help="store nothing")
     args = parser.parse_args()
-    data, log = Path(os.environ["IMU_LIB_DATA"]), Path(args.log) if args.log else None
-    rows = [json.loads(r) for r in log.read_text().splitlines()] if log and log.exists() else []
+    data, log = Path(os.environ["IMU_LIB_DATA"]), Log(args.log)
+    rows = log.rows
     started = time.time()
     if args.again:
         return _keep({"another_record": again(data)})
@@ -185,10 +187,7 @@ def main():
         if any(r["record"] == name for r in rows) or time.time() - started > 60 * args.minutes:
             continue
         row = run(name, data, args.simulations)
-        rows.append(row)
-        if log:
-            with log.open("a") as handle:
-                handle.write(json.dumps(row) + "\n")
+        log.add(row)
         print(name, " ".join(row["verdict"]), row["seconds"], flush=True)
     if not args.print:
         rows += [r for r in _stored() if all(r["record"] != new["record"] for new in rows)]
