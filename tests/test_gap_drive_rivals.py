@@ -11,10 +11,12 @@ from imu_lib.gap.drive import (
     columns,
     displaced,
     left,
+    levels,
     posterior,
     prune,
     random_effects,
     select,
+    start,
     step_time,
     steps,
     vehicle,
@@ -193,3 +195,19 @@ def test_an_accepted_change_is_fitted_again_from_where_it_is():
     held = Change(change, np.array([1.0]), 1.0, 1.0)
     assert posterior.refitted(state, held)[0] == pytest.approx(1.3, rel=0.01)
     assert len(tried) < 12
+
+
+@pytest.mark.parametrize("late", [0.3, -0.3, 0.0])
+def test_a_search_starts_at_the_delay_that_the_innovations_like_best(late):
+    # a path follows centimetre fixes: the regression about it asks for a third of their delay, and
+    # an antenna 3 m ahead turns so early that turns match 0.2 s off
+    arm = [3.0, 0.0, -1.0]
+    effects = [("gnss_time_offset", {"offset": late}), ("lever_arm", {"arm": arm})]
+    arrays = generator.make(
+        62001, effects=effects, duration=120.0, rate=50.0, position_sd=(0.02,) * 3
+    )
+    drive = from_arrays(arrays, "x").with_(lever_arm=np.array(arm))
+    state = State(drive, Noise(levels.guess()), np.zeros(len(columns.ALL)))
+    start.in_time(state, lambda text: None)
+    assert state.theta[columns.of("gnss_time_offset")] == pytest.approx(late, abs=0.04)
+    assert bool(state.kept) == (late != 0.0)

@@ -33,6 +33,7 @@ SURE = 8.0  # times the price of what leaves: where the regression loses more, n
 #: Nats, and share of an effect's worth, by which a rival may lack about the path held and still be
 #: the better one on its own: what is large is not quite linear.
 OPEN, BENT = 20.0, 0.05
+PAST = select.PER_EFFECT  # nats by which a smaller set may be worse and lead to a better one
 EXCHANGES = 3
 TRIED = 4
 
@@ -68,12 +69,14 @@ def promised(state: State, kept: tuple[str, ...]) -> float:
     return 0.5 * float(delta @ state.reg.information[np.ix_(index, index)] @ delta)
 
 
-def _tried(state: State, sets: list[tuple[str, ...]]) -> tuple[Array, State | None]:
-    """Misfits of sets, each on a path of its own, and the state of the best: None where it is no
-    better than what is held. The other paths are not kept: each is large.
+def _tried(
+    state: State, sets: list[tuple[str, ...]], worse: float = 0.0
+) -> tuple[Array, State | None]:
+    """Misfits of sets, each on a path of its own, and the state of the best: None where it is
+    `worse` nats or more above what is held. The other paths are not kept: each is large.
     """
     temper = state.reg.temper  # one for all, or a worse path would count for less
-    top, lock = misfit(state, temper), Lock()
+    top, lock = misfit(state, temper) + worse, Lock()
     best: list[tuple[float, State]] = []
 
     def led(kept: tuple[str, ...]) -> float:
@@ -102,13 +105,19 @@ def values(reg: Regression, kept: tuple[str, ...]) -> tuple[Array, Array]:
 
 
 def simplify(state: State, say: Callable[[str], object]) -> None:
-    """Take effects out as long as a smaller set does as well on its own path."""
-    while len(state.kept) > 1:
-        _, found = _tried(state, _smaller(state))
+    """Take effects out as long as a smaller set does as well on its own path: also past sets that
+    are worse by less than chance, of effects that make up for one another.
+    """
+    on, temper = replace(state), state.reg.temper
+    while len(on.kept) > 1:
+        room = PAST - misfit(on, temper) + misfit(state, temper)
+        _, found = _tried(on, _smaller(on), room)
         if found is None:
             return
-        say("as good on a path of their own: " + ", ".join(found.kept))
-        state.take(found)
+        on = found
+        if misfit(on, temper) < misfit(state, temper):
+            say("as good on a path of their own: " + ", ".join(on.kept))
+            state.take(on)
 
 
 def exchange(state: State, say: Callable[[str], object]) -> bool:

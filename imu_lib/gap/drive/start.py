@@ -15,12 +15,17 @@ from imu_lib.model import Model
 from imu_lib.navigation import lateness
 from imu_lib.navigation.held import Held
 
-from . import columns, correct, levels
+from . import alone, columns, correct, levels, select
 from .problem import Noise
 from .state import NOT_YET, State
 
 Say = Callable[[str], object]
 SEEN = 0.1  # s: from this offset of the fixes on, the search starts where the turns match best
+TIME = "gnss_time_offset"
+BESIDE = (TIME, *select.RIDGES[TIME])
+LEAST = 0.02  # s: a smaller step of the delay is left to the search
+STEPS = 6  # that are tried
+PRICE = select.PER_EFFECT + 2 * select.PER_PARAMETER  # nats that the delay has to gain
 
 
 def held(drive: Drive, model: Model | None, notes: list[str]) -> tuple[Array, Noise, bool, Model]:
@@ -60,21 +65,66 @@ def held(drive: Drive, model: Model | None, notes: list[str]) -> tuple[Array, No
 
 
 def in_time(state: State, say: Say) -> None:
-    """Start where the turns of the fixes match those felt best, if the innovations agree: on roads
-    without turns, or where fixes jump, a match is chance.
+    """Start at the delay of the fixes that the innovations like best: as the stamps stand or where
+    the turns of the fixes match those felt (on roads without turns, or where fixes jump, a match is
+    chance), and from there on.
+
+    A path follows fixes that are late, so that the regression about it asks for a part of their
+    delay alone, and other effects would stand for the rest: its steps are doubled until it asks
+    for the opposite, and then divided.
     """
     late, likeness, _ = lateness.best_match(correct.corrected(state.drive, state.theta))
-    if abs(late) < SEEN:
-        return
-    moved = replace(state, theta=state.theta.copy(), kept=("gnss_time_offset",))
-    moved.theta[columns.of("gnss_time_offset")] += late
-    costs = []
-    for tried in (state, moved):
-        tried.rebuild()
-        costs.append(tried.cost() / tried.use.sum())
-    if costs[1] < costs[0]:
-        state.take(moved)  # with its heading: that of a path seconds off is none
-        state.result = NOT_YET
-        say(f"fixes are about {late:.1f} s late (turns agree by {likeness:.2f})")
-    else:
-        state.result = NOT_YET
+    delay = np.zeros(2)
+    stay = best = _delayed(state, delay)
+    if abs(late) >= SEEN:
+        moved = _delayed(state, delay + late)
+        if _better(moved, best):
+            best, delay = moved, delay + late
+    at, asks, share, growth = delay, _asked(best), 1.0, 2.0
+    for _ in range(STEPS):
+        if np.abs(asks).max() < LEAST:
+            break
+        there = at + share * asks
+        moved = _delayed(state, there)
+        if _better(moved, best):
+            best, delay = moved, there
+        wants = _asked(moved)
+        if asks @ wants < 0.0 and np.abs(wants).max() > LEAST:  # past it: between the two
+            share *= float(asks @ asks / (asks @ asks - asks @ wants))
+            growth = 1.0
+        elif best is moved:
+            at, asks, share = there, wants, growth * share
+        else:
+            break
+    if _better(best, stay, PRICE):
+        state.take(best)  # with its heading: that of a path seconds off is none
+        say(f"fixes are about {delay[0]:.2f} s late (turns agree by {likeness:.2f})")
+    state.result = NOT_YET
+
+
+def _delayed(state: State, delay: Array) -> State:
+    """The state on a path whose fixes are later by as much, (2,) s: positions and velocities."""
+    moved = replace(state, theta=state.theta.copy(), kept=(TIME,))
+    moved.theta[columns.of(TIME)] += delay
+    moved.rebuild()
+    return moved
+
+
+def _better(state: State, other: State, nats: float = 0.0) -> bool:
+    """Whether innovations are better by more than some nats as they are, and with what the
+    regression makes up for; of more or fewer fixes alike.
+    """
+    costs = np.array([[s.cost(), s.cost() - alone.promised(s, BESIDE)] for s in (state, other)])
+    gain = costs[1] / other.use.sum() - costs[0] / state.use.sum()
+    return bool(np.all(gain * other.use.sum() > nats))
+
+
+def _asked(state: State) -> Array:
+    """By how much later the regression wants positions and velocities, (2,) s, beside what may be
+    taken for a delay.
+    """
+    part = columns.of(TIME)
+    index = [i for effect in BESIDE for i in columns.of(effect)]
+    step = state.reg.solve(index)[0][:2] - state.theta[part]
+    seen = np.diag(state.reg.information)[part] > 0.0
+    return np.where(seen, step, step[::-1] if seen.any() else 0.0)
