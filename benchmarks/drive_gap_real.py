@@ -6,7 +6,8 @@ Each drive is searched as it is, without an error model; then, from what was fou
 hidden in it at a time (`HIDDEN`, and turned axes). What is found then is compared with what was
 found before. `expected` is the gain in nats that the drive's own information promises for the
 hidden value: below PROMISED no search can name it (`excited` is false), and the answer is the upper
-limit. Of two sizes of an effect the smaller is hidden where it is excited, else the larger. Errors
+limit. Of two sizes of an effect the smaller is hidden where it is excited, else the larger; the
+opposite where it would cancel what the drive has of it, so that nothing were left to be named. Errors
 of the withheld outages are stored for the chapter's picture. Names given are searched anew (all
 without names that the table in benchmarks/results/drive_gap_real.json does not hold), with --plain
 without hidden effects: rows of them that there are stay. What was hidden is stored one by one;
@@ -130,6 +131,13 @@ def asked(effects, found):
     return list(out.values())
 
 
+def opposed(value, before, unit):
+    """The value, or its opposite where beside what the drive has it would leave too little to be
+    named.
+    """
+    return -value if excited(value, unit) and not excited(before + value, unit) else value
+
+
 def excited(value, unit):
     """Whether a value promises enough to be named; unit: gain of a unit, nats."""
     return unit is not None and unit * value**2 >= PROMISED
@@ -144,9 +152,10 @@ def injected(drive, found, known):
     for effect, component, value, tolerance in asked(HIDDEN, found):
         if effect == "gnss_noise" and drive.gnss_position_sd is None:
             continue  # nothing is stated that could be wrong
+        before, _, unit = value_of(found if effect == "gnss_noise" else plain, effect, component)
+        value = opposed(value, before, unit)
         if (effect, component, value) in had:
             continue
-        before, _, unit = value_of(found if effect == "gnss_noise" else plain, effect, component)
         other = hide(drive, effect, component, value)
         again = searched(other, model=found.model, judge=False, random=effect == "gnss_noise")[1]
         after, sd, _ = value_of(again, effect, component)
