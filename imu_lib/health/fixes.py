@@ -7,9 +7,11 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.drive import Drive
-from imu_lib.navigation import earth, fix_faults, preparation
+from imu_lib.navigation import earth, fix_faults, fix_rounding, preparation
 
 RATIO = 3.0  # of the fixes' scatter to what is stated
+WAYS = ("north", "east", "down")
+COARSE = 0.3  # m between one position that the file can hold and the next
 JOLTED = 0.25  # m/s that cars add to a velocity's scatter from one fix to the next
 
 
@@ -116,6 +118,21 @@ def held(drive: Drive, which: np.ndarray) -> list[str]:
         f"{which.sum()} of {which.size} fixes repeat the position of the one before while the "
         f"drive goes on, the first at {first:.1f} s: the receiver "
         "holds its last solution; `outages` and `gap` do not use them."
+    ]
+
+
+def rounded(drive: Drive) -> list[str]:
+    """Positions printed with too few digits."""
+    steps = fix_rounding.steps(drive)
+    coarse = [
+        f"{name} by {step:.2g} m" for name, step in zip(WAYS, steps, strict=True) if step > COARSE
+    ]
+    if not coarse:
+        return []
+    return [
+        f"The positions step {' and '.join(coarse)}: the file holds too few of their digits; write "
+        "them with at least nine decimals of a radian or seven of a degree. `outages` and `gap` "
+        "add what rounding costs to what is stated."
     ]
 
 

@@ -13,7 +13,7 @@ from imu_lib.errors import InputError
 from imu_lib.record import CHANNELS
 from imu_lib.wavelet import denoise
 
-from . import earth, fix_faults, measurement, stretch
+from . import earth, fix_faults, fix_rounding, measurement, stretch
 
 LONGEST_BRIDGE = 1.0  # s: up to here a hole in the IMU data is bridged by straight lines
 # m/s: velocities further from the motion of their own positions than this, in the median, are not
@@ -63,7 +63,8 @@ class Gnss:
         are given the variance that makes so many of them worth one
     position_ratio, velocity_ratio : true standard deviation over the stated one; position_extra,
     velocity_extra : m and m/s, standard deviation of what the receiver does not count, on each of
-    north, east, down (see `fix_noise`)
+    north, east, down (see `fix_noise`); position_steps : m, that the file rounds positions to
+    (None: as they show themselves, `fix_rounding`)
     gate : probability with which a true fix passes the innovation test, None for no test; patience
     : s of rejected fixes before the filter widens its covariance velocity : use the velocity where
     there is one; accept : fix codes to take (None: all)
@@ -80,6 +81,7 @@ class Gnss:
     velocity_ratio: float = 1.0
     position_extra: float = 0.0
     velocity_extra: float = 0.0
+    position_steps: tuple | None = None
     gate: float | None = 1.0 - 1e-6
     patience: float = 5.0
     velocity: bool = True
@@ -148,7 +150,8 @@ def fixes_of(drive: Drive, gnss: Gnss) -> tuple[Fixes, list[str]]:
                 f"The velocities of fix code {code:g} disagree with their own positions by "
                 f"{apart:.1f} m/s and are not used."
             )
-    variance = sd[index] ** 2
+    grid = fix_rounding.steps(drive) if gnss.position_steps is None else gnss.position_steps
+    variance = sd[index] ** 2 + fix_rounding.variance(grid)
     if gnss.correlation_time > 0.0:
         variance = variance * max(
             1.0, 2.0 * gnss.correlation_time / float(np.median(np.diff(time[index])))

@@ -11,7 +11,7 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.drive_effects import DriveEffect
-from imu_lib.navigation import earth, fix_faults
+from imu_lib.navigation import earth, fix_faults, fix_rounding
 from imu_lib.navigation.filter import FilterModel, LooselyCoupled
 from imu_lib.navigation.preparation import Fixes, Gnss
 from imu_lib.navigation.solution import Solution
@@ -44,23 +44,33 @@ def build(
     loose: Sequence[float] | Array = (1.0, 1.0),
     step_at: float = np.inf,
     moved_at: float = np.inf,
+    steps: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> Problem:
     """Run the filter over a drive (already corrected for what is held), and condense it.
 
     velocity_shift : s, by which the velocities' stamps are late beyond the positions'; restarts :
     s, times at which all that is known of the motion is forgotten (a shock); loose : by how much
     less than stated positions and velocities are trusted for the path; step_at : s, from where on
-    biases may be others; moved_at : s, from where on fixes may be displaced
+    biases may be others; moved_at : s, from where on fixes may be displaced; steps : m, that the
+    file rounds positions to
     """
     turn_on = turn_on_of(noise.model)
     factors = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
     tame, wild = _tame(drive, noise)
     # a gate that is passed once by a wild fix may shut out the right ones: it is for the small ones
     gate = GATE if wild.mean() < 0.5 * noise.fraction else None
-    engine = _engine(replace_sd(tame, *factors), noise, turn_on, heading, velocity_shift, gate)
+    gnss = Gnss(
+        position_floor=BEST[0],
+        velocity_floor=BEST[1],
+        gate=gate,
+        velocity_latency=-velocity_shift if velocity_shift else None,
+        position_steps=tuple(steps),
+    )
+    engine = _engine(replace_sd(tame, *factors), noise, turn_on, heading, gnss)
     prepared = engine.prepared
     fixes = prepared.fixes
-    stated = fixes.variance / np.repeat(np.square(factors), 3)
+    rounding = fix_rounding.variance(np.asarray(steps))
+    stated = (fixes.variance - rounding) / np.repeat(np.square(factors), 3)
     fixes.variance[:] = np.maximum(fixes.variance, FOLLOWED**2)
     _trust_velocities(fixes, split=bool(velocity_shift))
     _jolted(prepared.stretches, restarts, noise)
@@ -86,9 +96,9 @@ def build(
     return Problem(
         drive=drive, attitude_sd=solution.sd[len(solution.sd) // 3 :: 50, 6:9], turn_on=turn_on,
         rate=prepared.rate, time=fixes.time, use=measured.use, y=measured.y,
-        stated=stated, course=along["course"], speed=along["speed"], turn=along["turn"],
-        ahead=along["ahead"], aside=along["aside"], warmth=along["warmth"], path=path,
-        arrays=arrays, notes=solution.notes,
+        stated=stated, rounding=rounding, course=along["course"], speed=along["speed"],
+        turn=along["turn"], ahead=along["ahead"], aside=along["aside"], warmth=along["warmth"],
+        path=path, arrays=arrays, notes=solution.notes,
     )  # fmt: skip
 
 
@@ -130,16 +140,9 @@ def _engine(
     noise: Noise,
     turn_on: tuple[float, float],
     heading: float | None,
-    velocity_shift: float,
-    gate: float | None,
+    gnss: Gnss,
 ) -> LooselyCoupled:
     """The filter that makes the path."""
-    gnss = Gnss(
-        position_floor=BEST[0],
-        velocity_floor=BEST[1],
-        gate=gate,
-        velocity_latency=-velocity_shift if velocity_shift else None,
-    )
     model = FilterModel(
         "gap",
         for_search(noise.model),

@@ -78,7 +78,9 @@ class Innovations:
 
 @dataclass
 class Problem:
-    """A drive along its nominal path. `arrays` : those of `linear.Track` and more."""
+    """A drive along its nominal path. `stated`, `rounding` : variances of the fixes (f, 6) as they
+    are stated, and of their last digit (6,); `arrays` : those of `linear.Track` and more.
+    """
 
     drive: Drive
     turn_on: tuple[float, float]
@@ -87,6 +89,7 @@ class Problem:
     use: np.ndarray
     y: np.ndarray
     stated: np.ndarray
+    rounding: np.ndarray
     course: np.ndarray
     speed: np.ndarray
     turn: np.ndarray
@@ -178,7 +181,7 @@ class Problem:
         fixes = linear.Fixes(
             y,
             a["arm_rows"],
-            self.stated * np.repeat([noise.position**2, noise.velocity**2], 3),
+            self.stated * np.repeat([noise.position**2, noise.velocity**2], 3) + self.rounding,
             self.use if use is None else use,
             a["d"],
             np.array(columns.IN_FIXES),

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _TRIES = 35
 #: Nats for one of three parameters of six channels, and for one of six channels.
 ALIKE = {"bias_model": float(np.log(18.0)), "vibration": float(np.log(6.0))}
-LEAST = 0.02  # ratio of errors of fixes to the stated ones: what is below is no noise of a receiver
+LEAST = 0.001  # ratio of errors of fixes to the stated ones: below, it is no noise of a receiver
 #: Of no name in the catalogue.
 VELOCITY_LASTS = "other: errors of the receiver's velocities last"
 LASTING = (1.0, 10.0)  # s, to start with

@@ -11,6 +11,7 @@ import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.drive import Drive
+from imu_lib.navigation import fix_rounding
 from imu_lib.units import DEG
 
 from . import columns, correct, select, vehicle
@@ -121,6 +122,7 @@ class State:
             loose=loose,
             step_at=self.stepped,
             moved_at=self.moved_at - correct.value(self.theta, "gnss_time_offset")[0],
+            steps=fix_rounding.steps(self.drive),  # what is put right lies on no grid
         )
         away = np.zeros(self.problem.time.size, bool)
         for start, duration in self.withhold:
