@@ -150,7 +150,8 @@ class Held:
             changes["velocity_latency"] = gnss.latency - own
         for effect in self.all("gnss_noise"):
             key = f"{effect['of']}_ratio"
-            changes[key] = getattr(gnss, key) * effect["ratio"]
+            given = getattr(gnss, key)
+            changes[key] = effect["ratio"] * (1.0 if given is None else given)
         return replace(gnss, **changes) if changes else gnss
 
     def model(self, model: Model) -> Model:
