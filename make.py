@@ -269,7 +269,8 @@ def environment():
         "MPLBACKEND",
         "PYTHONHOME",
         "PYTHONPATH",
-    ):  # an outer setting would change figures or imports
+        "PYTHONDONTWRITEBYTECODE",
+    ):  # an outer setting would change figures or imports, or compile the package in each process
         values.pop(name, None)
     return values
 

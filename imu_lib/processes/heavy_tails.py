@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import gammaln, log_ndtr, logsumexp
+from scipy.special import gammaln, log_ndtr, logsumexp, ndtr
 
 from imu_lib.arrays import Array
 from imu_lib.errors import InputError
@@ -94,11 +94,16 @@ class HeavyTails(Stage):
         log_share, variance, z = self._mixed(u, 1.0)
         return logsumexp(log_share - 0.5 * z**2 - 0.5 * np.log(2 * np.pi * variance), axis=1)
 
-    def log_tails(self, u: Array, part: float = 1.0) -> tuple[Array, Array]:
-        """Logarithms of the probabilities below and above values `u` (n,), as above; of noise of
-        which a `part` of the variance has these tails and the rest is normal.
+    def below(self, u: Array, part: float = 1.0) -> Array:
+        """Probabilities below values `u` (n,) of noise with mean 0 and variance 1, a `part` of
+        which has these tails and the rest is normal.
         """
         log_share, _, z = self._mixed(u, part)
+        return ndtr(z) @ np.exp(log_share)
+
+    def log_tails(self, u: Array) -> tuple[Array, Array]:
+        """Logarithms of the probabilities below and above values `u` (n,) of such noise."""
+        log_share, _, z = self._mixed(u, 1.0)
         below, above = log_share + log_ndtr(z), log_share + log_ndtr(-z)
         return logsumexp(below, axis=1), logsumexp(above, axis=1)
 

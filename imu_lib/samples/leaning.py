@@ -58,7 +58,7 @@ def leaning(y: Array, freedom: float) -> tuple[float, HeavyTails, float] | None:
 def _missed(u: Array, tails: HeavyTails) -> float:
     """Twice the log-likelihood that the counts of samples `u` (n,) by class lose to `tails`."""
     count = np.bincount(np.searchsorted(EDGES, u), minlength=len(EDGES) + 1)
-    share = np.diff(np.r_[0.0, np.exp(tails.log_tails(EDGES)[0]), 1.0])
+    share = np.diff(np.r_[0.0, tails.below(EDGES), 1.0])
     expected = np.maximum(len(u) * share, 1e-9)
     own = np.where(count > 0, count * np.log(np.maximum(count, 1) / expected), 0.0)
     return float(2.0 * np.sum(own - (count - expected)))

@@ -87,7 +87,7 @@ class Levels:
         if tails is None:
             below = ndtr(u)
         elif tails.lean or part < 1.0:
-            below = np.exp(tails.log_tails(u.ravel(), part)[0]).reshape(u.shape)
+            below = tails.below(u.ravel(), part).reshape(u.shape)
         else:
             below = stdtr(tails.freedom, u * np.sqrt(tails.freedom / (tails.freedom - 2.0)))
         ends = np.zeros((len(u), 1))
