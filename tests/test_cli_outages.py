@@ -16,6 +16,7 @@ from imu_lib.errors import InputError
 from imu_lib.navigation import (
     earth,
     fix_faults,
+    fix_frames,
     models,
     reference,
     simulation,
@@ -170,10 +171,10 @@ def test_fixes_as_files_get_them_wrong_are_told(drive):
         ("sign of the longitudes", {"gnss_position": position * [1.0, -1.0, 1.0]}),
         ("divide the minutes by 60", {"gnss_position": _as_minutes(drive)}),
     ):  # fmt: skip
-        assert said in fix_faults.unusable(drive.with_(**changes))
-    assert fix_faults.unusable(drive) is None and fix_faults.height_ratio(drive) == 1.0
+        assert said in fix_frames.unusable(drive.with_(**changes))
+    assert fix_frames.unusable(drive) is None and fix_frames.height_ratio(drive) == 1.0
     feet = drive.with_(gnss_position=position * [1.0, 1.0, 3.2808])
-    assert 2.9 < fix_faults.height_ratio(feet) < 3.7  # where `check` names the unit
+    assert 2.9 < fix_frames.height_ratio(feet) < 3.7  # where `check` names the unit
     with pytest.raises(InputError, match="positions are mirrored"):
         unfit.refuse(drive.with_(gnss_position=position[:, [1, 0, 2]], gnss_velocity=None))
     with pytest.raises(InputError, match="gravity was taken out"):

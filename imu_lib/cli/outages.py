@@ -231,16 +231,16 @@ def _frames(drive, models, velocity):
     from scipy.spatial.transform import Rotation
 
     from imu_lib.health.driven import frames
-    from imu_lib.navigation import fix_faults, unfit
+    from imu_lib.navigation import fix_frames, unfit
 
     if not velocity:
         drive = drive.without_velocity()
-    if unit := fix_faults.other_unit(drive):
+    if unit := fix_frames.other_unit(drive):
         raise InputError(f"{drive.called}: {unit} {WITHOUT}")
     try:
         unfit.refuse(drive)
     except InputError as error:
-        told = fix_faults.wrong_velocities(drive)
+        told = fix_frames.wrong_velocities(drive)
         raise InputError(
             f"{error} {WITHOUT}" if told and told in str(error) else str(error)
         ) from None

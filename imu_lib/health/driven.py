@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import Drive
 from imu_lib.health import fixes
-from imu_lib.navigation import axes, earth, fix_faults, fix_motion, lateness, turns
+from imu_lib.navigation import axes, earth, fix_faults, fix_frames, fix_motion, lateness, turns
 from imu_lib.units import DEG
 
 LATE = 0.25  # s
@@ -41,8 +41,8 @@ def frames(drive: Drive) -> tuple[list[str], Drive | None]:
 
 def _put_right(drive):
     out, drive = fixes.velocities(drive)
-    if fix_faults.positions_swapped(drive):
-        return [fixes.sentence(fix_faults.unusable(drive))], None
+    if fix_frames.positions_swapped(drive):
+        return [fixes.sentence(fix_frames.unusable(drive))], None
     held = fix_faults.held(drive)
     out += fixes.jumps(drive) + fixes.held(drive, held) + fixes.heights(drive)
     out += fixes.rounded(drive)

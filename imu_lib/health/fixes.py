@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from imu_lib.drive import Drive
-from imu_lib.navigation import earth, fix_faults, fix_rounding, preparation
+from imu_lib.navigation import earth, fix_faults, fix_frames, fix_rounding, preparation
 
 RATIO = 3.0  # of the fixes' scatter to what is stated
 WAYS = ("north", "east", "down")
@@ -24,9 +24,9 @@ def velocities(drive: Drive) -> tuple[list[str], Drive]:
     """What is said of the fixes' velocities, and the drive without them where they are not those
     at which the positions move.
     """
-    if drive.gnss_velocity is None or fix_faults.positions_swapped(drive):
+    if drive.gnss_velocity is None or fix_frames.positions_swapped(drive):
         return [], drive
-    said = fix_faults.unusable(drive) or fix_faults.other_unit(drive)
+    said = fix_frames.unusable(drive) or fix_frames.other_unit(drive)
     if said is None:
         return _contradicted(drive)
     return [sentence(said)], drive.without_velocity()
@@ -36,7 +36,7 @@ def _contradicted(drive):
     """What is said of velocities that are not those of their positions, of some fix codes or of
     all, and the drive without them.
     """
-    ratio = fix_faults.speed_ratio(drive)
+    ratio = fix_frames.speed_ratio(drive)
     if ratio != 1.0:
         said = (
             f"The fixes' velocities are {ratio:.3g} times those at which their positions move: one "
@@ -82,7 +82,7 @@ def _scatter(drive):
 
 def heights(drive: Drive) -> list[str]:
     """Heights that do not move as the velocities say."""
-    ratio = fix_faults.height_ratio(drive)
+    ratio = fix_frames.height_ratio(drive)
     if ratio == 1.0:
         return []
     unit = "; divide them by 3.281, they are in feet" if 2.9 < ratio < 3.7 else ""

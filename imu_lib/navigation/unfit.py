@@ -9,7 +9,7 @@ from imu_lib.errors import InputError
 from imu_lib.readers.drive_units import ALIKE, turn_ratio
 from imu_lib.units import DEG
 
-from . import axes, fix_faults, turns, windows
+from . import axes, fix_frames, turns, windows
 
 GRAVITY = (5.0, 16.0)  # m/s^2, what a moving car feels in the median
 
@@ -19,7 +19,7 @@ def refuse(drive: Drive) -> None:
     units than a drive's.
     """
     windows.overlapping(drive)
-    if wrong := fix_faults.unusable(drive) or _readings(drive):
+    if wrong := fix_frames.unusable(drive) or _readings(drive):
         raise InputError(f"{drive.called}: {wrong}")
 
 

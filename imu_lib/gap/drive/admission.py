@@ -6,7 +6,7 @@ import numpy as np
 
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
-from imu_lib.navigation import fix_faults, fix_motion, unfit, windows
+from imu_lib.navigation import fix_frames, fix_motion, unfit, windows
 from imu_lib.navigation.fix_velocity import MOVING
 
 SHORTEST = 60.0  # s
@@ -79,7 +79,7 @@ def one_solution(drive: Drive, notes: list[str]) -> Drive:
     drive = _of_one_code(drive, notes)
     if drive.gnss_velocity is None:
         return drive
-    if unit := fix_faults.other_unit(drive):
+    if unit := fix_frames.other_unit(drive):
         notes.append(f"{unit[0].upper()}{unit[1:-1]}; until then positions alone are used.")
         return drive.without_velocity()
     share = float(np.mean(fix_motion.contradicted(drive)))
