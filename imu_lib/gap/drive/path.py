@@ -44,7 +44,7 @@ def build(
     loose: Sequence[float] | Array = (1.0, 1.0),
     step_at: float = np.inf,
     moved_at: float = np.inf,
-    steps: Sequence[float] = (0.0, 0.0, 0.0),
+    steps: Sequence[float] | Array = (0.0, 0.0, 0.0),
 ) -> Problem:
     """Run the filter over a drive (already corrected for what is held), and condense it.
 
