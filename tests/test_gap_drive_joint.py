@@ -19,6 +19,7 @@ from imu_lib.gap.drive import (
     random_effects,
     readings,
     search,
+    select,
     shocks,
     swap,
 )
@@ -214,3 +215,15 @@ def test_a_shake_that_is_there_at_rest_too_stands_in_the_place_of_a_slow_noise()
     (effect,) = path._vibrations(state.noise)
     assert effect.parameters == pytest.approx(told)
     assert state.noise.model is before.model
+
+
+def test_a_gyro_that_shakes_more_than_it_turns_has_no_scale_factor():
+    # its column holds the noise that the innovations hold: 0.11 was named, and sure, at 15 nats
+    shaken = {"channel": "gyro_x", "N": 8e-5, "N_per_speed": 8e-4}
+    noise = Noise(MODEL, per_speed=(8e-4, 0.0, 0.0, 0.0, 0.0, 0.0))
+    state = state_of(noise, [("vibration", shaken)], kind="motorway")
+    result = state.evaluate(noise, sens=True)
+    plain = select.regression(state.problem, result, state.theta, state.use)
+    x = columns.of("gyro_scale")[0]
+    scores = [r.score[x] / np.sqrt(r.information[x, x]) for r in (plain, state.reg)]
+    assert scores[0] > 4.0 and abs(scores[1]) < 3.0

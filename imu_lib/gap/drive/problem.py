@@ -151,6 +151,18 @@ class Problem:
             self._held = known = key, y, a["jump"] - forced
         return known[1:]
 
+    def _sensors(self, noise: Noise) -> tuple[SensorStates, Array]:
+        """States of the sensors, and densities (6,) of their white noise at rest."""
+        sensors = sensor_states(
+            for_search(noise.model), self.rate, turn_on_sd=self.turn_on, flicker="markov"
+        )
+        white = [w if n is None else n**2 for w, n in zip(sensors.white, noise.still)]
+        return sensors, np.array(white)
+
+    def white(self, noise: Noise) -> Array:
+        """Densities (6,) of the white noise of the channels at rest."""
+        return self._sensors(noise)[1]
+
     def evaluate(
         self,
         noise: Noise,
@@ -167,10 +179,7 @@ class Problem:
         sensitivities are wanted in their place.
         """
         a = self.arrays
-        sensors = sensor_states(
-            for_search(noise.model), self.rate, turn_on_sd=self.turn_on, flicker="markov"
-        )
-        density = np.array([w if n is None else n**2 for w, n in zip(sensors.white, noise.still)])
+        sensors, density = self._sensors(noise)
         random = linear.Random(
             START**2,
             sensors.initial,

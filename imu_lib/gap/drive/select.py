@@ -20,7 +20,7 @@ from scipy.stats import t as student
 
 from imu_lib.arrays import Array, ArrayLike
 
-from . import columns, receiver_filter
+from . import columns, in_variables, receiver_filter
 
 if TYPE_CHECKING:
     from .problem import Innovations, Problem
@@ -205,13 +205,23 @@ def gains(state: State, result: Innovations, prior: Array) -> tuple[Array, Array
     return found, values
 
 
-def regression(problem: Problem, result: Innovations, theta: Array, use: Array) -> Regression:
-    """From innovations with sensitivities at held values `theta`."""
+def regression(
+    problem: Problem,
+    result: Innovations,
+    theta: Array,
+    use: Array,
+    noisy: Array | None = None,
+) -> Regression:
+    """From innovations with sensitivities at held values `theta`; noisy (f, 6, 6): of
+    `in_variables.squares`, what of the sensitivities is noise.
+    """
     good = use & np.isfinite(result.e)
     assert result.jac is not None, "innovations without sensitivities"
     e, j = result.e[good], result.jac[good]
+    square = np.zeros((e.size, 6)) if noisy is None else noisy[good]
     total = e + j @ theta
-    information, score = j.T @ j, j.T @ total
+
+    information, score = j.T @ j, j.T @ total - in_variables.bias(square.sum(axis=0))
     plain = Regression(information, score, 1.0, e.size)
     seen = np.flatnonzero(np.diag(information) > 0.0)
     x = np.zeros(theta.size)
@@ -223,8 +233,8 @@ def regression(problem: Problem, result: Innovations, theta: Array, use: Array) 
     if np.mean(weight < 1.0) > 1e-3:
         root = np.sqrt(weight)
         j *= root[:, None]
-        total, e = total * root, e * root
-        information, score = j.T @ j, j.T @ total
+        total, e, square = total * root, e * root, square * weight[:, None]
+        information, score = j.T @ j, j.T @ total - in_variables.bias(square.sum(axis=0))
         x[seen] = Regression(information, score, 1.0, e.size).solve(seen)[0]
         left = total - j @ x
     time = np.broadcast_to(problem.time[:, None], good.shape)[good]
@@ -233,6 +243,7 @@ def regression(problem: Problem, result: Innovations, theta: Array, use: Array) 
     ends = np.append(begins[1:], left.size)
     both = np.stack([left, e])
     sums = np.array([both[:, a:b] @ j[a:b] for a, b in zip(begins, ends)])
+    sums -= in_variables.bias(np.add.reduceat(square, begins))[:, None]
     ratios = np.sum(sums[:, 0, seen] ** 2, axis=0) / np.diag(information)[seen]
     temper = max(1.0, float(np.mean(left**2)), float(np.median(ratios)))
     spread = sums[:, 1].T @ sums[:, 1]  # about what is held: with all columns free, less is left

@@ -14,7 +14,7 @@ from imu_lib.drive import Drive
 from imu_lib.navigation import fix_rounding
 from imu_lib.units import DEG
 
-from . import columns, correct, select, vehicle
+from . import columns, correct, in_variables, select, vehicle
 from .path import build
 from .problem import Noise, Problem
 
@@ -177,7 +177,8 @@ class State:
     def weigh(self) -> None:
         """Innovations and regression under the noise held now, on the path as it is."""
         result = self.evaluate(self.noise, sens=True)
-        self.reg = select.regression(self.problem, result, self.theta + self.other, self.use)
+        noisy = in_variables.squares(self.problem, self.noise, self.use)
+        self.reg = select.regression(self.problem, result, self.theta + self.other, self.use, noisy)
         self.result = replace(result, jac=None)  # large, and in the regression
 
     def evaluate(self, noise: Noise, sens: bool = False) -> Innovations:
