@@ -206,11 +206,7 @@ def gains(state: State, result: Innovations, prior: Array) -> tuple[Array, Array
 
 
 def regression(
-    problem: Problem,
-    result: Innovations,
-    theta: Array,
-    use: Array,
-    noisy: Array | None = None,
+    problem: Problem, result: Innovations, theta: Array, use: Array, noisy: Array | None = None
 ) -> Regression:
     """From innovations with sensitivities at held values `theta`; noisy (f, 6, 6): of
     `in_variables.squares`, what of the sensitivities is noise.
