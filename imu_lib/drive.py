@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from imu_lib import timing
+from imu_lib import drive_checks, timing
 from imu_lib.archive import load_arrays, numbers
 from imu_lib.arrays import frozen
 from imu_lib.errors import InputError
@@ -90,11 +90,12 @@ class Drive:
         if self.lever_arm is not None:
             put(self, "lever_arm", frozen(self.lever_arm, "lever_arm", (3,)))
         for key in ("gyro", "accel"):
-            if not np.isfinite(getattr(self, key)).all():
-                row = int(np.flatnonzero(~np.isfinite(getattr(self, key)).all(axis=1))[0])
-                raise ValueError(f"`{key}` is not a number at sample {row}")
+            drive_checks.numbers(getattr(self, key), key)
         for key in ("gnss_position", "reference_position"):
-            _check_position(getattr(self, key), key)
+            drive_checks.position(getattr(self, key), key)
+        drive_checks.attitude(self.reference_attitude, "reference_attitude")
+        for key in ("gnss_position_sd", "gnss_velocity_sd"):
+            drive_checks.deviations(getattr(self, key), key)
         put(self, "notes", tuple(self.notes))
 
     def __repr__(self):
@@ -186,21 +187,6 @@ class Drive:
             np.savez_compressed(file, **arrays, **self.extra)
 
 
-def _check_position(position, key):
-    if position is None:
-        return
-    good = position[np.isfinite(position).all(axis=1)]
-    if not len(good):
-        raise ValueError(f"`{key}` holds no position that is a number")
-    if (np.abs(good[:, 0]) > np.pi / 2 + 1e-9).any() or (
-        np.abs(good[:, 1]) > 2 * np.pi + 1e-9
-    ).any():
-        raise ValueError(
-            f"`{key}` has a latitude of {np.abs(good[:, 0]).max():.4g}, beyond pi/2; latitude and "
-            "longitude are in rad, it looks like degrees: multiply them by pi/180"
-        )
-
-
 def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ...] = ()) -> Drive:
     """A Drive from arrays under the contract's keys; fixes out of order or repeated are put right,
     and `notes` say so.
@@ -227,7 +213,8 @@ def from_arrays(arrays: dict[str, np.ndarray], source: str, notes: tuple[str, ..
         good = np.isfinite(t)
         position = clock.replace("_time", "_position")
         if position in partners:
-            good &= np.isfinite(values[position]).all(axis=-1)
+            whole = np.isfinite(values[position]).all(axis=-1)
+            good &= whole | ~whole.any()  # of none at all the positions are told, not their times
             nowhere = (values[position][..., :2] == 0.0).all(axis=-1)
             if nowhere.any() and not nowhere.all():
                 good &= ~nowhere

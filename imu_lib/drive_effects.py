@@ -90,6 +90,11 @@ class DriveEffect:
                 f"gnss_noise: `of` is position or velocity, or their down component alone "
                 f"({NOISY[2]}, {NOISY[3]}), not {values['of']!r}"
             )
+        if self.name == "axes" and np.linalg.det(permutation_matrix(values["permutation"])) < 0.0:
+            raise InputError(
+                f"axes: {' '.join(values['permutation'])} is left-handed, and both sensors would "
+                "have to be; change one sign"
+            )
         if self.name == "gnss_outliers" and values["fraction"] >= 1.0:
             raise InputError("gnss_outliers: `fraction` lies below 1")
         object.__setattr__(self, "parameters", values)

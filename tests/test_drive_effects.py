@@ -76,6 +76,7 @@ def test_a_step_of_a_result_and_flat_entries_are_read():
         ({"effect": "axes", "permutation": ["+x", "+x", "+z"]}, "x, y and z once each"),
         ({"effect": "axes", "permutation": "+x"}, "three of"),
         ({"effect": "gnss_noise", "ratio": 2.0, "of": "time"}, "position or velocity"),
+        ({"effect": "axes", "permutation": ["+y", "+x", "+z"]}, "left-handed"),
         ({"effect": "gnss_noise", "ratio": 0.0, "of": "position"}, "above 0"),
         ({"effect": "gnss_outliers", "fraction": 1.0, "scale": 3.0}, "below 1"),
         ({"effect": "vibration", "channel": "gyro_w", "N_per_speed": 1.0}, "one of gyro_x"),

@@ -12,6 +12,7 @@ from imu_lib import gap
 from imu_lib.cli import gap_drive_report
 from imu_lib.cli.main import main
 from imu_lib.drive import from_arrays
+from imu_lib.drive_effects import DriveEffect
 from imu_lib.model import Model
 
 MODEL = Model.from_json(generator.MODEL)
@@ -92,3 +93,12 @@ def test_the_page_says_what_the_terminal_says(again, tmp_path):
         assert f"{component} {entry['upper_limit']:.3g}".strip() in page
     # a long reason runs over lines, or the table is wider than the page
     assert "<td class=words>" in page
+
+
+def test_what_a_model_holds_and_a_drive_has_not_is_let_go():
+    # it stayed where it was put, and two noises of the accelerometers made up for it
+    drive = from_arrays(generator.make(32, duration=150.0, rate=50.0), "plain")
+    wrong = MODEL.with_drive((DriveEffect("lever_arm", {"arm": [1.5, -0.8, -1.2]}),))
+    found = gap.close(drive, wrong, judge=False)
+    assert not found.steps and found.unexplained is None
+    assert not found.model.drive

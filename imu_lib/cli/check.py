@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 from imu_lib.cli import common, drives
 from imu_lib.errors import InputError
@@ -48,7 +47,7 @@ def look(args):
     if args.start is not None and args.stop is not None and args.stop <= args.start:
         raise InputError(f"--stop {args.stop:g} is not after --start {args.start:g}.")
     options = common.record_options(args)
-    if args.file and (args.gnss or _has_gnss(args.file)):
+    if args.file and (args.gnss or drives.has_fixes(args.file)):
         common.refuse_without_effect(args, ("only",), drives.BOTH)
         found = health.of_drive(readers.read_drive(args.file, gnss=args.gnss, **options))
         return found, readers.read_raw(args.file, columns=args.columns, topic=args.topic).described
@@ -107,18 +106,6 @@ def described(columns) -> str:
         for r in (head, tuple("-" * w for w in (*widths, 8)), *table)
     ]
     return "\n".join(lines) + "\n"
-
-
-def _has_gnss(path) -> bool:
-    import zipfile
-
-    if not Path(path).is_file() or not zipfile.is_zipfile(path):
-        return False
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return "gnss_position.npy" in archive.namelist()
-    except zipfile.BadZipFile:
-        return False
 
 
 def report(health) -> str:

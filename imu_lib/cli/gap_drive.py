@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import sys
-import zipfile
-from pathlib import Path
 
 from imu_lib.units import DEG
 
 
 def asked(args) -> bool:
     """Whether the call names a drive: a GNSS file beside the IMU's, or an archive with fixes."""
-    if args.gnss:
-        return True
-    if not args.file or not Path(args.file).is_file() or not zipfile.is_zipfile(args.file):
-        return False
-    try:
-        with zipfile.ZipFile(args.file) as archive:
-            return "gnss_position.npy" in archive.namelist()
-    except zipfile.BadZipFile:
-        return False
+    from imu_lib.cli import drives
+
+    return bool(args.gnss) or drives.has_fixes(args.file)
 
 
 def run(args, model) -> int:

@@ -6,6 +6,7 @@ import sys
 
 from imu_lib.cli import common
 from imu_lib.errors import InputError
+from imu_lib.record import CHANNELS
 
 #: Bias left at switch-on where nobody says: 0.2 deg/s and 20 mg.
 TURN_ON = (0.2, 20.0)
@@ -50,6 +51,13 @@ def models(args, names, drive, arm):
     base, static, more = None, None, {}
     if args.model:
         base = Model.load(args.model)
+        missing = [c for c in CHANNELS if c not in base]
+        if missing:
+            raise InputError(
+                f"{args.model}: the error model has no channel {missing[0]}; a drive needs all "
+                "six: `imu-lib characterise RECORD --out DIR` of a record with gyros and "
+                "accelerometers writes one that has them"
+            )
     effects = _held(args, arm, base)
     options = {"turn_on_sd": _turn_on(args, base)}
     if base is not None:

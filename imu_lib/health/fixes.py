@@ -154,7 +154,7 @@ def scatter(drive: Drive) -> list[str]:
     moved = earth.meters(position[k + 1], position[k])
     went = 0.5 * (velocity[k] + velocity[k + 1]) * step[k, None]
     out = []
-    if drive.gnss_position_sd is None:
+    if drive.gnss_position_sd is None or not np.isfinite(drive.gnss_position_sd).any():
         return out
     scatter = 1.48 * np.median(np.abs(moved - went)[:, :2])
     sd = np.asarray(drive.gnss_position_sd)

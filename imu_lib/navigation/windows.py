@@ -101,7 +101,8 @@ def regular_windows(drive: Drive, *, duration=30.0, every=30.0, settle=120.0, mo
     if not starts.size:
         _covered(drive, duration)
         raise InputError(
-            f"no window of {duration:g} s fits: the first would begin at {first:.4g} s, "
+            f"{drive.called}: no window of {duration:g} s fits: the first would begin at "
+            f"{first:.4g} s, "
             f"{settle:g} s after the first motion, and the fixes and the IMU end at {last:.4g} s; "
             "name outages of your own (--windows START:DURATION,...), or give a longer drive"
         )

@@ -14,6 +14,7 @@ from imu_lib.navigation.windows import Window
 from imu_lib.units import DEG
 
 from . import base_model, correct, outage, search, start, vehicle, vehicle_steps
+from .effects import LINEAR
 from .problem import Noise
 from .start import Say
 from .state import State
@@ -93,7 +94,8 @@ def _about(
     windows, random = asked
     theta, noise, given, original = start.held(drive, model, notes)
     away = tuple((w.start, w.duration) for w in windows)
-    state = State(drive, noise, theta, withhold=away, free=not given)
+    of_model = tuple(e for e in LINEAR if np.any(correct.value(theta, e)))  # to be let go again
+    state = State(drive, noise, theta, kept=of_model, withhold=away, free=not given)
     start.in_time(state, say)
     first = replace(state, theta=np.zeros_like(theta), kept=())
     first.rebuild()

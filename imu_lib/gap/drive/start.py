@@ -104,7 +104,8 @@ def in_time(state: State, say: Say) -> None:
 
 def _delayed(state: State, delay: Array) -> State:
     """The state on a path whose fixes are later by as much, (2,) s: positions and velocities."""
-    moved = replace(state, theta=state.theta.copy(), kept=(TIME,))
+    kept = tuple(dict.fromkeys((*state.kept, TIME)))
+    moved = replace(state, theta=state.theta.copy(), kept=kept)
     moved.theta[columns.of(TIME)] += delay
     moved.rebuild()
     return moved
