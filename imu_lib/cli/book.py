@@ -88,9 +88,9 @@ def _say(text: str) -> None:
 
 def _drive(args):
     """The drive that FILE holds, or None where it is a record at rest."""
-    from imu_lib.cli.check import _has_gnss
+    from imu_lib.cli.drives import has_fixes
 
-    if not args.file or not _has_gnss(args.file):
+    if not args.file or not has_fixes(args.file):
         return None
     common.refuse_without_effect(
         args,
