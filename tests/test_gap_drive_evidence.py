@@ -67,11 +67,11 @@ def test_values_that_sensors_have_or_that_do_not_cancel_stay(bias, scale):
 
 
 def test_confidence_is_the_share_of_right_names_in_the_stored_score():
-    first, second = (
-        json.loads((RESULTS / f"drive_gap_score_{n}.json").read_text()) for n in ("first", "second")
-    )
+    tables = [
+        json.loads((RESULTS / f"drive_gap_score_{n}.json").read_text()) for n in reliability.SOURCES
+    ]
     stored = {c: {} for c in reliability.COUNTED}
-    for table in (first, second, second["without_model"]):
+    for table in [t for both in tables for t in (both, both["without_model"]) if t]:
         for c, names in table["names"].items():
             for e, (found, right) in names.items():
                 known = stored[c].get(e, (0, 0))
