@@ -42,8 +42,6 @@ EFFECTS: Mapping[str, Mapping[str, object]] = {
     "heading": {"error": 0},
     "imu_clock": {"scale": 0},
 }
-#: What `gnss_noise` may be of: what is down has the ratio of the others unless it has its own.
-NOISY = ("position", "velocity", "position_down", "velocity_down")
 #: Parameters that must lie above zero.
 _POSITIVE = {
     ("gnss_noise", "ratio"),
@@ -85,11 +83,8 @@ class DriveEffect:
             for key, value in self.parameters.items()
             if value is not None
         }
-        if self.name == "gnss_noise" and values["of"] not in NOISY:
-            raise InputError(
-                f"gnss_noise: `of` is position or velocity, or their down component alone "
-                f"({NOISY[2]}, {NOISY[3]}), not {values['of']!r}"
-            )
+        if self.name == "gnss_noise" and values["of"] not in ("position", "velocity"):
+            raise InputError(f"gnss_noise: `of` is position or velocity, not {values['of']!r}")
         if self.name == "axes" and np.linalg.det(permutation_matrix(values["permutation"])) < 0.0:
             raise InputError(
                 f"axes: {' '.join(values['permutation'])} is left-handed, and both sensors would "

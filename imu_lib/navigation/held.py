@@ -150,8 +150,7 @@ class Held:
             changes["velocity_latency"] = gnss.latency - own
         for effect in self.all("gnss_noise"):
             key = f"{effect['of']}_ratio"
-            given = getattr(gnss, key)
-            changes[key] = effect["ratio"] * (1.0 if given is None else given)
+            changes[key] = getattr(gnss, key) * effect["ratio"]
         return replace(gnss, **changes) if changes else gnss
 
     def model(self, model: Model) -> Model:

@@ -61,8 +61,7 @@ class Gnss:
     (None: the same); correlation_time : s, of the fixes' errors: fixes that follow each other
     faster
         are given the variance that makes so many of them worth one
-    position_ratio, velocity_ratio : true standard deviation over the stated one, and of what is
-    down alone where that has its own (position_down_ratio, velocity_down_ratio); position_extra,
+    position_ratio, velocity_ratio : true standard deviation over the stated one; position_extra,
     velocity_extra : m and m/s, standard deviation of what the receiver does not count, on each of
     north, east, down (see `fix_noise`); position_steps : m, that the file rounds positions to
     (None: as they show themselves, `fix_rounding`)
@@ -80,8 +79,6 @@ class Gnss:
     correlation_time: float = 0.0
     position_ratio: float = 1.0
     velocity_ratio: float = 1.0
-    position_down_ratio: float | None = None
-    velocity_down_ratio: float | None = None
     position_extra: float = 0.0
     velocity_extra: float = 0.0
     position_steps: tuple | None = None
@@ -169,10 +166,7 @@ def _deviations(drive, gnss, part, like):
     floor, and what the receiver does not count.
     """
     given, usual = getattr(drive, f"gnss_{part}_sd"), np.asarray(getattr(gnss, f"{part}_sd"))
-    across, down, floor, extra = (
-        getattr(gnss, f"{part}_{k}") for k in ("ratio", "down_ratio", "floor", "extra")
-    )
-    ratio = np.array([across, across, across if down is None else down])
+    ratio, floor, extra = (getattr(gnss, f"{part}_{k}") for k in ("ratio", "floor", "extra"))
     sd = np.full(like.shape, np.nan) if given is None else np.asarray(given, float) * ratio
     with np.errstate(invalid="ignore"):
         good = np.isfinite(sd) & (sd > 0.0)

@@ -11,9 +11,9 @@ from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults, lateness
 from imu_lib.units import DEG
 
-from . import columns, correct, displaced, random_effects, readings, select
+from . import columns, correct, displaced, readings, select
 from .battery import Battery
-from .effects import LINEAR
+from .effects import CATALOGUE, LINEAR
 
 if TYPE_CHECKING:
     from .state import State
@@ -134,23 +134,8 @@ def _unnamed(state: State) -> list[str]:
         f"{c.values[1]:.2g} s, beside {state.noise.velocity:.2g} times the stated errors), "
         "which is no effect of the catalogue"
         for c in state.changes
-        if c.change.effect == random_effects.VELOCITY_LASTS
+        if c.change.effect not in CATALOGUE
     ]
-
-
-def down(state: State) -> list[str]:
-    """Notes on errors down that have a size of their own."""
-    noise, out = state.noise, []
-    for of, across, own in (
-        ("positions", noise.position, noise.position_down),
-        ("velocities", noise.velocity, noise.velocity_down),
-    ):
-        if own is not None:
-            out.append(
-                f"Errors of the {of} down are {own:.2g} times their usual or stated size, where "
-                f"those across the ground are {across:.2g} times: the model file holds both."
-            )
-    return out
 
 
 def clocks(state: State, after: Battery) -> str | None:

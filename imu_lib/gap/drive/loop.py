@@ -134,7 +134,6 @@ def close(
     unexplained = "; ".join(t for t in (wrong[0], worse, wrong[1], rest) if t) or None
     right = after.right and not any((*wrong, worse))
     reliability.give(found, reliability.left(unexplained, right))
-    notes += left.down(state)
     notes += evidence.share(found, select.ridges(state.reg, state.kept))
     notes += evidence.widening(found)
     return DriveReport(

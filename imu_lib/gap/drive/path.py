@@ -55,7 +55,7 @@ def build(
     file rounds positions to
     """
     turn_on = turn_on_of(noise.model)
-    factors = np.maximum(noise.ratios.reshape(2, 3).max(axis=1), 1.0) * loose
+    factors = max(noise.position, 1.0) * loose[0], max(noise.velocity, 1.0) * loose[1]
     tame, wild = _tame(drive, noise)
     # a gate that is passed once by a wild fix may shut out the right ones: it is for the small ones
     gate = GATE if wild.mean() < 0.5 * noise.fraction else None

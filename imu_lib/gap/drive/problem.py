@@ -36,8 +36,7 @@ class Noise:
     """A hypothesis about all that is random.
 
     model : Model of the six channels; per_speed (6,) growth of the white noise with speed;
-    position, velocity : ratio of the fixes' true standard deviation to the stated one, and
-    position_down, velocity_down : of what is down alone, where that has its own; sigma, tau :
+    position, velocity : ratio of the fixes' true standard deviation to the stated one; sigma, tau :
     first-order Gauss-Markov error of the positions, m and s, and velocity_sigma, velocity_tau of
     the velocities, m/s and s; fraction, scale : wild fixes, m
     """
@@ -47,20 +46,12 @@ class Noise:
     still: tuple[float | None, ...] = (None,) * 6
     position: float = 1.0
     velocity: float = 1.0
-    position_down: float | None = None
-    velocity_down: float | None = None
     sigma: float = 0.0
     tau: float = 30.0
     velocity_sigma: float = 0.0
     velocity_tau: float = 10.0
     fraction: float = 0.0
     scale: float = 0.0
-
-    @property
-    def ratios(self) -> Array:
-        """Of the fixes' true standard deviations to the stated ones, (6,)."""
-        down = (self.position, self.position_down), (self.velocity, self.velocity_down)
-        return np.array([r for a, d in down for r in (a, a, a if d is None else d)])
 
     def with_(self, **changes: Any) -> Noise:
         return replace(self, **changes)
@@ -199,7 +190,7 @@ class Problem:
         fixes = linear.Fixes(
             y,
             a["arm_rows"],
-            self.stated * noise.ratios**2 + self.rounding,
+            self.stated * np.repeat([noise.position**2, noise.velocity**2], 3) + self.rounding,
             self.use if use is None else use,
             a["d"],
             np.array(columns.IN_FIXES),

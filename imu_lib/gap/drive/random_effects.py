@@ -27,8 +27,6 @@ ALIKE = {"bias_model": float(np.log(18.0)), "vibration": float(np.log(6.0))}
 LEAST = 0.001  # ratio of errors of fixes to the stated ones: below, it is no noise of a receiver
 #: Of no name in the catalogue.
 VELOCITY_LASTS = "other: errors of the receiver's velocities last"
-#: Likewise: a size of its own of what is down, told as a note.
-DOWN = "other: errors of the fixes down"
 LASTING = (1.0, 10.0)  # s, to start with
 MEMORIES = (5.0, 60.0)  # s, of the errors of positions, to start with
 PRIOR = 2.0  # of the logarithm of a parameter: a factor of seven is usual, a million is none
@@ -114,7 +112,6 @@ def _of_fixes(problem: Problem, noise: Noise) -> list[Change]:
     """Changes of the errors of the fixes: their size, their memory, and wild ones."""
     measured = [of for k, of in ((0, "position"), (3, "velocity")) if problem.use[:, k].any()]
     out = [_size_of_fixes(of, noise) for of in measured]
-    out += [_size_of_fixes(f"{of}_down", noise) for of in measured]
     if "velocity" in measured:
         out += [_lasting_velocity(tau, problem, noise) for tau in LASTING]
     if not problem.use[:, 0].any():
@@ -144,12 +141,7 @@ def _of_fixes(problem: Problem, noise: Noise) -> list[Change]:
 
 
 def _size_of_fixes(of: str, noise: Noise) -> Change:
-    """Another ratio of the errors of positions or velocities, or of what of them is down, to what
-    is stated.
-    """
-    down = of.endswith("_down")
-    held = getattr(noise, of) or getattr(noise, of.removesuffix("_down"))
-    name = DOWN if down else "gnss_noise"
+    """Another ratio of the errors of positions or velocities to what is stated."""
 
     def enter(n: Noise, v: Array) -> Noise:
         return n.with_(**{of: max(float(v[0]), LEAST)})
@@ -157,7 +149,7 @@ def _size_of_fixes(of: str, noise: Noise) -> Change:
     def describe(v: Array) -> dict[str, Any]:
         return {"ratio": max(float(v[0]), LEAST), "of": of}
 
-    return Change(name, (name, of), (held,), enter, describe)
+    return Change("gnss_noise", ("gnss_noise", of), (getattr(noise, of),), enter, describe)
 
 
 def _lasting_velocity(tau: float, problem: Problem, noise: Noise) -> Change:
@@ -268,8 +260,7 @@ def _white(model: Model, channel: str) -> float:
 
 #: Factors by which the first parameter is tried, on either side of what is held outward.
 _FACTORS: dict[str, tuple[tuple[float, ...], ...]] = {
-    "gnss_noise": ((0.87, 0.67, 0.4), (1.15, 1.5, 3.0)),
-    DOWN: ((0.67, 0.4, 0.1), (1.5, 3.0)),
+    "gnss_noise": ((0.87, 0.67, 0.4), (1.15, 1.5, 3.0, 30.0, 1000.0)),
     "bias_model": ((1.5, 6.0, 30.0), (0.67,)),
     "vibration": ((0.3, 1.0, 5.0, 25.0),),
 }

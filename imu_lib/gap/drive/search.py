@@ -41,7 +41,6 @@ FAR = 4.0  # of the regression's temper
 SHOCK = "other: a shock"
 SIZE_OF_VELOCITY = ("gnss_noise", "velocity")
 LEAST_FAR = 0.06  # of the logarithm of the innovations' size
-LEAST_DOWN = 0.3  # likewise, of those down against those across the ground
 _MOVED = 0.3  # standard deviations by which values may still move when the path is left as it is
 
 
@@ -183,7 +182,7 @@ def _noise_step(state: State, given: bool) -> Change | None:
     base = state.evaluate(state.noise).log_likelihood
     taken = {c.change.key for c in state.changes}
     options = random_effects.changes(state.problem, state.noise, given)
-    options = [c for c in options if c.key not in taken and _looks_so(state, c)]
+    options = [c for c in options if c.key not in taken]
     ranked = random_effects.shortlist(random_effects.screen(state, state.noise, base, options))
     fitted = each(lambda r: r[1].fitted(state, state.noise, base), ranked)
     measured = readings.densities(state.problem)
@@ -203,21 +202,6 @@ def _noise_step(state: State, given: bool) -> Change | None:
         return None
     rivals = [(f[2].effect, f[0] - value, f[2].key) for f in found[1:]]
     return Change(change, values, gain, state.noise, rivals, noise)
-
-
-def _looks_so(state: State, change: random_effects.Change) -> bool:
-    """Whether a size of their own is worth trying, of innovations down: they have another one than
-    those across the ground.
-    """
-    if change.effect != random_effects.DOWN:
-        return True
-    first = 0 if change.key[1].startswith("position") else 3
-    e = np.where(state.use, state.result.e, np.nan)[:, first : first + 3]
-    count = max(int(np.isfinite(e[:, 2]).sum()), 1)
-    if count < 20:
-        return False
-    apart = abs(np.log(np.nanmean(e[:, 2] ** 2) / np.nanmean(e[:, :2] ** 2)))
-    return bool(apart > max(LEAST_DOWN, 5.0 * np.sqrt(3.0 / count)))
 
 
 def size_first(ranked: list[tuple[random_effects.Change, float]]) -> int:

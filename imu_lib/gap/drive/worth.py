@@ -32,9 +32,6 @@ def ratios(noise: Noise, drive: Drive) -> list[DriveEffect]:
     states none, and to the stated ones where these are nearly right.
     """
     out = []
-    for of in ("position_down", "velocity_down"):
-        if (own := getattr(noise, of)) is not None:
-            out.append(DriveEffect("gnss_noise", {"ratio": own, "of": of}))
     for of in ("position", "velocity"):
         ratio, stated = getattr(noise, of), getattr(drive, f"gnss_{of}_sd") is not None
         if ratio != 1.0 and (not stated or KNOWN_WELL[0] < ratio < KNOWN_WELL[1]):
