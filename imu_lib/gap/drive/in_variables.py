@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from .problem import Noise, Problem
 
 DRAWS = 2
+TINY = 1e-30  # of a variance: a state that a channel does not reach
+NEARLY = 1e-6  # of each variance: states that follow from others have a root all the same
 #: Column of the scale factor of each channel, and the one that is their sum.
 SCALES = (*columns.of("gyro_scale"), *columns.of("accel_scale"))
 CLOCK = columns.of("imu_clock")[0]
@@ -47,9 +49,11 @@ def _drawn(problem: Problem) -> tuple[Array, Array]:
     """
     kept: dict[str, tuple[Array, Array]] = problem.__dict__.setdefault("drawn", {})
     if "both" not in kept:
-        value, vector = np.linalg.eigh(problem.arrays["noise"])
-        roots = vector * np.sqrt(np.maximum(value, 0.0))[..., None, :]
-        unit = np.random.default_rng(0).standard_normal((DRAWS, *value.shape))
+        noise = problem.arrays["noise"]
+        size = np.sqrt(np.maximum(np.diagonal(noise, axis1=-2, axis2=-1), TINY))
+        alike = noise / (size[..., :, None] * size[..., None, :])
+        roots = np.linalg.cholesky(alike + NEARLY * np.eye(9)) * size[..., None]
+        unit = np.random.default_rng(0).standard_normal((DRAWS, *size.shape))
         kept["both"] = roots, unit
     return kept["both"]
 
