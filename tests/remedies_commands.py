@@ -177,6 +177,9 @@ CASES = [
 # fmt: on
 #: Errors that no command line can raise: why.
 NOT_RUN = {
+    "has no option `{}`: --help shows what it takes.": "of the book's own tasks: test_book asks them for help",
+    "cannot take `{}` as well: --help shows what it takes.": "of the book's own tasks, likewise",
+    "a drive needs all six: `imu-lib characterise RECORD --out DIR`": "run by test_characterise",
     "write it as text first (`mavlogdump.py --format csv --types IMU`": "another program's",
     "features of windows are none; give the file with the readings, or name every column": "sixty names",
     "Give one file, or --gyro FILE and --accel FILE.": "of the Python call; the parser asks before",

@@ -69,8 +69,17 @@ def test_fixes_without_positions_are_no_record_at_rest(arrays, tmp_path, capsys)
 
 def test_fix_codes_that_are_not_there(arrays, tmp_path, capsys):
     np.savez(tmp_path / "x.npz", **arrays)
-    assert main(["outages", str(tmp_path / "x.npz"), "--accept", "4", "--windows", "40:10"]) == 2
-    assert "no gnss_fix to choose by; leave it out" in capsys.readouterr().err
+    call = [
+        "outages",
+        str(tmp_path / "x.npz"),
+        "--accept",
+        "4",
+        "--windows",
+        "40:10",
+        "--as-stated",
+    ]
+    assert not main([*call, "--models", "18AV"])
+    assert "--accept has no effect" in capsys.readouterr().err
 
 
 def test_a_model_without_a_channel_is_told_before_the_work(arrays, tmp_path, capsys):

@@ -184,8 +184,8 @@ def run(args):
     windows = outages.windows_from(args.windows) if args.windows else None
     arm = outages_models.arm(args.lever_arm)
     drive = drives.opened(args.drive, args)
-    if args.accept and drive.gnss_fix is None:
-        raise InputError(f"--accept: {drive.called} has no gnss_fix to choose by; leave it out.")
+    if _codes(args.accept) and drive.gnss_fix is None:
+        print(f"note: --accept has no effect: {drive.called} has no gnss_fix.", file=sys.stderr)
     _refuse_late(args, drive)
     if windows is not None:
         windows = outages.measured(drive, windows)  # what cannot be is said before the work
