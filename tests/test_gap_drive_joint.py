@@ -116,10 +116,11 @@ class Bent(joint.Joint):
 def test_an_interval_goes_along_a_ridge_that_bends():
     # along the straight line that the ridge leaves, 0.95 of the chance lies within 0.6
     bent = Bent(None, (), np.zeros(2), np.zeros(2), np.ones(2), ())
-    low, middle, high = profile.quantiles(bent, np.zeros(2), 0, 1.0)
+    first = slice(0, 1)
+    ((low, middle, high),) = profile.quantiles(bent, np.zeros(2), first, np.array([1.0]))
     assert (low, middle, high) == pytest.approx((-1.96, 0.0, 1.96), abs=0.03)
     # a width that was taken too small is no limit
-    low, _, high = profile.quantiles(bent, np.zeros(2), 0, 0.2)
+    ((low, _, high),) = profile.quantiles(bent, np.zeros(2), first, np.array([0.2]))
     assert (low, high) == pytest.approx((-1.96, 1.96), abs=0.1)
 
 

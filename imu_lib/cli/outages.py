@@ -184,8 +184,6 @@ def run(args):
     windows = outages.windows_from(args.windows) if args.windows else None
     arm = outages_models.arm(args.lever_arm)
     drive = drives.opened(args.drive, args)
-    if _codes(args.accept) and drive.gnss_fix is None:
-        print(f"note: --accept has no effect: {drive.called} has no gnss_fix.", file=sys.stderr)
     _refuse_late(args, drive)
     if windows is not None:
         windows = outages.measured(drive, windows)  # what cannot be is said before the work
@@ -274,6 +272,8 @@ def _fixes(args, drive, models, heading):
     from imu_lib.navigation import preparation, time_error
 
     gnss = preparation.Gnss(velocity=not args.no_velocity, accept=_codes(args.accept))
+    if gnss.accept and drive.gnss_fix is None:
+        print(f"note: --accept has no effect: {drive.called} has no gnss_fix.", file=sys.stderr)
     if args.as_stated:
         return gnss, ()
     model = next((m for n, m in models.items() if n.startswith("18AV") and m.levels is None), None)

@@ -42,7 +42,9 @@ def variance(steps: Array) -> Array:
 
 
 def _grid(x: Array, least: float) -> float:
-    """Step of the grid that x (n,) lies on, not below `least`, or 0."""
+    """Step of the grid that x (n,) lies on, not below `least`, or 0. Hardly a value is met twice on
+    the move, so that `faults.grid`, which asks for readings that come back, would see no grid.
+    """
     level = np.unique(x)
     apart = np.diff(level)
     apart = apart[apart > 0.1 * least]  # the last digit of a float is no step

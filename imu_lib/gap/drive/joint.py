@@ -21,11 +21,7 @@ if TYPE_CHECKING:
     from .problem import Noise
     from .state import State
 
-STEPS = 10
 STEP = 0.03  # of the logarithms: differences
-LONGEST = 1.0  # of the logarithms, in one step
-CLOSE = 0.03  # nats that a further step would gain
-SHARES = (1.0, 0.5, 0.2, 0.05)  # of a step that are tried
 
 
 @dataclass(frozen=True)
@@ -93,36 +89,59 @@ class Joint:
         """By how much all logarithms move, (k, p), with those of one part as the likelihood has
         them.
         """
-        x = self.start
-        _, information = self.slope(x)
-        mine = np.zeros(x.size, bool)
+        mine = np.zeros(self.start.size, bool)
         mine[part] = True
-        out = np.eye(x.size)[:, mine]
-        rest = ~mine & (np.diag(information) > 0.0)
-        out[rest] = -np.linalg.solve(
-            information[np.ix_(rest, rest)], information[np.ix_(rest, mine)]
-        )
-        return out
+        return following(self.slope(self.start)[1], mine)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Of an ascent: steps at most, the longest of them and the shares of it that are tried, in
+    logarithms, and nats that a further one would gain.
+    """
+
+    steps: int
+    longest: float
+    shares: tuple[float, ...]
+    close: float
+
+
+WHOLE = Effort(steps=10, longest=1.0, shares=(1.0, 0.5, 0.2, 0.05), close=0.03)
 
 
 def climb(joint: Joint) -> Array:
     """The logarithms at the maximum."""
     x = joint.start
+    return ascent(joint, x, np.ones(x.size, bool), WHOLE)[0]
+
+
+def ascent(joint: Joint, x: Array, free: Array, effort: Effort) -> tuple[Array, float, Array]:
+    """(x, its value, information about it) with the logarithms that are `free`, (k,) bool, led to
+    their best by scores.
+    """
     value = joint.value(x)
-    for _ in range(STEPS):
+    for _ in range(effort.steps):
         slope, information = joint.slope(x)
-        seen = np.diag(information) > 0.0
+        seen = free & (np.diag(information) > 0.0)
         step = np.zeros(x.size)
         step[seen] = np.linalg.solve(information[np.ix_(seen, seen)], slope[seen])
-        if 0.5 * float(slope @ step) < CLOSE:
+        if 0.5 * float(slope @ step) < effort.close:
             break
-        step *= min(1.0, LONGEST / np.abs(step).max())
-        tried = [x + share * step for share in SHARES]
+        step *= min(1.0, effort.longest / np.abs(step).max())
+        tried = [x + share * step for share in effort.shares]
         values = each(joint.value, tried)
         best = int(np.argmax(values))
         if values[best] <= value:
             break
         gained, value, x = values[best] - value, values[best], tried[best]
-        if gained < CLOSE:
+        if gained < effort.close:
             break
-    return x
+    return x, value, information
+
+
+def following(information: Array, mine: Array) -> Array:
+    """By how much all logarithms move, (k, p), with those of `mine`, (k,) bool, that are held."""
+    out = np.eye(len(mine))[:, mine]
+    rest = ~mine & (np.diag(information) > 0.0)
+    out[rest] = -np.linalg.solve(information[np.ix_(rest, rest)], information[np.ix_(rest, mine)])
+    return out

@@ -42,9 +42,7 @@ def intervals(state: State, found: Change) -> dict[str, list[float]]:
     centre, axes = _maximum(at, start)
     top = together.start + along @ (centre - start)
     sd = np.sqrt(np.sum(axes**2, axis=1))
-    bounds = np.array(
-        [profile.quantiles(together, top, part.start + i, s) for i, s in enumerate(sd)]
-    )
+    bounds = profile.quantiles(together, top, part, sd)
     found.values = np.exp(bounds[:, 1])  # of a skewed likelihood the maximum is too small
     low, _, high = (found.change.describe(np.exp(b)) for b in bounds.T)
     return {k: [low[k], high[k]] for k in low if isinstance(low[k], float) and low[k] != high[k]}

@@ -200,8 +200,17 @@ def _of_process(channel: str, position: int, process: Process, name: str) -> Cha
 
 def _vibrations(problem: Problem, noise: Noise) -> list[Change]:
     """White noise that follows the speed, on each channel."""
-    speed = float(np.sqrt(np.mean(problem.speed**2))) or 1.0
-    return [_vibration(number, noise, speed) for number in range(len(CHANNELS))]
+    return [_vibration(number, noise, _usual(problem)) for number in range(len(CHANNELS))]
+
+
+def _usual(problem: Problem) -> float:
+    """Speed that is usual on the drive, m/s."""
+    return float(np.sqrt(np.mean(problem.speed**2))) or 1.0
+
+
+def _put(values: Sequence[Any], number: int, value: float) -> tuple[Any, ...]:
+    """The values of the channels with another one of one of them."""
+    return tuple(value if k == number else v for k, v in enumerate(values))
 
 
 def _vibration(number: int, noise: Noise, speed: float) -> Change:
@@ -210,9 +219,7 @@ def _vibration(number: int, noise: Noise, speed: float) -> Change:
     density = max(_white(noise.model, channel), 1e-9)
 
     def enter(n: Noise, v: Array) -> Noise:
-        return n.with_(
-            per_speed=tuple(float(v[0]) if k == number else p for k, p in enumerate(n.per_speed))
-        )
+        return n.with_(per_speed=_put(n.per_speed, number, float(v[0])))
 
     def describe(v: Array) -> dict[str, Any]:
         return {"channel": channel, "N": density, "N_per_speed": float(v[0])}
@@ -225,23 +232,21 @@ def shaken(problem: Problem, noise: Noise, channel: str) -> Change:
     """White noise of a channel that follows the speed, and at rest is larger than the sensor's own,
     too: an engine that shakes the car while it stands.
     """
-    number = CHANNELS.index(channel)
-    speed = float(np.sqrt(np.mean(problem.speed**2))) or 1.0
+    number, own = CHANNELS.index(channel), max(_white(noise.model, channel), 1e-9)
 
-    own = max(_white(noise.model, channel), 1e-9)
+    def level(v: Array) -> float:
+        return float(np.hypot(own, v[0]))
 
     def enter(n: Noise, v: Array) -> Noise:
-        level, growth = float(np.hypot(own, v[0])), float(v[1])
         return n.with_(
-            still=tuple(level if k == number else x for k, x in enumerate(n.still)),
-            per_speed=tuple(growth if k == number else x for k, x in enumerate(n.per_speed)),
+            still=_put(n.still, number, level(v)),
+            per_speed=_put(n.per_speed, number, float(v[1])),
         )
 
     def describe(v: Array) -> dict[str, Any]:
-        level = float(np.hypot(own, v[0]))
-        return {"channel": channel, "N": level, "N_per_speed": float(v[1])}
+        return {"channel": channel, "N": level(v), "N_per_speed": float(v[1])}
 
-    start = 3.0 * own, 3.0 * own / speed
+    start = 3.0 * own, 3.0 * own / _usual(problem)
     return Change("vibration", ("vibration", channel), start, enter, describe)
 
 
