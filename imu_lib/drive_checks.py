@@ -14,9 +14,10 @@ def numbers(value: Array, key: str) -> None:
     """ValueError where readings (n, 3) are not all numbers."""
     bad = np.flatnonzero(~np.isfinite(value).all(axis=1))
     if bad.size:
+        first = value[bad[0]][~np.isfinite(value[bad[0]])][0]
         raise ValueError(
-            f"`{key}` holds {value[bad[0]][~np.isfinite(value[bad[0]])][0]:g} at sample {bad[0]} "
-            f"({bad.size} such of {len(value)}); leave those samples out, their times too: gaps "
+            f"`{key}` is not a number at sample {bad[0]} ({first:g}, {bad.size} such of "
+            f"{len(value)}); leave those samples out, their times too: gaps "
             "are bridged"
         )
 

@@ -49,10 +49,10 @@ def test_a_reference_in_degrees(arrays):
 
 
 def test_numbers_that_are_none(arrays):
-    assert "`gyro` holds nan at sample 20 (1 such" in refused(
+    assert "`gyro` is not a number at sample 20 (nan, 1 such" in refused(
         arrays, "gyro", put(arrays["gyro"], (20, 1), np.nan)
     )
-    assert "`accel` holds inf at sample 3" in refused(
+    assert "`accel` is not a number at sample 3 (inf, 1 such" in refused(
         arrays, "accel", put(arrays["accel"], (3, 0), np.inf)
     )
     said = refused(
