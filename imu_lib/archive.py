@@ -6,6 +6,7 @@ before memory is asked for, and pickled objects are never loaded.
 
 from __future__ import annotations
 
+import threading
 import zipfile
 import zlib
 from concurrent.futures import ThreadPoolExecutor
@@ -16,13 +17,18 @@ from numpy.lib import format as npy
 
 from imu_lib.errors import InputError
 
+# A header is Python text that NumPy has the interpreter parse; CPython 3.11 counts the depth of the
+# syntax tree once for all threads and raises SystemError where two of them parse at a time.
+_PARSING = threading.Lock()
+
 
 def _read(stream, size: int, where: str) -> np.ndarray:
     """One array from an open .npy stream of `size` bytes."""
     try:
         version = npy.read_magic(stream)
         read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, fortran, dtype = read(stream)
+        with _PARSING:
+            shape, fortran, dtype = read(stream)
     except (ValueError, EOFError, SyntaxError, TypeError) as error:
         raise InputError(
             f"{where} is not a readable NumPy array ({str(error).splitlines()[0]}); save it again "

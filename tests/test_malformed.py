@@ -6,12 +6,13 @@ import builtins
 import gzip
 import io
 import struct
+import time
 import zipfile
 
 import numpy as np
 import pytest
 
-from imu_lib import units
+from imu_lib import archive, units
 from imu_lib.cli.main import main
 from imu_lib.errors import InputError
 from imu_lib.readers import read_drive, read_record
@@ -275,3 +276,23 @@ def test_calls_that_cannot_be_meant(tmp_path, capsys):
         refused(capsys, *argv, says=says)
     with pytest.raises(InputError, match="no drive"):
         read_drive(path)
+
+
+def test_headers_are_parsed_one_at_a_time(tmp_path, monkeypatch):
+    # Two syntax trees built at once are a SystemError in CPython 3.11, which a reader of a whole
+    # file saw now and then.
+    inside, most = [], []
+    parse = archive.npy.read_array_header_1_0
+
+    def watched(stream):
+        inside.append(1)
+        most.append(len(inside))
+        time.sleep(0.01)
+        inside.pop()
+        return parse(stream)
+
+    monkeypatch.setattr(archive.npy, "read_array_header_1_0", watched)
+    np.savez(tmp_path / "many.npz", **{f"a{k}": np.arange(k) for k in range(8)})
+    found = archive.load_arrays(tmp_path / "many.npz")
+    assert [len(found[f"a{k}"]) for k in range(8)] == list(range(8))
+    assert max(most) == 1
