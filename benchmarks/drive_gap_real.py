@@ -33,7 +33,7 @@ from scipy.spatial.transform import Rotation  # noqa: E402
 
 from imu_lib.drive import Drive  # noqa: E402
 from imu_lib.gap import drive as gap_drive  # noqa: E402
-from imu_lib.gap.drive import columns, loop, select, vehicle  # noqa: E402
+from imu_lib.gap.drive import columns, select, vehicle  # noqa: E402
 from imu_lib.navigation import axes  # noqa: E402
 
 RESULTS = ROOT / "benchmarks" / "results" / "drive_gap_real.json"
@@ -105,7 +105,7 @@ def value_of(found, effect, component):
     """(value, standard deviation, gain expected of a unit) of a parameter, named or not."""
     state = found.state
     if effect == "mounting":
-        turned = vehicle.mounting(state.problem, loop.attitude_sd(state))
+        turned = vehicle.mounting(state.problem, vehicle.attitude_sd(state))
         if turned is None:
             return 0.0, None, None
         angle, sd = (float(v[2]) for v in turned)

@@ -18,7 +18,7 @@ import numpy as np
 
 from imu_lib.arrays import Array
 
-from . import columns, select
+from . import columns, select, vehicle
 from .side_by_side import each
 
 if TYPE_CHECKING:
@@ -162,11 +162,24 @@ def _rivals(state: State) -> list[tuple[str, str]]:
 
 
 def misfit(state: State, temper: float) -> float:
-    """Tempered misfit of the innovations and of the values with the price of the set, nats."""
+    """Tempered misfit of the innovations and of the values with the price of the set, nats, and of
+    a case that stands askew where the set has it so.
+    """
     index = [i for e in state.kept for i in select.GROUPS[e]]
     held = (state.theta + state.other)[index] / select.PRIOR[index]
     paid = select.price(state.reg, state.kept) + 0.5 * float(held @ held)
-    return state.cost() / temper + paid
+    return state.cost() / temper + paid + _askew(state)
+
+
+def _askew(state: State) -> float:
+    """What it costs, nats, that the case stands as the path has it: its angles against their
+    standard deviations, at the most the price of three that are free.
+    """
+    found = vehicle.mounting(state.problem, vehicle.attitude_sd(state))
+    if found is None:
+        return 0.0
+    free = select.PER_EFFECT + 3 * select.PER_PARAMETER
+    return min(0.5 * float(np.sum((found[0] / found[1]) ** 2)), free)
 
 
 def _smaller(state: State) -> list[tuple[str, ...]]:

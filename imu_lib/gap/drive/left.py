@@ -11,7 +11,7 @@ from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults, lateness
 from imu_lib.units import DEG
 
-from . import columns, correct, displaced, readings, select
+from . import columns, correct, displaced, readings, select, vehicle
 from .battery import Battery
 from .effects import CATALOGUE, LINEAR
 
@@ -27,7 +27,6 @@ SEEN = 3.0 * DEG  # of a mounting angle: what the drive does not show of it is s
 SMOOTHED = "other: receiver's velocity is smoothed"
 ALIKE = 3.0  # nats
 APART = 3.5  # standard deviations from which on two time offsets are two
-TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case is turned
 ANGLES = ("roll", "pitch", "yaw")
 
 
@@ -75,7 +74,7 @@ def _angles_unseen(turned: Turned | None) -> list[dict[str, Any]]:
     )
     return [
         {"effect": "mounting", "parameter": a, "why": why, "upper_limit": float(abs(x) + 1.96 * s)}
-        for a, x, s, least in zip(ANGLES, *turned, TURNED)
+        for a, x, s, least in zip(ANGLES, *turned, vehicle.TURNED)
         if least * s > SEEN and abs(x) < least * s and a != "roll"
     ]
 

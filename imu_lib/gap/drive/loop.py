@@ -30,7 +30,7 @@ from . import (
 )
 from .battery import Battery, battery
 from .problem import turn_on_of, with_constants
-from .searched import Searched, attitude_sd, searched
+from .searched import Searched, searched
 from .start import Say
 from .state import State
 from .steps import Step
@@ -187,4 +187,4 @@ def _effects(found: Sequence[Step]) -> Iterator[DriveEffect]:
         yield DriveEffect.from_json(step)
 
 
-__all__ = ["DriveReport", "attitude_sd", "close", "turn_on_of"]
+__all__ = ["DriveReport", "close", "turn_on_of"]

@@ -19,6 +19,7 @@ from . import (
     across,
     alone,
     base_model,
+    common_turn,
     displaced,
     hidden,
     prune,
@@ -98,6 +99,7 @@ def run(state: State, *, given: bool, random: bool = True, say: Say = lambda tex
         shocks.hidden(state, say)
         hidden.look(state, candidates(state.problem), say)
     for _ in range(3):
+        common_turn.taken_out(state, say)
         alone.simplify(state, say)
         again = alone.exchange(state, say)
         if random and state.reg.temper < FAR:  # nothing small is told apart far from a right model

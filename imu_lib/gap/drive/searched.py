@@ -11,9 +11,8 @@ from imu_lib.drive import Drive
 from imu_lib.model import Model
 from imu_lib.navigation import axes, turns
 from imu_lib.navigation.windows import Window
-from imu_lib.units import DEG
 
-from . import base_model, correct, outage, search, start, vehicle, vehicle_steps
+from . import base_model, correct, outage, search, start, vehicle
 from .effects import LINEAR
 from .problem import Noise
 from .start import Say
@@ -54,7 +53,7 @@ def searched(
         right = correct.axes_put_right(drive, turn[0])
         windows = outage.withheld(right)
         state, first, noise, original = _about(right, model, (windows, random), notes, say)
-        turned = vehicle.mounting(state.problem, attitude_sd(state))
+        turned = vehicle.mounting(state.problem, vehicle.attitude_sd(state))
         askew = _askew(turn, turned)
         if askew is None:
             break
@@ -62,16 +61,11 @@ def searched(
     return Searched(right, turn, windows, state, first, noise, original, turned)
 
 
-def attitude_sd(state: State) -> Array:
-    """How well the path knows its attitude, rad (3,): from the filter's own covariance."""
-    return np.minimum(np.median(state.problem.attitude_sd, axis=0), 20 * DEG)
-
-
 def _askew(turn: axes.Found, turned: tuple[Array, Array] | None) -> axes.Found | None:
     """The axes, as of `axes.of`, where the path shows that the case lies turned by right angles:
     the path knows more of it than the fixes' own motion. turned : angles and standard deviations.
     """
-    if turned is None or not vehicle_steps.beyond_doubt(turned):
+    if turned is None or not vehicle.beyond_doubt(turned):
         return None
     more = vehicle.turned_axes(turned)
     if more is None:

@@ -26,6 +26,17 @@ FASTER = 1.5  # m/s: what creeps says little, and is weighed by its speed
 TURNING = 0.3  # rad/s
 ASKEW = 20.0 * DEG  # from the nearest right angles: beyond, a case stands as it stands
 SYSTEMATIC = np.array([1.2, 0.25, 0.25]) * np.pi / 180  # roads are not level, tyres slip: rad
+TURNED = np.array([5.0, 4.0, 4.0])  # standard deviations from which on a case is turned
+
+
+def attitude_sd(state: State) -> Array:
+    """How well the path knows its attitude, rad (3,): from the filter's own covariance."""
+    return np.minimum(np.median(state.problem.attitude_sd, axis=0), 20 * DEG)
+
+
+def beyond_doubt(turned: tuple[Array, Array]) -> bool:
+    """Whether angles of a case are larger than their standard deviations leave to chance."""
+    return bool((np.abs(turned[0]) / turned[1] > TURNED).any())
 
 
 def mounting(problem: Problem, attitude_sd: Array) -> tuple[Array, Array] | None:

@@ -11,8 +11,9 @@ from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.units import DEG
 
+from . import vehicle
 from .battery import Battery
-from .left import ANGLES, TURNED, Turned
+from .left import ANGLES, Turned
 from .steps import SUREST, Step, step
 
 TURNED_BEFORE = (
@@ -44,14 +45,9 @@ def axes(
     return out
 
 
-def beyond_doubt(turned: Turned) -> bool:
-    """Whether angles of a case are larger than their standard deviations leave to chance."""
-    return bool((np.abs(turned[0]) / turned[1] > TURNED).any())
-
-
 def mounting(turned: Turned | None, after: Battery) -> list[Step]:
     """The step, in a list, where the case is turned beyond doubt."""
-    if turned is None or not beyond_doubt(turned):
+    if turned is None or not vehicle.beyond_doubt(turned):
         return []
     angles, sd = turned
     sizes = np.abs(angles) / sd
