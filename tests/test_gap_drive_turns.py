@@ -6,7 +6,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imu_lib.drive import from_arrays
-from imu_lib.gap.drive import columns, common_turn, correct, select
+from imu_lib.gap.drive import columns, common_turn, correct, select, vehicle_steps
 from imu_lib.gap.drive.problem import Noise
 from imu_lib.gap.drive.state import State
 from imu_lib.model import Model
@@ -63,3 +63,24 @@ def test_a_sensor_that_is_misaligned_keeps_its_name():
     state.rebuild()
     assert not common_turn.taken_out(state, lambda text: None)
     assert state.kept == ("accel_misalignment",)
+
+
+@pytest.mark.parametrize("beyond", [0.0, 0.4])
+def test_the_arm_of_a_file_holds_in_a_case_that_is_turned(beyond):
+    given, angles = np.array([0.82, 0.26, -0.35]), np.array([-0.033, 0.04, 0.087])
+    turned = angles, np.array([0.021, 0.0045, 0.0045])
+    case = Rotation.from_euler("ZYX", angles[::-1])
+    arm = case.inv().apply(given + [beyond, 0.0, 0.0]) - given
+    found = [
+        {"effect": "lever_arm", "parameters": {"arm": list(arm)},
+         "intervals": {"arm": [[a - 0.01, a + 0.01] for a in arm]}},
+        {"effect": "mounting", "parameters": dict(zip(("roll", "pitch", "yaw"), angles))},
+    ]  # fmt: skip
+    drive = made(duration=10.0).with_(lever_arm=given)
+    notes = vehicle_steps.arm_of_vehicle(found, drive, turned)
+    names = [step["effect"] for step in found]
+    if beyond:
+        assert names == ["lever_arm", "mounting"] and not notes
+        assert found[0]["parameters"]["arm"] == pytest.approx(given + [beyond, 0.0, 0.0])
+    else:
+        assert names == ["mounting"] and "file's lever arm holds" in notes[0]

@@ -111,7 +111,7 @@ def close(
         notes.append(vehicle_steps.TURNED_BEFORE)
     found += vehicle_steps.mounting(turned, after)
     found += _heading(state, drive, heading, (_mount(found), after))
-    vehicle_steps.arm_of_vehicle(found, known.right, _mount(found))
+    notes += vehicle_steps.arm_of_vehicle(found, known.right, turned)
     unseen = left.invisible(state, turned)
     left.limited(found, unseen, drive.lever_arm)
     fitted = worth.ratios(state.noise, drive)

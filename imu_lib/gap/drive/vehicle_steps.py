@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.units import DEG
 
@@ -16,6 +15,8 @@ from .battery import Battery
 from .left import ANGLES, Turned
 from .steps import SUREST, Step, step
 
+SAME_ARM = 3.0  # standard deviations, of the arm and of the case's turn, by which arms differ
+_SAME = Rotation.identity()
 TURNED_BEFORE = (
     "The search turns the axes first: innovations before are those with the axes already turned, "
     "outages before those with the axes as they are in the file."
@@ -104,13 +105,30 @@ def heading(apart: float, sd: float, after: Battery, whose: str = "") -> list[St
     ]
 
 
-def arm_of_vehicle(found: Sequence[Step], drive: Drive, mount: Array) -> None:
-    """The lever arm in the vehicle's axes, with what the file gave."""
+def arm_of_vehicle(found: list[Step], drive: Drive, turned: Turned | None) -> list[str]:
+    """The lever arm in the vehicle's axes, with what the file gave. Where that is no other than the
+    file's, in a case turned by `turned`, it is no effect: its step leaves, and a note says so.
+    """
     given = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm)
-    c = Rotation.from_euler("ZYX", mount[::-1])
-    for one in found:
-        if one["effect"] == "lever_arm":
-            arm = c.apply(given + np.array(one["parameters"]["arm"]))
-            half = np.array([0.5 * (b - a) for a, b in one["intervals"]["arm"]])
-            one["parameters"]["arm"] = [float(a) for a in arm]
-            one["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]
+    named = any(one["effect"] == "mounting" for one in found)
+    for one in [one for one in found if one["effect"] == "lever_arm"]:
+        of_case = given + np.array(one["parameters"]["arm"])
+        half = np.array([0.5 * (b - a) for a, b in one["intervals"]["arm"]])
+        if turned is not None and given.any():
+            sd = np.hypot(half / 1.96, np.linalg.norm(given) * turned[1].max())
+            if np.all(np.abs(_of_vehicle(turned).apply(of_case) - given) < SAME_ARM * sd):
+                found.remove(one)
+                angles = ", ".join(f"{a / DEG:.1f}" for a in turned[0])
+                return [
+                    f"The file's lever arm holds, in the vehicle's axes: the case is turned "
+                    f"against them (roll, pitch, yaw {angles} deg)."
+                ]
+        arm = (_of_vehicle(turned) if named and turned is not None else _SAME).apply(of_case)
+        one["parameters"]["arm"] = [float(a) for a in arm]
+        one["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]
+    return []
+
+
+def _of_vehicle(turned: Turned) -> Rotation:
+    """The turn from the case's axes to the vehicle's."""
+    return Rotation.from_euler("ZYX", turned[0][::-1])
