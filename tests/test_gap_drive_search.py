@@ -193,6 +193,14 @@ def test_readings_part_a_vibration_from_white_noise():
     assert -1.0 < true <= 0.0  # medians of blocks scatter by a tenth
     assert readings.evidence(white, np.array([8e-4]), measured) < true - 3.0
     assert readings.evidence(options["gnss_correlated",], np.array([1.0, 9.0]), measured) == 0.0
+    # and no vibration is larger than what is read at a few hertz: errors of the fixes that look
+    # like one came as a gyro that shakes by 0.2 rad/s/sqrt(Hz)
+    slow = readings.densities(found, readings.SLOW)
+    vibration = options["vibration", "gyro_y"]
+    assert readings.possible(vibration, np.array([9e-5]), slow)
+    assert not readings.possible(vibration, np.array([1e-2]), slow)
+    assert not readings.possible(white, np.array([0.3]), slow)
+    assert readings.possible(options["gnss_correlated",], np.array([1.0, 9.0]), slow)
 
 
 def test_a_limit_leaves_the_other_end_of_the_ridge_free():

@@ -185,11 +185,16 @@ def _noise_step(state: State, given: bool) -> Change | None:
     taken = {c.change.key for c in state.changes}
     options = random_effects.changes(state.problem, state.noise, given)
     options = [c for c in options if c.key not in taken]
-    ranked = random_effects.shortlist(random_effects.screen(state, state.noise, base, options))
+    slow = readings.densities(state.problem, readings.SLOW)
+    ranked = random_effects.screen(state, state.noise, base, options)
+    ranked = [r for r in ranked if readings.possible(r[1], np.array(r[1].start), slow)]
+    ranked = random_effects.shortlist(ranked)
     fitted = each(lambda r: r[1].fitted(state, state.noise, base), ranked)
     measured = readings.densities(state.problem)
     found = []
     for (_, change), (values, gain, noise) in zip(ranked, fitted):
+        if not readings.possible(change, values, slow):
+            continue
         value = gain - random_effects.penalty(change)
         value += readings.evidence(change, values, measured)
         found.append((value, gain, change, values, noise))

@@ -9,10 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from imu_lib.arrays import Array
 
 from . import prune, random_effects, readings
 from .random_effects import Change as Option
+from .readings import Densities
 from .state import Change, State
 
 OF_CHANNELS = ("bias_model", "vibration")
@@ -25,7 +28,10 @@ def noises(state: State, given: bool, say: Callable[[str], object]) -> None:
     """Put another noise of the same channel in the place of one that was changed, where it does
     better on the path as it is; given : a model's processes may be wrong.
     """
-    measured = readings.densities(state.problem)
+    measured = (
+        readings.densities(state.problem),
+        readings.densities(state.problem, readings.SLOW),
+    )
     short = replace(state, problem=state.problem.brief())
     for change in [c for c in state.changes if c.change.effect in OF_CHANNELS]:
         noise = prune.without(state, [change])
@@ -53,9 +59,16 @@ def noises(state: State, given: bool, say: Callable[[str], object]) -> None:
             state.weigh()
 
 
-def _worth(option: Option, values: Array, gain: float, measured: tuple[Array, Array]) -> float:
-    """Nats that a noise is worth, with its price and what the readings say of it."""
-    return gain - random_effects.penalty(option) + readings.evidence(option, values, measured)
+def _worth(
+    option: Option, values: Array, gain: float, measured: tuple[Densities, Densities]
+) -> float:
+    """Nats that a noise is worth, with its price and what the readings say of it, as they are and
+    at a few hertz.
+    """
+    shown, slow = measured
+    if not readings.possible(option, values, slow):
+        return -np.inf
+    return gain - random_effects.penalty(option) + readings.evidence(option, values, shown)
 
 
 def _others(state: State, change: Change, given: bool, gain: float) -> list[Option]:
