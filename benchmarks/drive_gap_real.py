@@ -112,7 +112,7 @@ def value_of(found, effect, component):
         return angle, sd, 0.5 / sd**2
     if effect == "gnss_noise":
         return state.noise.position, None, float(state.use[:, :3].sum()) / 2.0
-    k = select.GROUPS[effect].index(columns.INDEX[effect, component])
+    k = columns.GROUPS[effect].index(columns.INDEX[effect, component])
     x, _, sd = (float(v[k]) for v in select.seen(state.reg, state.kept, effect))
     prior = columns.ALL[columns.INDEX[effect, component]].prior
     return x, sd, 0.5 * max(1.0 / sd**2 - 1.0 / prior**2, 0.0)

@@ -8,7 +8,7 @@ import pytest
 
 from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
-from imu_lib.gap.drive import admission, columns, path, problem, select
+from imu_lib.gap.drive import admission, columns, path, problem, regression, select
 from imu_lib.model import Model
 from imu_lib.navigation import axes, earth, lateness, strapdown
 
@@ -51,15 +51,15 @@ def test_innovations_of_a_right_model_are_white():
     for k in range(6):
         v = result.e[:, k]
         assert abs(np.mean(v[1:] * v[:-1])) < 4.0 / np.sqrt(v.size)
-    reg = select.regression(found, result, np.zeros(len(columns.ALL)), found.use)
-    assert select.best(reg, list(select.GROUPS))[0] == ()
+    reg = regression.of(found, result, np.zeros(len(columns.ALL)), found.use)
+    assert select.best(reg, list(columns.GROUPS))[0] == ()
 
 
 def test_sensitivity_is_the_derivative_of_the_innovations():
     # the same path, the parameter put into the readings and taken out by the regression
     arm = {"arm": [1.2, -0.5, -0.8]}
     found, result = innovations(made(4, [("lever_arm", arm)]))
-    reg = select.regression(found, result, np.zeros(len(columns.ALL)), found.use)
+    reg = regression.of(found, result, np.zeros(len(columns.ALL)), found.use)
     value, cov, gain = reg.solve(columns.of("lever_arm"))
     assert gain > 100.0
     sd = np.sqrt(np.diag(cov))

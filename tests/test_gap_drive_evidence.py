@@ -21,6 +21,7 @@ from imu_lib.gap.drive import (
     measured,
     path,
     posterior,
+    regression,
     reliability,
     searched,
     select,
@@ -33,7 +34,7 @@ REPEATS = 200
 RIGHT = generator.make(21, duration=200.0)
 BIAS, SCALE = columns.of("accel_bias")[2], columns.of("accel_scale")[2]
 KEPT = ("accel_bias", "accel_scale")
-INDEX = [i for e in KEPT for i in select.GROUPS[e]]
+INDEX = [i for e in KEPT for i in columns.GROUPS[e]]
 
 
 def level(bias, scale):
@@ -43,7 +44,7 @@ def level(bias, scale):
     force[:, BIAS] = 1.0
     force[:, SCALE] = -9.8 + 0.5 * np.sin(np.arange(2000) / 30.0)
     y = force @ np.eye(count)[BIAS] * bias + force @ np.eye(count)[SCALE] * scale
-    return select.Regression(200.0 * force.T @ force, 200.0 * force.T @ y, 1.0, 2000)
+    return regression.Regression(200.0 * force.T @ force, 200.0 * force.T @ y, 1.0, 2000)
 
 
 def test_a_bias_and_a_scale_factor_that_cancel_are_one():
@@ -100,7 +101,7 @@ def test_intervals_cover_where_the_innovations_of_one_column_alone_are_correlate
         e[:, 0], jac[:, 0, x] = slow[0], 100.0 * slow[1]  # correlated, and so is what would show it
         jac[:, 1, y], jac[:, 2, z] = 100.0 * rng.standard_normal((2, fixes))
         result = SimpleNamespace(e=e, jac=jac)
-        reg = select.regression(SimpleNamespace(time=time), result, np.zeros(count), use)
+        reg = regression.of(SimpleNamespace(time=time), result, np.zeros(count), use)
         value, cov, _ = reg.solve([x])
         inside += abs(value[0]) < 1.96 * reg.sd([x])[0]
         plain += abs(value[0]) < 1.96 * np.sqrt(cov[0, 0])
@@ -260,7 +261,7 @@ def test_a_finding_says_who_is_late():
 
 def test_the_delay_of_a_smoothed_velocity_is_no_time_offset():
     kept = ("gnss_time_offset", left.SMOOTHED)
-    index = [i for e in kept for i in select.GROUPS[e]]
+    index = [i for e in kept for i in columns.GROUPS[e]]
 
     def held(position, velocity):
         x = np.array([position, velocity, *[0.5] * (len(index) - 2)])
@@ -277,7 +278,7 @@ def test_a_parameter_whose_usual_size_would_not_be_named_is_listed():
     information = np.zeros((count, count))
     # what 0.03 promises: 3 nats along x, 60 along y
     information[x, x], information[y, y] = 2 * 3.0 / 0.03**2, 2 * 60.0 / 0.03**2
-    reg = select.Regression(information, np.zeros(count), 1.0, 1000)
+    reg = regression.Regression(information, np.zeros(count), 1.0, 1000)
     state = SimpleNamespace(reg=reg, kept=(), use=np.ones((9, 6), bool))
     turned = np.zeros(3), np.full(3, 0.001)
     listed = {(u["effect"], u["parameter"]) for u in left.invisible(state, turned)}
@@ -292,7 +293,7 @@ def _of_a_clock(true, sd, seed):
     information, score = np.zeros((count, count)), np.zeros(count)
     information[k, k] = (sd * prior) ** -2.0
     score[k] = x * information[k, k]
-    return select.Regression(information, score, 1.0, 1000), k, true * prior
+    return regression.Regression(information, score, 1.0, 1000), k, true * prior
 
 
 def test_a_value_beyond_its_prior_is_not_drawn_to_nothing():

@@ -18,8 +18,8 @@ from imu_lib.gap.drive import (
     profile,
     random_effects,
     readings,
+    regression,
     search,
-    select,
     shocks,
     swap,
 )
@@ -224,7 +224,7 @@ def test_a_gyro_that_shakes_more_than_it_turns_has_no_scale_factor():
     noise = Noise(MODEL, per_speed=(8e-4, 0.0, 0.0, 0.0, 0.0, 0.0))
     state = state_of(noise, [("vibration", shaken)], kind="motorway")
     result = state.evaluate(noise, sens=True)
-    plain = select.regression(state.problem, result, state.theta, state.use)
+    plain = regression.of(state.problem, result, state.theta, state.use)
     x = columns.of("gyro_scale")[0]
     scores = [r.score[x] / np.sqrt(r.information[x, x]) for r in (plain, state.reg)]
     assert scores[0] > 4.0 and abs(scores[1]) < 3.0

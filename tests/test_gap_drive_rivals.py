@@ -15,6 +15,7 @@ from imu_lib.gap.drive import (
     posterior,
     prune,
     random_effects,
+    regression,
     select,
     start,
     step_time,
@@ -37,7 +38,7 @@ def test_a_step_of_a_bias_is_looked_for_at_its_own_time():
     state.rebuild()
     step_time.look(state, lambda text: None)
     assert state.step_at == pytest.approx(150.0, abs=5.0)
-    kept, _ = select.best(state.reg, list(select.GROUPS), 1)
+    kept, _ = select.best(state.reg, list(columns.GROUPS), 1)
     assert kept == (columns.STEP,)
 
 
@@ -52,7 +53,7 @@ def test_fixes_that_are_displaced_and_stay_so_are_no_wild_ones(stays):
     assert displaced.look(state, lambda text: None) == stays
     if stays:
         assert state.moved_at == pytest.approx(87.0, abs=1.0)
-        kept, _ = select.best(state.reg, list(select.GROUPS), 1)
+        kept, _ = select.best(state.reg, list(columns.GROUPS), 1)
         assert kept == (columns.MOVED,)
         assert state.reg.solve(columns.of(columns.MOVED))[0] == pytest.approx(shift, abs=2.0)
 
@@ -81,7 +82,7 @@ def test_late_velocities_are_smoothed_ones_where_the_drive_does_not_tell(sd, lat
     x = np.array([1e-3, 0.4, *np.zeros(len(columns.SMOOTHED))])
     reg = SimpleNamespace(solve=lambda index: (x[: len(index)], cov, 0.0))
     state = SimpleNamespace(kept=("gnss_time_offset",), use=np.ones((9, 6), bool), reg=reg)
-    assert size == len([*left._index(state), *select.GROUPS[left.SMOOTHED]])
+    assert size == len([*left._index(state), *columns.GROUPS[left.SMOOTHED]])
     assert left.late_or_smoothed(state) == late
 
 
@@ -140,10 +141,10 @@ def test_a_refit_that_makes_outages_worse_is_not_taken(monkeypatch):
 def test_what_its_path_no_longer_asks_for_leaves(monkeypatch):
     count = len(columns.ALL)
     information, score = np.zeros((count, count)), np.zeros(count)
-    big, small = select.GROUPS["lever_arm"], select.GROUPS["gyro_scale"]
+    big, small = columns.GROUPS["lever_arm"], columns.GROUPS["gyro_scale"]
     information[[*big, *small], [*big, *small]] = 1e4
     score[big], score[small] = 5e3, 50.0
-    reg = select.Regression(information, score, 1.0, 1000)
+    reg = regression.Regression(information, score, 1.0, 1000)
     state = SimpleNamespace(kept=("lever_arm", "gyro_scale"), reg=reg)
 
     def held(state, kept, freely):

@@ -21,8 +21,8 @@ from imu_lib.gap.drive import (
     prune,
     random_effects,
     readings,
+    regression,
     search,
-    select,
 )
 from imu_lib.gap.drive.problem import Noise
 from imu_lib.gap.drive.state import Change
@@ -45,7 +45,7 @@ def test_a_fix_is_not_in_its_own_columns():
     )
     state.rebuild()
     both = ("gnss_time_offset", "other: receiver's velocity is smoothed")
-    assert state.reg.solve([i for e in both for i in select.GROUPS[e]])[2] < 10.0
+    assert state.reg.solve([i for e in both for i in columns.GROUPS[e]])[2] < 10.0
 
 
 def test_the_linear_filter_is_compiled_for_one_kind_of_arrays():
@@ -108,7 +108,7 @@ def test_no_scale_factor_of_a_quarter():
     information[[x, y, z], [x, y, z]] = 1e6
     score = np.zeros(len(columns.ALL))
     score[[x, z]] = 0.03e6, 0.25e6
-    reg = select.Regression(information, score, 1.0, 1000)
+    reg = regression.Regression(information, score, 1.0, 1000)
     value, cov, _ = reg.solve([x, y, z])
     assert abs(value[0] - 0.03) < 1e-4 and value[2] == 0.0
     assert np.sqrt(cov[2, 2]) == columns.ALL[z].prior
@@ -145,7 +145,7 @@ def test_what_only_made_up_for_a_far_path_leaves():
     alone.simplify(state, lambda text: None)
     assert set(state.kept) == {e for e, _ in effects}
     part = columns.of("gyro_misalignment")
-    index = [i for e in state.kept for i in select.GROUPS[e]]
+    index = [i for e in state.kept for i in columns.GROUPS[e]]
     _, cov, _ = state.reg.solve(index)
     sd = np.sqrt(np.diag(cov))[[index.index(i) for i in part]]
     assert np.all(np.abs(state.theta[part] - matrix) < 3.5 * sd)
@@ -201,41 +201,6 @@ def test_readings_part_a_vibration_from_white_noise():
     assert not readings.possible(vibration, np.array([1e-2]), slow)
     assert not readings.possible(white, np.array([0.3]), slow)
     assert readings.possible(options["gnss_correlated",], np.array([1.0, 9.0]), slow)
-
-
-def test_a_limit_leaves_the_other_end_of_the_ridge_free():
-    # 0.1 s at 10 m/s is a metre ahead: held at 0 s, the antenna's place was said to a tenth of what
-    # it is known to
-    count = len(columns.ALL)
-    row, apart = np.zeros(count), np.zeros(count)
-    late, ahead = columns.of("gnss_time_offset")[0], columns.of("lever_arm")[0]
-    row[late], row[ahead], apart[ahead] = 10.0, -1.0, 1.0
-    information = 400.0 * np.outer(row, row) + 4.0 * np.outer(apart, apart)
-    reg = select.Regression(information, np.zeros(count), 1.0, 400)
-    _, sd, _ = select.seen(reg, (), "lever_arm")
-    _, cov, _ = reg.solve(columns.of("lever_arm"))
-    assert sd[0] > 5.0 * np.sqrt(cov[0, 0])
-
-
-@pytest.mark.parametrize(
-    ("x", "kept"),
-    [
-        ((0.0, 0.4, 0.6, 0.0), True),  # a filter of two thirds of a second
-        ((-0.6, 0.8, 0.1, 0.0), True),  # the same, seen a few times a second
-        ((0.8, -0.5, 0.16, -0.02), False),  # fast motion alone: noise of the readings
-    ],
-)
-def test_a_filter_that_takes_nothing_from_slow_motion_is_none(x, kept):
-    index = select.GROUPS[left.SMOOTHED]
-    count = len(columns.ALL)
-    information = np.zeros((count, count))
-    information[np.ix_(index, index)] = 1e4 * np.eye(4)
-    score = np.zeros(count)
-    score[index] = 1e4 * np.array(x)
-    reg = select.Regression(information, score, 1.0, 1000)
-    values, _, gain = reg.solve(index)
-    assert np.any(values) == kept and (gain > 0.0) == kept
-    assert np.isclose(reg.gain(index), gain)
 
 
 def test_wild_fixes_are_not_followed_first():

@@ -24,8 +24,8 @@ def test_values_in_a_turned_body_say_the_same_of_the_readings():
     rng = np.random.default_rng(5)
     kept = (*BOTH, "gyro_g_sensitivity", "lever_arm", "gyro_bias", "accel_bias")
     theta = np.zeros(len(columns.ALL))
-    index = [i for e in kept for i in select.GROUPS[e]]
-    theta[index] = rng.normal(size=len(index)) * select.PRIOR[index]
+    index = [i for e in kept for i in columns.GROUPS[e]]
+    theta[index] = rng.normal(size=len(index)) * columns.PRIOR[index]
     drive = made(duration=30.0).with_(lever_arm=np.array([0.5, -0.2, 1.0]))
     old = correct.corrected(drive, theta)
     new = correct.corrected(

@@ -18,6 +18,7 @@ from . import earth, reference
 from .filter import LooselyCoupled
 from .outage_study import ModelOutages, OutageStudy
 from .preparation import Gnss
+from .side_by_side import each
 from .states import sensor_states
 from .windows import Window, broken, measure, regular_windows, speeds, windows_from
 
@@ -65,11 +66,16 @@ def compare(
         If a window lies outside the drive, or no GNSS or whole IMU data are there to start it.
     """
     windows = measured(drive, windows)
-    engines, solutions, notes = {}, {}, list(notes)
-    for name in progress(models) if progress else models:
-        model = models[name]
-        engines[name] = LooselyCoupled(drive, model, gnss=gnss, heading=heading, **options)
-        solutions[name] = engines[name].solve(moments=sorted({w.start for w in windows}))
+    moments = sorted({w.start for w in windows})
+
+    def solved(name):
+        engine = LooselyCoupled(drive, models[name], gnss=gnss, heading=heading, **options)
+        return engine, engine.solve(moments=moments)
+
+    both = [solved(n) for n in progress(models)] if progress else each(solved, models)
+    engines, solutions = ({n: b[k] for n, b in zip(models, both)} for k in (0, 1))
+    notes = list(notes)
+    for name in models:
         about = [
             f"{name}: {n}" if "innovation" in n or "widened" in n else n
             for n in solutions[name].notes
@@ -78,7 +84,8 @@ def compare(
     ready = [w for w in windows if all(_moment(solutions[n], w, engines[n]) for n in models)]
     notes += _not_ready(windows, ready, strict)
     trust = reference.look(drive)
-    done = {n: _coasted(drive, engines[n], solutions[n], ready, trust) for n in models}
+    coasted = each(lambda n: _coasted(drive, engines[n], solutions[n], ready, trust), models)
+    done = dict(zip(models, coasted))
     study = OutageStudy(tuple(ready), done, tuple(notes))
     return replace(study, notes=(*study.notes, *_warnings(study, trust)))
 

@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imu_lib.arrays import Array
+from imu_lib.navigation.side_by_side import each
 
 from . import columns, select, vehicle
-from .side_by_side import each
 
 if TYPE_CHECKING:
-    from imu_lib.gap.drive.select import Regression
+    from imu_lib.gap.drive.regression import Regression
     from imu_lib.gap.drive.state import State
 
 STEPS = 3
@@ -61,8 +61,8 @@ def promised(state: State, kept: tuple[str, ...]) -> float:
     """Nats by which the innovations would improve with the best values of a set, were they linear
     in them.
     """
-    index = sorted({i for e in (*kept, *state.kept) for i in select.GROUPS[e]})
-    mine = [i for e in kept for i in select.GROUPS[e]]
+    index = sorted({i for e in (*kept, *state.kept) for i in columns.GROUPS[e]})
+    mine = [i for e in kept for i in columns.GROUPS[e]]
     best = np.zeros(len(columns.ALL))
     best[mine] = state.reg.solve(mine)[0]
     delta = (best - state.theta - state.other)[index]
@@ -93,7 +93,7 @@ def _tried(
 
 def values(reg: Regression, kept: tuple[str, ...]) -> tuple[Array, Array]:
     """(theta, other) of a set by the regression, in bounds with which a path can be built."""
-    index = [i for e in kept for i in select.GROUPS[e]]
+    index = [i for e in kept for i in columns.GROUPS[e]]
     x, _, _ = reg.solve(index)
     theta, other = np.zeros(len(columns.ALL)), np.zeros(len(columns.ALL))
     for i, value in zip(index, x):
@@ -147,10 +147,10 @@ def _rivals(state: State) -> list[tuple[str, str]]:
         rest = tuple(e for e in state.kept if e != effect)
         worth = top - select.score_of(state.reg, rest)
         near = []
-        for rival in select.GROUPS:
+        for rival in columns.GROUPS:
             if (
                 rival in state.kept
-                or not np.diag(state.reg.information)[select.GROUPS[rival]].any()
+                or not np.diag(state.reg.information)[columns.GROUPS[rival]].any()
             ):
                 continue
             kept = tuple(rival if e == effect else e for e in state.kept)
@@ -165,8 +165,8 @@ def misfit(state: State, temper: float) -> float:
     """Tempered misfit of the innovations and of the values with the price of the set, nats, and of
     a case that stands askew where the set has it so.
     """
-    index = [i for e in state.kept for i in select.GROUPS[e]]
-    held = (state.theta + state.other)[index] / select.PRIOR[index]
+    index = [i for e in state.kept for i in columns.GROUPS[e]]
+    held = (state.theta + state.other)[index] / columns.PRIOR[index]
     paid = select.price(state.reg, state.kept) + 0.5 * float(held @ held)
     return state.cost() / temper + paid + _askew(state)
 

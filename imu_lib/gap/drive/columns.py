@@ -7,6 +7,8 @@ effect begins with "other" have no place in the catalogue: where one of them win
 
 from dataclasses import dataclass
 
+import numpy as np
+
 AXES = "xyz"
 _PAIRS = ("xy", "xz", "yx", "yz", "zx", "zy")
 
@@ -69,6 +71,11 @@ FIX = (
 ALL = IMU + FIX
 #: Numbers of those that enter in the fixes, the clock of the readings among them.
 IN_FIXES = (IMU.index(Column("imu_clock", "scale", 5e-4)), *range(len(IMU), len(ALL)))
+#: Columns of each effect of the file format, and of each cause outside it.
+GROUPS: dict[str, list[int]] = {}
+for _i, _c in enumerate(ALL):
+    GROUPS.setdefault(_c.effect, []).append(_i)
+PRIOR = np.array([c.prior for c in ALL])
 INDEX = {(c.effect, c.component): i for i, c in enumerate(ALL)}
 
 

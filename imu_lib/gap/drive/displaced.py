@@ -15,7 +15,7 @@ from scipy.stats import poisson
 
 from imu_lib.arrays import Array
 
-from . import columns, select
+from . import columns, regression
 
 if TYPE_CHECKING:
     from .state import State
@@ -84,7 +84,7 @@ def _gains(state: State, rows: Array) -> tuple[Array, Array, Array]:
     for i in range(3):
         shown[:, i, i::3] = -1.0 * which
     result = state.problem.evaluate(state.noise, use=state.use, held=state.other, shown=shown)
-    gains, sizes = select.gains(state, result, select.PRIOR[columns.of(columns.MOVED)])
+    gains, sizes = regression.gains(state, result, columns.PRIOR[columns.of(columns.MOVED)])
     return gains[: rows.size], sizes[: rows.size], gains[rows.size :]
 
 

@@ -101,7 +101,8 @@ def unexplained(state: State, after: Battery) -> str | None:
             index = _index(state)
             x, _, _ = state.reg.solve(index)
             sizes = ", ".join(
-                f"{columns.ALL[i].component} {x[index.index(i)]:.3g}" for i in select.GROUPS[effect]
+                f"{columns.ALL[i].component} {x[index.index(i)]:.3g}"
+                for i in columns.GROUPS[effect]
             )
             late = smoothed_delay(state) if effect == SMOOTHED else None
             sizes += "" if late is None else f"; late by {late:.3g} s"
@@ -154,7 +155,7 @@ def clocks(state: State, after: Battery) -> str | None:
 
 def _index(state: State) -> list[int]:
     """Numbers of the columns of all that is held."""
-    return [i for e in state.kept for i in select.GROUPS[e]]
+    return [i for e in state.kept for i in columns.GROUPS[e]]
 
 
 def absurd(found: Sequence[dict[str, Any]], state: State, after: Battery) -> str | None:
@@ -227,7 +228,7 @@ def late_or_smoothed(state: State) -> float | None:
     """
     if "gnss_time_offset" not in state.kept or SMOOTHED in state.kept or not state.use[:, 3].any():
         return None
-    index = [*_index(state), *select.GROUPS[SMOOTHED]]
+    index = [*_index(state), *columns.GROUPS[SMOOTHED]]
     x, cov, _ = state.reg.solve(index)
     position, velocity = (index.index(i) for i in columns.of("gnss_time_offset"))
     late = float(x[velocity])

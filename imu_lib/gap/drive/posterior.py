@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imu_lib.arrays import Array
+from imu_lib.navigation.side_by_side import each
 
 from . import joint, profile, random_effects
-from .side_by_side import each
 
 if TYPE_CHECKING:
     from .state import Change, State

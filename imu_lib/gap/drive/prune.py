@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import random_effects, select
+from imu_lib.navigation.side_by_side import each
+
+from . import columns, random_effects, select
 from .hold import held, refit
-from .side_by_side import each
 
 if TYPE_CHECKING:
     from imu_lib.gap.drive.problem import Noise
@@ -79,7 +80,7 @@ def effects(state: State, say: Callable[[str], object]) -> None:
     one after the other, and what came first may have taken what belongs to the second.
     """
     for effect in state.kept:
-        part = select.GROUPS[effect]
+        part = columns.GROUPS[effect]
         without = replace(
             state, other=state.other.copy(), changes=[replace(c) for c in state.changes]
         )

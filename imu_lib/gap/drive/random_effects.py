@@ -11,12 +11,12 @@ from scipy.optimize import minimize, minimize_scalar
 
 from imu_lib.arrays import Array
 from imu_lib.model import Model
+from imu_lib.navigation.side_by_side import each
 from imu_lib.processes import Process, Sum, WhiteNoise
 from imu_lib.record import CHANNELS
 
 from .problem import Noise, Problem
 from .select import PER_EFFECT, PER_PARAMETER
-from .side_by_side import each
 
 if TYPE_CHECKING:
     from .state import State

@@ -14,11 +14,13 @@ import numpy as np
 
 from imu_lib.arrays import Array
 from imu_lib.navigation import fix_faults
+from imu_lib.navigation.side_by_side import each
 
 from . import (
     across,
     alone,
     base_model,
+    columns,
     common_turn,
     displaced,
     hidden,
@@ -32,7 +34,6 @@ from . import (
 )
 from .hold import held, refit
 from .problem import Problem
-from .side_by_side import each
 from .state import Change, State
 
 Say = Callable[[str], object]
@@ -47,7 +48,7 @@ _MOVED = 0.3  # standard deviations by which values may still move when the path
 
 def candidates(problem: Problem) -> list[str]:
     """Groups of columns that can be asked for on this drive."""
-    out = list(select.GROUPS)
+    out = list(columns.GROUPS)
     if problem.drive.temperature is None:
         out.remove("other: biases follow the temperature")
     return out
@@ -162,7 +163,7 @@ def _start_wild(state: State, say: Say) -> None:
 
 def _step(state: State, kept: tuple[str, ...]) -> Array | None:
     """New values where the regression moves them, else None."""
-    index = [i for e in kept for i in select.GROUPS[e]]
+    index = [i for e in kept for i in columns.GROUPS[e]]
     x, cov, _ = state.reg.solve(index)
     sd = np.sqrt(np.diag(cov)) if len(index) else np.zeros(0)
     now = (state.theta + state.other)[index]

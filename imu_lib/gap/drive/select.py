@@ -1,249 +1,27 @@
 """Which effects the innovations ask for: the best subset of the linear ones, by penalised
 likelihood.
 
-Whitened innovations are a regression on what each parameter does to them (`condense`), so that
-every subset of effects is a small system of equations: all subsets of up to three effects are
-tried, then one is added or exchanged at a time.
+Every subset of effects is a small system of equations (`regression`): all subsets of up to three
+effects are tried, then one is added or exchanged at a time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
-from scipy.stats import t as student
 
-from imu_lib.arrays import Array, ArrayLike
+from imu_lib.arrays import Array
 
-from . import columns, in_variables, receiver_filter
+from . import columns, regression
 
 if TYPE_CHECKING:
-    from .problem import Innovations, Problem
-    from .state import State
+    from .regression import Regression
 
 PER_PARAMETER = 1.5  # nats; chance alone gains 0.5 each
 PER_EFFECT = 5.0  # nats: about eighteen effects are tried at once
-HUBER = 4.0  # standard deviations
-BLOCK = 20.0  # s over which scores are summed to see how correlated they are
-FEWEST_BLOCKS = 6  # from which on their scatter says something
-#: Groups of columns: an effect of the file format or a cause outside it.
-GROUPS: dict[str, list[int]] = {}
-for _i, _c in enumerate(columns.ALL):
-    GROUPS.setdefault(_c.effect, []).append(_i)
-PRIOR = np.array([c.prior for c in columns.ALL])
-#: Beyond five standard deviations of its prior a value is no longer what its name says (a scale
-#: factor of 0.25, a bias of 2.5 m/s^2); times and causes outside the catalogue have no such limit.
-LIMIT = np.array(
-    [
-        np.inf if c.effect.startswith(("other", "gnss_time_offset")) else 5.0 * c.prior
-        for c in columns.ALL
-    ]
-)
-
-
-LIMITS = (LIMIT / PRIOR).tolist()
-#: An error of a reading that is constant and one that grows with it: on a level road the force
-#: along an axis hardly changes, so that the two are one ridge and may each be anything.
-_CONSTANT = {"accel_bias": "accel_scale", "gyro_bias": "gyro_scale"}
-#: (bias, scale) columns of the same axis.
-PAIRS = tuple(pair for b, s in _CONSTANT.items() for pair in zip(GROUPS[b], GROUPS[s], strict=True))
-ALONG = 0.9  # correlation of two values from which on they are one ridge
-#: Standard deviations of their priors beyond which both lie, of sensors as they are, once in 400.
-BOTH = 2.0
-
-
-def cancelling(index: Sequence[int] | Array, x: Array, cov: Array) -> Array:
-    """Mask of the values of a set that only make up for another's: of a bias and a scale factor of
-    one axis, both larger than sensors have, that lie apart along their common ridge, the scale
-    factor.
-    """
-    out = np.zeros(len(index), bool)
-    place = {int(i): k for k, i in enumerate(index)}
-    for bias, scale in PAIRS:
-        if bias not in place or scale not in place:
-            continue
-        b, s = place[bias], place[scale]
-        if min(abs(x[b]) / PRIOR[bias], abs(x[s]) / PRIOR[scale]) < BOTH:
-            continue
-        common = cov[b, s] / np.sqrt(cov[b, b] * cov[s, s])
-        out[s] = abs(common) > ALONG and common * x[b] * x[s] > 0.0
-    return out
-
-
-@dataclass(frozen=True)
-class Regression:
-    """Information (P, P) and score (P,) of all columns, for total values; temper: by how much
-    innovations left over are larger, or more alike from one to the next, than white ones of unit
-    variance; spread (P, P): sum of the squares of the scores of `blocks` stretches, each by itself.
-    """
-
-    information: np.ndarray
-    score: np.ndarray
-    temper: float
-    count: int
-    spread: np.ndarray | None = None
-    blocks: int = 0
-
-    def solve(self, index: ArrayLike) -> tuple[Array, Array, float]:
-        """Values, covariance and gain (nats, tempered) of a set of columns."""
-        return self._free(index)[:3]
-
-    def sd(self, index: ArrayLike) -> Array:
-        """Standard deviations (k,) of the values of a set, such that 1.96 of them are an interval
-        of 95 %: the likelihood's, or those of the sandwich where they are larger (Huber 1967; over
-        blocks, within which innovations may be correlated, Liang and Zeger 1986), with Student's
-        quantile for few blocks.
-        """
-        _, cov, _, part = self._free(index)
-        own = np.diag(cov)
-        if self.spread is None or self.blocks < FEWEST_BLOCKS:
-            return np.sqrt(own)
-        index = np.asarray(index, int)
-        scores = self.spread[np.ix_(index, index)] / self.temper**2
-        robust = np.einsum("ij,jk,ki->i", cov, scores, cov) * self.blocks / (self.blocks - 1)
-        robust *= (float(student.ppf(0.975, self.blocks - 1)) / 1.96) ** 2
-        return np.sqrt(np.where(part, np.maximum(own, robust), own))
-
-    def told(self, index: ArrayLike) -> tuple[Array, Array]:
-        """Values and standard deviations, as of `sd`, of a set that has been named: a value that is
-        seen well and beyond its prior shows the prior to be too narrow, and is not drawn to nothing
-        by it (the prior's width by maximum likelihood, at least what it was: Efron 2010, 1.2).
-        """
-        index = np.asarray(index, int)
-        x, cov, _, part = self._free(index)
-        sd = self.sd(index)
-        prior = PRIOR[index]
-        wide = part & (np.abs(x) > prior) & (np.sqrt(np.diag(cov)) < 0.5 * prior)
-        if not wide.any():
-            return x, sd
-        free, width = index[part], np.where(wide, np.abs(x), prior)[part]
-        less = np.linalg.inv(
-            self.information[np.ix_(free, free)] / self.temper + np.diag(width**-2)
-        )
-        grown = np.ones(index.size)
-        grown[part] = np.sqrt(np.diag(less) / np.diag(cov)[part])
-        x[part] = less @ self.score[free] / self.temper
-        return x, sd * grown
-
-    def _free(self, index: ArrayLike) -> tuple[Array, Array, float, Array]:
-        """Values, covariance, gain, and mask of the values that are free: what asks for one that
-        its name does not have is something else.
-        """
-        index = np.asarray(index, int)
-        part = np.ones(index.size, bool)
-        if not index.size:
-            return np.zeros(0), np.zeros((0, 0)), 0.0, part
-        x, cov, gain = self.solved(index)
-        for _ in range(4):
-            away = (np.abs(x) > LIMIT[index]) | cancelling(index, x, cov)
-            away |= receiver_filter.none(index, x)
-            if not away.any():
-                break
-            part &= ~away
-            rest = index[part]
-            y, c, gain = self.solved(rest)
-            x, cov = np.zeros(index.size), np.diag(PRIOR[index] ** 2)
-            x[part], cov[np.ix_(part, part)] = y, c
-        return x, cov, gain, part
-
-    def gain(self, index: Sequence[int]) -> float:
-        """The gain of `solve`, which costs a fraction where no value meets a limit."""
-        if not index:
-            return 0.0
-        whole, score = self._scaled
-        part = np.array(index)
-        b = score[part]
-        x = np.linalg.solve(whole[part[:, None], part], b)
-        size = dict(zip(index, np.abs(x).tolist()))
-        if (
-            any(v > LIMITS[i] for i, v in size.items())
-            or any(
-                size.get(bias, 0.0) > BOTH and size.get(scale, 0.0) > BOTH for bias, scale in PAIRS
-            )
-            or receiver_filter.none(index, x).any()
-        ):
-            return self.solve(part)[2]
-        return 0.5 * float(b @ x)
-
-    @cached_property
-    def _scaled(self) -> tuple[Array, Array]:
-        """Tempered information with the priors', and score, of values in prior widths."""
-        a = self.information / self.temper * np.outer(PRIOR, PRIOR)
-        return a + np.eye(len(PRIOR)), self.score / self.temper * PRIOR
-
-    def solved(self, index: Array) -> tuple[Array, Array, float]:
-        """As `solve`, without limits."""
-        if not index.size:
-            return np.zeros(0), np.zeros((0, 0)), 0.0
-        prior, (whole, score) = PRIOR[index], self._scaled
-        b = score[index]
-        factor = cho_factor(whole[np.ix_(index, index)])
-        x = cho_solve(factor, b)
-        cov = cho_solve(factor, np.eye(index.size)) * np.outer(prior, prior)
-        return x * prior, cov, 0.5 * float(b @ x)
-
-
-def gains(state: State, result: Innovations, prior: Array) -> tuple[Array, Array]:
-    """Nats that each of some effects asked about in turn gains alone, (k,), and its values, (k, p):
-    `result` has sensitivities to the p parameters of each, of these prior widths, side by side.
-    """
-    good = state.use & np.isfinite(result.e)
-    assert result.jac is not None, "innovations without sensitivities"
-    e, j = result.e[good], result.jac[good]
-    width, temper = prior.size, state.reg.temper
-    found, values = np.zeros(j.shape[1] // width), np.zeros((j.shape[1] // width, width))
-    for k in range(found.size):
-        part = j[:, width * k : width * (k + 1)] * prior
-        b = part.T @ e / temper
-        x = np.linalg.solve(part.T @ part / temper + np.eye(width), b)
-        found[k], values[k] = 0.5 * float(b @ x), prior * x
-    return found, values
-
-
-def regression(
-    problem: Problem, result: Innovations, theta: Array, use: Array, noisy: Array | None = None
-) -> Regression:
-    """From innovations with sensitivities at held values `theta`; noisy (f, 6, 6): of
-    `in_variables.squares`, what of the sensitivities is noise.
-    """
-    good = use & np.isfinite(result.e)
-    assert result.jac is not None, "innovations without sensitivities"
-    e, j = result.e[good], result.jac[good]
-    square = np.zeros((e.size, 6)) if noisy is None else noisy[good]
-    total = e + j @ theta
-
-    information, score = j.T @ j, j.T @ total - in_variables.bias(square.sum(axis=0))
-    plain = Regression(information, score, 1.0, e.size)
-    seen = np.flatnonzero(np.diag(information) > 0.0)
-    x = np.zeros(theta.size)
-    x[seen] = plain.solve(seen)[0]
-    left = total - j @ x
-    # what lies far out even then is not let decide (Huber 1964)
-    size = max(1.0, 1.48 * float(np.median(np.abs(left))))
-    weight = np.minimum(1.0, HUBER * size / np.maximum(np.abs(left), 1e-12))
-    if np.mean(weight < 1.0) > 1e-3:
-        root = np.sqrt(weight)
-        j *= root[:, None]
-        total, e, square = total * root, e * root, square * weight[:, None]
-        information, score = j.T @ j, j.T @ total - in_variables.bias(square.sum(axis=0))
-        x[seen] = Regression(information, score, 1.0, e.size).solve(seen)[0]
-        left = total - j @ x
-    time = np.broadcast_to(problem.time[:, None], good.shape)[good]
-    block = ((time - time[0]) / BLOCK).astype(int)
-    begins = np.flatnonzero(np.diff(block, prepend=-1))
-    ends = np.append(begins[1:], left.size)
-    both = np.stack([left, e])
-    sums = np.array([both[:, a:b] @ j[a:b] for a, b in zip(begins, ends)])
-    sums -= in_variables.bias(np.add.reduceat(square, begins))[:, None]
-    ratios = np.sum(sums[:, 0, seen] ** 2, axis=0) / np.diag(information)[seen]
-    temper = max(1.0, float(np.mean(left**2)), float(np.median(ratios)))
-    spread = sums[:, 1].T @ sums[:, 1]  # about what is held: with all columns free, less is left
-    return Regression(information, score, temper, e.size, spread, len(begins))
 
 
 def ridges(reg: Regression, kept: Sequence[str]) -> dict[tuple[str, str], str]:
@@ -251,14 +29,14 @@ def ridges(reg: Regression, kept: Sequence[str]) -> dict[tuple[str, str], str]:
     make up for in each other if they were free.
     """
     out: dict[tuple[str, str], str] = {}
-    for bias, scale in PAIRS:
+    for bias, scale in regression.PAIRS:
         names = columns.ALL[bias].effect, columns.ALL[scale].effect
         if not set(names) & set(kept):
             continue
-        free = [i for e in dict.fromkeys((*kept, *names)) for i in GROUPS[e]]
+        free = [i for e in dict.fromkeys((*kept, *names)) for i in columns.GROUPS[e]]
         index = np.array([i for i in free if reg.information[i, i] > 0.0])
         x, cov, _ = reg.solved(index)
-        if scale in index[cancelling(index, x, cov)]:
+        if scale in index[regression.cancelling(index, x, cov)]:
             axis = columns.ALL[bias].component[-1]
             out |= {pair: axis for pair in (names, names[::-1]) if pair[0] in kept}
     return out
@@ -273,25 +51,37 @@ def seen(reg: Regression, kept: Sequence[str], effect: str) -> tuple[Array, Arra
     columns beside what is held, and beside what may be taken for it.
     """
     free = dict.fromkeys((*kept, effect, *RIDGES.get(effect, ())))
-    index = [i for e in free for i in GROUPS[e]]
+    index = [i for e in free for i in columns.GROUPS[e]]
     x, cov, _ = reg.solve(index)
-    part = [index.index(i) for i in GROUPS[effect]]
+    part = [index.index(i) for i in columns.GROUPS[effect]]
     return x[part], np.sqrt(np.diag(cov))[part], reg.sd(index)[part]
 
 
 def score_of(reg: Regression, effects: Sequence[str]) -> float:
     """Penalised gain of a set of effects, nats."""
-    index = [i for e in effects for i in GROUPS[e]]
+    index = [i for e in effects for i in columns.GROUPS[e]]
     seen = [i for i in index if reg.information[i, i] > 0.0]
-    return reg.gain(seen) - price(reg, effects)
+    return float(reg.gains([seen])[0]) - price(reg, effects)
+
+
+def scores_of(reg: Regression, sets: Sequence[Sequence[str]]) -> Array:
+    """Penalised gains of sets of effects, nats."""
+    seen = np.diag(reg.information) > 0.0
+    counted = np.diag(reg.information) * columns.PRIOR**2 > reg.temper
+    indices = [[i for e in effects for i in columns.GROUPS[e]] for effects in sets]
+    prices = [
+        PER_PARAMETER * np.count_nonzero(counted[index]) + PER_EFFECT * len(effects)
+        for index, effects in zip(indices, sets)
+    ]
+    return reg.gains([[i for i in index if seen[i]] for index in indices]) - prices
 
 
 def price(reg: Regression, effects: Sequence[str]) -> float:
     """What a set of effects has to gain, nats: parameters that the drive does not show cost
     nothing.
     """
-    index = [i for e in effects for i in GROUPS[e]]
-    counted = sum(reg.information[i, i] * PRIOR[i] ** 2 > reg.temper for i in index)
+    index = [i for e in effects for i in columns.GROUPS[e]]
+    counted = sum(reg.information[i, i] * columns.PRIOR[i] ** 2 > reg.temper for i in index)
     return PER_PARAMETER * counted + PER_EFFECT * len(effects)
 
 
@@ -301,13 +91,10 @@ def best(
     """The best set of effects and its penalised gain."""
     kept: tuple[str, ...] = ()
     top = 0.0
-    alone = {e: score_of(reg, (e,)) for e in candidates}
-    promising = [e for e in candidates if alone[e] > -PER_EFFECT - 20.0]
+    first = scores_of(reg, [(e,) for e in candidates])
+    promising = [e for e, value in zip(candidates, first) if value > -PER_EFFECT - 20.0]
     for size in range(1, min(most, 3) + 1):
-        for subset in combinations(promising, size):
-            value = alone[subset[0]] if size == 1 else score_of(reg, subset)
-            if value > top:
-                kept, top = subset, value
+        kept, top = _better(reg, list(combinations(promising, size)), kept, top)
     while len(kept) < most:
         moves = [kept + (e,) for e in promising if e not in kept]
         moves += [tuple(k for k in kept if k != out) for out in kept]
@@ -317,11 +104,21 @@ def best(
             for e in promising
             if e not in kept
         ]
-        value, move = max(((score_of(reg, m), m) for m in moves), default=(-np.inf, ()))
-        if value <= top + 1e-6:
-            break
-        kept, top = move, value
+        before = top
+        kept, top = _better(reg, moves, kept, top + 1e-6)
+        if top <= before + 1e-6:
+            return kept, before
     return kept, top
+
+
+def _better(
+    reg: Regression, sets: Sequence[tuple[str, ...]], kept: tuple[str, ...], top: float
+) -> tuple[tuple[str, ...], float]:
+    """The best of some sets of effects and its penalised gain, or what is held with `top` nats."""
+    values = scores_of(reg, sets)
+    if not len(values) or values.max() <= top:
+        return kept, top
+    return sets[int(np.argmax(values))], float(values.max())
 
 
 def confidence(

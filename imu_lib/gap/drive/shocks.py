@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from imu_lib.arrays import Array
+from imu_lib.navigation.side_by_side import each
 
 from . import across, base_model, levels, prune
-from .side_by_side import each
 from .state import State
 
 MOST = 3  # restarts

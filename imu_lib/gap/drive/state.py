@@ -4,6 +4,7 @@ regression under them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +13,10 @@ import numpy as np
 from imu_lib.arrays import Array
 from imu_lib.drive import Drive
 from imu_lib.navigation import fix_rounding
+from imu_lib.navigation.side_by_side import each
 from imu_lib.units import DEG
 
-from . import columns, correct, in_variables, select, vehicle
+from . import columns, correct, in_variables, regression, vehicle
 from .path import build
 from .problem import Noise, Problem
 
@@ -59,7 +61,7 @@ class State:
     problem: Problem = NOT_YET
     result: Innovations = NOT_YET
     use: np.ndarray = NOT_YET
-    reg: select.Regression = NOT_YET
+    reg: regression.Regression = NOT_YET
     withhold: tuple[tuple[float, float], ...] = ()
     heading: float | None = None
     apart: dict[tuple[str, str], float] = field(default_factory=dict)
@@ -171,14 +173,19 @@ class State:
         """Misfit of the innovations, nats, of which those far out are not let decide."""
         good = self.use & np.isfinite(self.result.e)
         e, s = np.abs(self.result.e[good]), self.result.s[good]
-        far = np.where(e < select.HUBER, 0.5 * e**2, select.HUBER * (e - 0.5 * select.HUBER))
+        far = np.where(
+            e < regression.HUBER, 0.5 * e**2, regression.HUBER * (e - 0.5 * regression.HUBER)
+        )
         return float(np.mean(far + 0.5 * np.log(s))) * self.use.sum()
 
     def weigh(self) -> None:
         """Innovations and regression under the noise held now, on the path as it is."""
-        result = self.evaluate(self.noise, sens=True)
-        noisy = in_variables.squares(self.problem, self.noise, self.use)
-        self.reg = select.regression(self.problem, result, self.theta + self.other, self.use, noisy)
+        parts: tuple[Callable[[], Any], ...] = (
+            lambda: self.evaluate(self.noise, sens=True),
+            lambda: in_variables.squares(self.problem, self.noise, self.use),
+        )
+        result, noisy = each(lambda part: part(), parts)
+        self.reg = regression.of(self.problem, result, self.theta + self.other, self.use, noisy)
         self.result = replace(result, jac=None)  # large, and in the regression
 
     def evaluate(self, noise: Noise, sens: bool = False) -> Innovations:

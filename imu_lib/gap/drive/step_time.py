@@ -8,7 +8,7 @@ import numpy as np
 
 from imu_lib.arrays import Array
 
-from . import columns, select
+from . import columns, regression, select
 from .state import State
 
 SETTLED = 60.0  # s in which a path learns its biases
@@ -50,4 +50,4 @@ def _gains(state: State, times: Array) -> Array:
     force = arrays["force"][:, BIASES]
     asked = (after[:, :, None, None] * force[:, None]).reshape(len(force), -1, force.shape[-1])
     result = state.problem.evaluate(state.noise, use=state.use, held=state.other, asked=asked)
-    return select.gains(state, result, select.PRIOR[columns.of(columns.STEP)])[0]
+    return regression.gains(state, result, columns.PRIOR[columns.of(columns.STEP)])[0]

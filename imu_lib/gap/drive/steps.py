@@ -9,7 +9,7 @@ import numpy as np
 
 from imu_lib.model import Model
 
-from . import columns, posterior, random_effects, select
+from . import columns, posterior, random_effects, regression, select
 from .battery import Battery, battery
 from .effects import CATALOGUE, LINEAR
 from .left import APART, smoothed_delay
@@ -60,22 +60,22 @@ def of(
     kept = [e for e in state.kept if e in LINEAR]
     if smoothed_delay(state) is not None:
         kept.remove("gnss_time_offset")
-    index = [i for e in state.kept for i in select.GROUPS[e]]
+    index = [i for e in state.kept for i in columns.GROUPS[e]]
     total = state.reg.solve(index)[2]
     values, sd = (dict(zip(index, found)) for found in state.reg.told(index))
     # one that would be larger than its name allows is held at nothing
-    kept = [e for e in kept if any(values[i] for i in select.GROUPS[e])]
-    names = [n for n in select.GROUPS if n not in state.kept]
+    kept = [e for e in kept if any(values[i] for i in columns.GROUPS[e])]
+    names = [n for n in columns.GROUPS if n not in state.kept]
     sure = select.confidence(state.reg, state.kept, names, state.apart)
     out: list[Step] = []
     gap = before.index
     gains = {
-        e: total - state.reg.solve([i for k in state.kept if k != e for i in select.GROUPS[k]])[2]
+        e: total - state.reg.solve([i for k in state.kept if k != e for i in columns.GROUPS[k]])[2]
         for e in kept
     }
     done = [e for e in state.kept if e not in kept]
     plain = state.problem.evaluate(first.noise, sens=True, use=state.use)
-    reg = select.regression(state.problem, plain, state.theta, state.use)
+    reg = regression.of(state.problem, plain, state.theta, state.use)
     for effect in sorted(kept, key=gains.__getitem__, reverse=True):
         done.append(effect)
         after = _gap_with(state, plain, reg, done, rng)
@@ -157,12 +157,12 @@ def _one_offset(
 def _gap_with(
     state: State,
     plain: Innovations,
-    reg: select.Regression,
+    reg: regression.Regression,
     effects: Sequence[str],
     rng: np.random.Generator,
 ) -> float:
     """Gap index with the linear effects given, at the path as it is."""
-    index = [i for e in effects for i in select.GROUPS[e]]
+    index = [i for e in effects for i in columns.GROUPS[e]]
     x, _, _ = reg.solve(index)
     theta = np.zeros(len(columns.ALL))
     theta[index] = x

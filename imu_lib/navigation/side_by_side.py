@@ -1,6 +1,4 @@
-"""Several hypotheses about a drive at a time: the compiled loops leave the interpreter to
-others.
-"""
+"""Several filters over a drive at a time: the compiled loops leave the interpreter to others."""
 
 from __future__ import annotations
 
