@@ -7,6 +7,8 @@ import pytest
 from imu_lib.cli.main import main
 from imu_lib.drive import from_arrays
 from imu_lib.errors import InputError
+from imu_lib.health import fixes
+from imu_lib.model import Model
 
 
 @pytest.fixture(scope="module")
@@ -95,3 +97,26 @@ def test_a_model_without_a_channel_is_told_before_the_work(arrays, tmp_path, cap
     ]
     assert main(call) == 2
     assert "m.json: the error model has no channel gyro_y" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("part", ["position", "velocity"])
+def test_deviations_of_nothing_are_said(arrays, part):
+    sd = np.full((len(arrays["gnss_time"]), 3), 0.5)
+    sd[7] = 0.0
+    key = f"gnss_{part}_sd"
+    (said,) = fixes.exact(from_arrays({**arrays, key: sd}, "x"))
+    assert said.startswith(f"1 of {len(sd)} fixes state that their {part} errs by nothing")
+    assert not fixes.exact(from_arrays({**arrays, key: np.maximum(sd, 0.1)}, "x"))
+
+
+def test_a_value_that_begins_with_a_minus(capsys):
+    assert main(["outages", "d.npz", "--windows", "-5:10"]) == 2
+    assert "as in `--windows=-5`" in capsys.readouterr().err
+
+
+def test_an_effect_of_a_model_is_named_once(tmp_path):
+    path = tmp_path / "m.json"
+    path.write_text('{"name": "x", "drive": [{"effect": "foo"}]}')
+    with pytest.raises(InputError) as error:
+        Model.load(path)
+    assert str(error.value).count("m.json") == 1

@@ -179,7 +179,7 @@ def sentence(step) -> str | None:
     if step["effect"] == "imu_clock":
         return (
             f"the IMU's clock runs {'fast' if p['scale'] > 0 else 'slow'} against GNSS time, "
-            f"by {abs(p['scale']) * 1e6:.3g} parts in a million"
+            f"by {abs(p['scale']) * 1e6:.4g} parts in a million"
         )
     if step["effect"] == "gnss_noise":
         than = "larger" if p["ratio"] > 1.0 else "smaller"

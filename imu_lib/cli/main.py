@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import signal
 import sys
 from importlib import import_module, metadata
@@ -48,6 +49,12 @@ class Parser(argparse.ArgumentParser):
         super().__init__(*args, allow_abbrev=False, **kwargs)
 
     def error(self, message):
+        option = re.fullmatch(r"argument (\S+): expected one argument", message)
+        if option:
+            message = (
+                f"{option[1]} needs a value; one that begins with a minus is written with `=`, as "
+                f"in `{option[1]}=-5`"
+            )
         self.exit(
             2,
             f"{self.prog}: {message[:1].upper()}{message[1:]}; `{self.prog} --help` shows the "

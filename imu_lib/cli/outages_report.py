@@ -14,9 +14,10 @@ def text(study, drive) -> str:
     against = study.scored_against
     truth = "the drive's reference" if against == "reference" else "the full-GNSS solution"
     errors = {name: study.errors(name, against=against) for name in study.models}
+    count = len(study.windows)
     parts = [
-        f"{drive.name or 'drive'}: {len(study.windows)} outages; maximum horizontal error in m "
-        f"against {truth}"
+        f"{drive.name or 'drive'}: {count} outage{'' if count == 1 else 's'}; maximum horizontal "
+        f"error in m against {truth}"
     ]
     if len(study.windows) <= FEW:
         rows = [

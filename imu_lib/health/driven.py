@@ -45,6 +45,7 @@ def _put_right(drive):
         return [fixes.sentence(fix_frames.unusable(drive))], None
     held = fix_faults.held(drive)
     out += fixes.jumps(drive) + fixes.held(drive, held) + fixes.heights(drive)
+    out += fixes.exact(drive)
     out += fixes.rounded(drive)
     drive = drive.with_fixes(~held)
     seen = turns.in_time(drive)

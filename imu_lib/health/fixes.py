@@ -136,6 +136,24 @@ def rounded(drive: Drive) -> list[str]:
     ]
 
 
+def exact(drive: Drive) -> list[str]:
+    """Standard deviations that are no size of an error."""
+    out = []
+    usual = preparation.Gnss()
+    for part, unit in (("position", "m"), ("velocity", "m/s")):
+        sd = getattr(drive, f"gnss_{part}_sd")
+        none = np.zeros(0, bool) if sd is None else np.any(np.asarray(sd) == 0.0, axis=1)
+        if none.any():
+            taken = ", ".join(f"{v:g}" for v in getattr(usual, f"{part}_sd"))
+            out.append(
+                f"{none.sum():,} of {none.size:,} fixes state that their {part} errs by nothing, "
+                f"the first at {np.asarray(drive.gnss_time)[none][0]:.1f} s: no receiver does, and "
+                f"{taken} {unit} (north, east, down) are taken there; leave the deviations empty "
+                "where they are not known."
+            )
+    return out
+
+
 def scatter(drive: Drive) -> list[str]:
     """Positions against their own velocities, over one interval between fixes."""
     if drive.gnss_velocity is None:

@@ -155,7 +155,7 @@ class Model:
                 str(content.get("name", "")),
                 str(content.get("source", "")),
                 extra,
-                from_entries(content.get("drive", []), f"{where}, drive"),
+                from_entries(content.get("drive", []), "drive"),
                 turn_on(content.get("turn_on"), where),
             )
         except InputError as error:
