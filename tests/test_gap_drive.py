@@ -10,7 +10,7 @@ from imu_lib.drive import from_arrays
 from imu_lib.gap import drive as gap_drive
 from imu_lib.gap.drive import admission, columns, path, problem, regression, select
 from imu_lib.model import Model
-from imu_lib.navigation import axes, earth, lateness, strapdown
+from imu_lib.navigation import axes, earth, fix_motion, lateness, strapdown
 
 MODEL = Model.from_json(generator.MODEL)
 
@@ -100,6 +100,16 @@ def test_velocities_of_another_solution_do_not_hide_the_axes():
     assert admission.one_solution(drive, notes) is drive and not notes
     assert admission.one_solution(mixed, notes).gnss_velocity is None
     assert "velocities" in notes[0]
+
+
+def test_wild_positions_do_not_cost_the_velocities():
+    # each wild position contradicts the velocities beside it: of a recorded drive at 10 Hz with one
+    # in twenty positions alone were left, and no time offset nor heading was right on them
+    wild = ("gnss_outliers", {"fraction": 0.06, "scale": 44.0})
+    drive = made(33, [wild], duration=120.0, gnss_rate=10.0, position_sd=(0.3, 0.3, 0.5))
+    assert np.mean(fix_motion.contradicted(drive)) > admission.CONTRADICTED  # what the test needs
+    notes = []
+    assert admission.one_solution(drive, notes) is drive and not notes
 
 
 def test_two_effects_are_found_named_and_added(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 
 from imu_lib.drive import Drive
 from imu_lib.errors import InputError
-from imu_lib.navigation import fix_frames, fix_motion, unfit, windows
+from imu_lib.navigation import fix_faults, fix_frames, fix_motion, unfit, windows
 from imu_lib.navigation.fix_velocity import MOVING
 
 SHORTEST = 60.0  # s
@@ -43,7 +43,7 @@ def _of_one_code(drive: Drive, notes: list[str]) -> Drive:
     for code in np.unique(codes[np.isfinite(codes)]):
         mine = codes == code
         if mine.sum() > max(FEWEST, 0.02 * codes.size):
-            shares[code] = float(np.mean(fix_motion.contradicted(drive.with_fixes(mine))))
+            shares[code] = _contradicted(drive.with_fixes(mine))
     good = [c for c, share in shares.items() if share < 0.3 * CONTRADICTED]
     rest = [c for c, share in shares.items() if share > CONTRADICTED]
     kept = np.isin(codes, good)
@@ -55,6 +55,17 @@ def _of_one_code(drive: Drive, notes: list[str]) -> Drive:
         f"{', '.join(f'{c:g}' for c in good)} alone are used (--accept of `outages`)."
     )
     return drive.with_fixes(kept)
+
+
+def _contradicted(drive: Drive) -> float:
+    """Share of the velocities that are not those at which the positions move; a wild position
+    moves as no velocity says, and is left out.
+    """
+    position = np.asarray(drive.gnss_position, float)
+    wild = np.zeros(len(position), bool)
+    good = np.flatnonzero(np.isfinite(position).all(axis=1))
+    wild[good] = fix_faults.far_off(np.asarray(drive.gnss_time)[good], position[good])
+    return float(np.mean(fix_motion.contradicted(drive.with_fixes(~wild))))
 
 
 def _stated(drive: Drive, notes: list[str]) -> Drive:
@@ -82,7 +93,7 @@ def one_solution(drive: Drive, notes: list[str]) -> Drive:
     if unit := fix_frames.other_unit(drive):
         notes.append(f"{unit[0].upper()}{unit[1:-1]}; until then positions alone are used.")
         return drive.without_velocity()
-    share = float(np.mean(fix_motion.contradicted(drive)))
+    share = _contradicted(drive)
     if share < CONTRADICTED:
         return drive
     notes.append(
