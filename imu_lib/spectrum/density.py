@@ -58,7 +58,9 @@ class Spectrum:
 
 
 def _intervals(psd, dof):
-    return psd * dof / stats.chi2.ppf(0.975, dof), psd * dof / stats.chi2.ppf(0.025, dof)
+    few, which = np.unique(dof, return_inverse=True)  # one number for nearly all frequencies
+    low, high = (few / stats.chi2.ppf(q, few) for q in (0.975, 0.025))
+    return psd * low[which], psd * high[which]
 
 
 def default_segment(n):

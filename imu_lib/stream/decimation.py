@@ -75,9 +75,13 @@ class Halved(Windowed):
 
 
 def gain(share):
-    """Gain of one halving at frequencies as a share of the rate before it, same shape."""
-    at = np.arange(_HALF) + 0.5
-    return 2.0 * np.cos(2 * np.pi * np.multiply.outer(share, at)) @ _TAPS[_HALF:]
+    """Gain of one halving at frequencies as a share of the rate before it, same shape: a sum of
+    cosines of odd multiples by Clenshaw's recurrence (1955).
+    """
+    twice, this, last = 2.0 * np.cos(2.0 * np.pi * share), 0.0, 0.0
+    for tap in _TAPS[:_HALF]:  # the outermost first
+        this, last = tap + twice * this - last, this
+    return 2.0 * np.cos(np.pi * share) * (this - last)
 
 
 def original(coefficients, n, halvings):
