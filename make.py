@@ -79,11 +79,12 @@ def test(arguments):
         "-m",
         "pytest",
         # long files first and in this order, short ones fill the end; the last chapter first, so
-        # that the kernels of drives are compiled by one worker before the other asks for them
+        # that the kernels of drives are compiled by one worker before the others ask for them;
+        # three for two processors, as a worker often waits for a browser, a kernel or a process
         *filter(None, reversed(notebooks)),
         "tests",
         "-n",
-        "2",
+        "3",
         "--dist",
         "loadfile",
         "--no-loadscope-reorder",

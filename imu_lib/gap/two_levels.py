@@ -192,7 +192,8 @@ def _beside_walk(y: Array, a: float, flip: float, var: float, gain: Array) -> Ar
     """
     walk = var * (np.pi * np.count_nonzero(gain > 0.5) / len(y)) ** 2
     forward = chain.followed(y, a, flip, var, walk)
-    backward = chain.followed(y[::-1], a, flip, var, walk)[::-1]
+    back = np.ascontiguousarray(y[::-1])  # of another layout it would be compiled once more
+    backward = chain.followed(back, a, flip, var, walk)[::-1]
     return np.asarray(expit(forward + backward))
 
 
