@@ -86,7 +86,7 @@ def test_a_step_of_a_result_and_flat_entries_are_read():
 )
 def test_what_is_wrong_is_said_with_its_place(entry, said):
     content = {**preset("3dm-gx3-25-2013").to_json(), "drive": [entry]}
-    with pytest.raises(InputError, match="file.json, drive, entry 1: ") as caught:
+    with pytest.raises(InputError, match="file.json: drive, entry 1: ") as caught:
         Model.from_json(content, where="file.json")
     assert said in str(caught.value)
 

@@ -118,7 +118,7 @@ def test_a_task_that_ends_its_workers_is_told_apart(tmp_path):
 def test_dask_makes_the_same_table(folder, table, tmp_path):
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0"
     ) as cluster:
         entries = fleet.entries(folder)
         out = fleet.characterise(entries, tmp_path, address=cluster.scheduler_address)

@@ -77,7 +77,7 @@ def test_a_cluster_without_workers_is_said(monkeypatch, caplog):
     from imu_lib import scheduler
 
     monkeypatch.setattr(scheduler, "PATIENCE", 0.2)
-    quiet = {"processes": False, "dashboard_address": None}
+    quiet = {"processes": False, "dashboard_address": ":0"}
     with distributed.LocalCluster(n_workers=0, threads_per_worker=1, **quiet) as cluster:
 
         def come():

@@ -142,7 +142,7 @@ def test_ensembles_do_not_depend_on_who_runs_them():
     assert ensemble.monte_carlo(_square, 6, seed=7, workers=2, backend="threading") == alone
     with (
         LocalCluster(
-            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
+            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=":0"
         ) as cluster,
         Client(cluster) as client,
     ):

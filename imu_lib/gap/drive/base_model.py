@@ -62,7 +62,7 @@ def anew(state: State, say: Callable[[str], object] = lambda text: None) -> bool
 
 
 def hold(state: State, noise: Noise) -> None:
-    """Hold a noise whose levels were fitted, under the changes too."""
+    """Hold a noise whose levels were fitted, under the changes too; to be weighed by the caller."""
     fitted = {of: getattr(noise, of) for of in levels.unstated(state)}
     state.noise, state.base = noise, state.base.with_(model=noise.model, **fitted)
     told = {c.key: c.describe for c in random_effects.changes(state.problem, noise, False)}
@@ -71,7 +71,6 @@ def hold(state: State, noise: Noise) -> None:
         # a vibration tells the density that it is added to
         key = change.change.key
         change.change = replace(change.change, describe=told.get(key, change.change.describe))
-    state.weigh()
 
 
 def settle(state: State, say: Callable[[str], object] = lambda text: None) -> None:

@@ -86,6 +86,7 @@ def hidden(state: State, say: Callable[[str], object]) -> bool:
     trial.restarts = (*state.restarts, best)
     trial.rebuild()
     base_model.hold(trial, base_model.fit(trial))
+    trial.weigh()
     base_model.settle(trial)
     temper = state.reg.temper
     if across.worth(trial, temper) + PRICE > across.worth(state, temper) - across.BETTER:
