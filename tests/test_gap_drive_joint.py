@@ -163,6 +163,7 @@ def test_centimetre_fixes_have_the_size_that_they_state():
 def fitted(unknown, **options):
     state = state_of(Noise(levels.guess()), free=True, unknown=[unknown], **options)
     base_model.hold(state, base_model.fit(state))
+    state.weigh()
     state.rebuild()
     return state
 

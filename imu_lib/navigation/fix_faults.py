@@ -33,16 +33,16 @@ def wild(drive: Drive) -> tuple[float, float] | None:
 
 def far_off(time: Array, position: Array) -> Array:
     """Which positions (m,) lie far off between their neighbours, those that were found so left
-    out of them; (m, 3) rad, rad, m.
+    out of them, and those that are not there; (m, 3) rad, rad, m.
     """
-    kept = np.arange(len(position))
+    good = kept = np.flatnonzero(np.isfinite(position).all(axis=1))
     for _ in range(PASSES):  # of two wild ones side by side the farther one hides the other
         _, peak = _between(time[kept], position[kept])
         if not peak.any():
             break
         kept = np.delete(kept, 1 + np.flatnonzero(_close(time[kept]))[peak])
-    out = np.ones(len(position), bool)
-    out[kept] = False
+    out = np.zeros(len(position), bool)
+    out[np.setdiff1d(good, kept)] = True
     return out
 
 

@@ -61,10 +61,8 @@ def _contradicted(drive: Drive) -> float:
     """Share of the velocities that are not those at which the positions move; a wild position
     moves as no velocity says, and is left out.
     """
-    position = np.asarray(drive.gnss_position, float)
-    wild = np.zeros(len(position), bool)
-    good = np.flatnonzero(np.isfinite(position).all(axis=1))
-    wild[good] = fix_faults.far_off(np.asarray(drive.gnss_time)[good], position[good])
+    time, position = np.asarray(drive.gnss_time), np.asarray(drive.gnss_position, float)
+    wild = fix_faults.far_off(time, position)
     return float(np.mean(fix_motion.contradicted(drive.with_fixes(~wild))))
 
 

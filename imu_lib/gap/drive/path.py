@@ -107,13 +107,12 @@ def _tame(drive: Drive, noise: Noise) -> tuple[Drive, Array]:
     these are): no path, and no heading at its start, is found from them.
     """
     position = np.array(drive.gnss_position, float)
-    good = np.flatnonzero(np.isfinite(position).all(axis=1))
-    wild = np.zeros(len(position), bool)
-    if noise.fraction > 0.0 and good.size:
-        wild[good] = fix_faults.far_off(np.asarray(drive.gnss_time)[good], position[good])
+    if noise.fraction == 0.0:
+        return drive, np.zeros(len(position), bool)
+    wild = fix_faults.far_off(np.asarray(drive.gnss_time), position)
     if not wild.any():
         return drive, wild
-    rest = np.setdiff1d(good, np.flatnonzero(wild))
+    rest = np.flatnonzero(np.isfinite(position).all(axis=1) & ~wild)
     for k in range(3):
         position[wild, k] = np.interp(
             drive.gnss_time[wild], drive.gnss_time[rest], position[rest, k]

@@ -177,6 +177,16 @@ class Regression:
         return out
 
     @cached_property
+    def seen(self) -> Array:
+        """Mask (P,) of the columns that do anything on the drive."""
+        return np.asarray(np.diag(self.information) > 0.0)
+
+    @cached_property
+    def counted(self) -> Array:
+        """Mask (P,) of those of which the drive shows more than their priors do."""
+        return np.asarray(np.diag(self.information) * columns.PRIOR**2 > self.temper)
+
+    @cached_property
     def _scaled(self) -> tuple[Array, Array]:
         """Tempered information with the priors', and score, of values in prior widths."""
         a = self.information / self.temper * np.outer(columns.PRIOR, columns.PRIOR)

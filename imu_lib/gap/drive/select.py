@@ -59,30 +59,26 @@ def seen(reg: Regression, kept: Sequence[str], effect: str) -> tuple[Array, Arra
 
 def score_of(reg: Regression, effects: Sequence[str]) -> float:
     """Penalised gain of a set of effects, nats."""
-    index = [i for e in effects for i in columns.GROUPS[e]]
-    seen = [i for i in index if reg.information[i, i] > 0.0]
-    return float(reg.gains([seen])[0]) - price(reg, effects)
+    return float(scores_of(reg, [effects])[0])
 
 
 def scores_of(reg: Regression, sets: Sequence[Sequence[str]]) -> Array:
     """Penalised gains of sets of effects, nats."""
-    seen = np.diag(reg.information) > 0.0
-    counted = np.diag(reg.information) * columns.PRIOR**2 > reg.temper
-    indices = [[i for e in effects for i in columns.GROUPS[e]] for effects in sets]
-    prices = [
-        PER_PARAMETER * np.count_nonzero(counted[index]) + PER_EFFECT * len(effects)
-        for index, effects in zip(indices, sets)
-    ]
-    return reg.gains([[i for i in index if seen[i]] for index in indices]) - prices
+    seen = [[i for i in _columns(effects) if reg.seen[i]] for effects in sets]
+    return reg.gains(seen) - [price(reg, effects) for effects in sets]
 
 
 def price(reg: Regression, effects: Sequence[str]) -> float:
     """What a set of effects has to gain, nats: parameters that the drive does not show cost
     nothing.
     """
-    index = [i for e in effects for i in columns.GROUPS[e]]
-    counted = sum(reg.information[i, i] * columns.PRIOR[i] ** 2 > reg.temper for i in index)
+    counted = np.count_nonzero(reg.counted[_columns(effects)])
     return PER_PARAMETER * counted + PER_EFFECT * len(effects)
+
+
+def _columns(effects: Sequence[str]) -> list[int]:
+    """Column numbers of a set of effects."""
+    return [i for effect in effects for i in columns.GROUPS[effect]]
 
 
 def best(

@@ -16,7 +16,6 @@ from .left import ANGLES, Turned
 from .steps import SUREST, Step, step
 
 SAME_ARM = 3.0  # standard deviations, of the arm and of the case's turn, by which arms differ
-_SAME = Rotation.identity()
 TURNED_BEFORE = (
     "The search turns the axes first: innovations before are those with the axes already turned, "
     "outages before those with the axes as they are in the file."
@@ -109,26 +108,24 @@ def arm_of_vehicle(found: list[Step], drive: Drive, turned: Turned | None) -> li
     """The lever arm in the vehicle's axes, with what the file gave. Where that is no other than the
     file's, in a case turned by `turned`, it is no effect: its step leaves, and a note says so.
     """
+    one = next((one for one in found if one["effect"] == "lever_arm"), None)
+    if one is None:
+        return []
     given = np.zeros(3) if drive.lever_arm is None else np.asarray(drive.lever_arm)
-    named = any(one["effect"] == "mounting" for one in found)
-    for one in [one for one in found if one["effect"] == "lever_arm"]:
-        of_case = given + np.array(one["parameters"]["arm"])
-        half = np.array([0.5 * (b - a) for a, b in one["intervals"]["arm"]])
-        if turned is not None and given.any():
-            sd = np.hypot(half / 1.96, np.linalg.norm(given) * turned[1].max())
-            if np.all(np.abs(_of_vehicle(turned).apply(of_case) - given) < SAME_ARM * sd):
-                found.remove(one)
-                angles = ", ".join(f"{a / DEG:.1f}" for a in turned[0])
-                return [
-                    f"The file's lever arm holds, in the vehicle's axes: the case is turned "
-                    f"against them (roll, pitch, yaw {angles} deg)."
-                ]
-        arm = (_of_vehicle(turned) if named and turned is not None else _SAME).apply(of_case)
-        one["parameters"]["arm"] = [float(a) for a in arm]
-        one["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]
+    arm = given + np.array(one["parameters"]["arm"])
+    half = np.array([0.5 * (b - a) for a, b in one["intervals"]["arm"]])
+    if turned is not None:
+        of_vehicle = Rotation.from_euler("ZYX", turned[0][::-1]).apply(arm)
+        sd = np.hypot(half / 1.96, np.linalg.norm(given) * turned[1].max())
+        if given.any() and np.all(np.abs(of_vehicle - given) < SAME_ARM * sd):
+            found.remove(one)
+            angles = ", ".join(f"{a / DEG:.1f}" for a in turned[0])
+            return [
+                "The file's lever arm holds, in the vehicle's axes: the case is turned against "
+                f"them (roll, pitch, yaw {angles} deg)."
+            ]
+        if any(step["effect"] == "mounting" for step in found):
+            arm = of_vehicle
+    one["parameters"]["arm"] = [float(a) for a in arm]
+    one["intervals"]["arm"] = [[float(a - h), float(a + h)] for a, h in zip(arm, half)]
     return []
-
-
-def _of_vehicle(turned: Turned) -> Rotation:
-    """The turn from the case's axes to the vehicle's."""
-    return Rotation.from_euler("ZYX", turned[0][::-1])
